@@ -1,0 +1,97 @@
+"""Linear stability of the steady sliding of the rigid drive: eigenvalues (8.18) and their class."""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_SPLIT = 2.0**27 + 1
+
+
+class Stability(IntEnum):
+    """Class of the steady sliding by its eigenvalues; the values are the ``int8`` flags of datasets."""
+
+    STABLE_NODE = 0
+    STABLE_FOCUS = 1
+    CENTRE = 2
+    UNSTABLE_FOCUS = 3
+    UNSTABLE_NODE = 4
+    SADDLE = 5
+    DEGENERATE = 6
+
+
+def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.complex128]:
+    """Eigenvalues of Γ_0 ü + C_0 u̇ + k u = 0 at the origin (8.18), to full precision also where they nearly coincide.
+
+    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k ≥ 0 [N m/rad]; any sign of Γ_0
+    and C_0; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of two, in
+    ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the other one from the
+    product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no second eigenvalue.
+    """
+    gamma, c, k = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (inertia, damping, stiffness)))
+    discriminant = _discriminant(gamma, c, k)
+    sign = np.where(c < 0, -1.0, 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(np.abs(discriminant))
+        q = -(c + sign * root) / 2
+        first = q / gamma
+        # q vanishes only with C_0 = 0 and k Γ_0 = 0, where both eigenvalues are zero.
+        second = np.where(q == 0, 0.0, k / q)
+        pair = np.stack([np.fmin(first, second) + 0j, np.fmax(first, second) + 0j], axis=-1)
+        centre = -c / (2 * gamma)
+        half = np.abs(root / (2 * gamma))
+        focus = np.stack([centre - 1j * half, centre + 1j * half], axis=-1)
+        flat = np.stack([-k / c + 0j, np.full_like(c, np.nan) + 0j], axis=-1)
+    pair = np.where((discriminant < 0)[..., None], focus, pair)
+    return np.where((gamma == 0)[..., None], flat, pair)
+
+
+def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.int8]:
+    """Class of the steady sliding, :class:`Stability`, read off its eigenvalues (8.18); arguments as for :func:`eigenvalues`.
+
+    A pair that coincides counts as a node, Γ_0 = 0 as degenerate.
+    """
+    pair = eigenvalues(inertia, damping, stiffness)
+    low, high = pair[..., 0], pair[..., 1]
+    oscillates = high.imag != 0
+    return np.select(
+        [
+            np.isnan(high.real),
+            oscillates & (high.real < 0),
+            oscillates & (high.real > 0),
+            oscillates,
+            high.real < 0,
+            low.real > 0,
+        ],
+        [
+            Stability.DEGENERATE,
+            Stability.STABLE_FOCUS,
+            Stability.UNSTABLE_FOCUS,
+            Stability.CENTRE,
+            Stability.STABLE_NODE,
+            Stability.UNSTABLE_NODE,
+        ],
+        Stability.SADDLE,
+    ).astype(np.int8)
+
+
+def flag_attributes() -> dict[str, object]:
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of a variable that holds :class:`Stability`."""
+    return {
+        "flag_values": np.array([flag.value for flag in Stability], dtype=np.int8),
+        "flag_meanings": " ".join(flag.name.lower() for flag in Stability),
+    }
+
+
+def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
+    """C_0² − 4kΓ_0 with the rounding errors of both products added back, so that nearly equal roots keep their digits."""
+    square, product = c * c, 4 * k * gamma
+    return (square - product) + (_product_error(c, c, square) - _product_error(4 * k, gamma, product))
+
+
+def _product_error(a: NDArray, b: NDArray, product: NDArray) -> NDArray:
+    """Exact a·b − fl(a·b) by Dekker's splitting (T. J. Dekker 1971)."""
+    a_high = _SPLIT * a - (_SPLIT * a - a)
+    b_high = _SPLIT * b - (_SPLIT * b - b)
+    a_low, b_low = a - a_high, b - b_high
+    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low

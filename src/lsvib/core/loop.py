@@ -1,0 +1,190 @@
+"""The event loop: flow to the first guard that fires, reset, branch, and again. It knows no model.
+
+A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be zero, since the
+state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: rising, it is
+watched from its first maximum on; falling, it fires at once. No time step and no tolerance in time is involved.
+"""
+
+import math
+
+import numpy as np
+
+from lsvib.core import planar
+from lsvib.core.jit import kernel
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
+
+_NONE = int(Found.NONE)
+_CROSSING = int(Found.CROSSING)
+_GRAZE = int(Found.GRAZE)
+_POSITIVE = int(Test.POSITIVE)
+_ZERO = int(Test.ZERO)
+_ROUNDING = 16.0 * planar.EPS
+_MANY = 24  # so many shortest stays in a row are an accumulation
+_LARGEST = 1e150
+
+
+@kernel
+def next_event(tables, mode, state, limit, guard_row):
+    """Find the first guard of ``mode`` that fires within ``limit`` [s].
+
+    A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a jump is due.
+    Returns (``Found``, guard index, time [s]). ``guard_row`` (n + 1) is scratch space.
+    """
+    found, first, when = _NONE, -1, limit
+    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+        surface = tables.surfaces[tables.guard_surface[guard]]
+        for i in range(surface.size):
+            guard_row[i] = tables.guard_sign[guard] * surface[i]
+        value, size, rate, rate_size, bend, bend_size = planar.guard_at(tables.flow, mode, state, guard_row)
+        on_surface = value <= size
+        if on_surface:
+            if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
+                return _CROSSING, guard, 0.0
+        outcome, t = planar.crossing(tables.flow, mode, state, guard_row, on_surface, when)
+        if outcome != _NONE:
+            found, first, when = outcome, guard, t
+    return found, first, when
+
+
+@kernel
+def _affine(row, state):
+    """Value of an affine function of the state, and the size of its rounding."""
+    last = row.size - 1
+    value, size = row[last], abs(row[last])
+    for i in range(last):
+        value += row[i] * state[i]
+        size += abs(row[i] * state[i])
+    return value, _ROUNDING * size
+
+
+@kernel
+def choose_branch(tables, transition, state):
+    """Return the first branch of a transition whose conditions all hold at ``state``, or −1."""
+    for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+        holds = True
+        for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
+            value, size = _affine(tables.condition_row[k], state)
+            test = tables.condition_test[k]
+            if test == _POSITIVE:
+                holds = value > size
+            elif test == _ZERO:
+                holds = abs(value) <= size
+            else:
+                holds = value >= -size
+            if not holds:
+                break
+        if holds:
+            return branch
+    return -1
+
+
+@kernel
+def put_on_surface(tables, guard, state):
+    """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit."""
+    surface = tables.surfaces[tables.guard_surface[guard]]
+    chosen = tables.snap[tables.guard_surface[guard]]
+    rest = surface[surface.size - 1]
+    for i in range(surface.size - 1):
+        if i != chosen:
+            rest += surface[i] * state[i]
+    state[chosen] = -rest / surface[chosen]
+
+
+@kernel
+def apply_reset(tables, transition, state, scratch):
+    """Apply the affine reset of a transition to ``state`` in place; ``scratch`` has the size of the state."""
+    index = tables.transition_reset[transition]
+    if index < 0:
+        return
+    for i in range(state.size):
+        row = tables.resets[index, i]
+        total = row[state.size]
+        for j in range(state.size):
+            total += row[j] * state[j]
+        scratch[i] = total
+    state[:] = scratch
+
+
+@kernel
+def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
+    """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
+
+    Arguments: tables; mode; state (n), replaced by the final state; clock (2): time [s] and its compensation, replaced;
+    t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any mode; kind −1:
+    never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0.
+    Returns (``Status``, mode, number of events).
+    """
+    times, kinds, signs, modes, before, after = events
+    n = state.size
+    guard_row, scratch = np.empty(n + 1), np.empty(n)
+    short_stays, count = 0, 0
+    while True:
+        remaining = (t_end - clock[0]) - clock[1]
+        found, guard, stay = next_event(tables, mode, state, remaining, guard_row)
+        if found == _NONE:
+            if remaining == math.inf:
+                return Status.SETTLED, mode, count
+            planar.advance(tables.flow, mode, state, remaining, state)
+            clock[0], clock[1] = t_end, 0.0
+            return Status.TIME_REACHED, mode, count
+        if count == times.size:
+            return Status.EVENTS_FULL, mode, count
+        if stay > 0.0:
+            planar.advance(tables.flow, mode, state, stay, state)
+            put_on_surface(tables, guard, state)
+        _add_time(clock, stay)
+        for i in range(n):
+            before[count, i] = state[i]
+            if not abs(state[i]) < _LARGEST:
+                return Status.DIVERGED, mode, count
+        short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
+        if found == _GRAZE:
+            kind, sign = GRAZE_KIND, 0
+        elif short_stays == _MANY:
+            short_stays = 0
+            mode = tables.beyond_accumulation[mode]
+            if mode < 0:
+                return Status.ACCUMULATED, mode, count
+            kind, sign = ACCUMULATION_KIND, 0
+            apply_reset(tables, tables.guard_transition[guard], state, scratch)
+        else:
+            apply_reset(tables, tables.guard_transition[guard], state, scratch)
+            branch = choose_branch(tables, tables.guard_transition[guard], state)
+            if branch < 0:
+                return Status.NO_BRANCH, mode, count
+            mode = tables.branch_mode[branch]
+            kind, sign = tables.branch_kind[branch], tables.branch_sign[branch]
+        times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
+        after[count] = state
+        count += 1
+        if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
+            return Status.STOP_EVENT, mode, count
+
+
+@kernel
+def _add_time(clock, stay):
+    """Add to a compensated sum, so that a million short stays lose no digits."""
+    total = clock[0] + stay
+    if abs(clock[0]) >= abs(stay):
+        clock[1] += (clock[0] - total) + stay
+    else:
+        clock[1] += (stay - total) + clock[0]
+    clock[0] = total
+
+
+@kernel
+def states_at(tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes):
+    """Exact states and modes at ``times`` [s] (ascending, none before ``start_time``), written to ``states`` and ``modes``.
+
+    At the very time of an event the state after it is given.
+    """
+    event = -1
+    for k in range(times.size):
+        while event + 1 < event_times.size and event_times[event + 1] <= times[k]:
+            event += 1
+        if event < 0:
+            modes[k] = start_mode
+            planar.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
+        else:
+            modes[k] = event_modes[event]
+            planar.advance(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])

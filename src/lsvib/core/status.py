@@ -1,0 +1,36 @@
+"""What a run of the engine ends with; kernels return these numbers and never raise."""
+
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """How a run ended."""
+
+    TIME_REACHED = 0  # the requested end time
+    STOP_EVENT = 1  # the event that the caller asked for
+    SETTLED = 2  # no guard can ever fire again: the motion stays in its mode for ever
+    EVENTS_FULL = 3  # the caller's event list is full; the run can go on from its last state
+    DIVERGED = 4  # the state left the range of numbers
+    ACCUMULATED = 5  # infinitely many events in finite time, and the model names no mode beyond them
+    NO_BRANCH = 6  # a transition whose conditions exclude each other: the model is incomplete
+
+
+class Found(IntEnum):
+    """What the search for a root of one guard found."""
+
+    NONE = 0
+    CROSSING = 1
+    GRAZE = 2
+
+
+class Test(IntEnum):
+    """Sign test of an affine function of the state; 'zero' means zero to rounding."""
+
+    POSITIVE = 0
+    NOT_NEGATIVE = 1
+    ZERO = 2
+
+
+GRAZE_KIND = 0  # event kinds that the engine itself writes; models number theirs from FIRST_MODEL_KIND
+ACCUMULATION_KIND = 1
+FIRST_MODEL_KIND = 2

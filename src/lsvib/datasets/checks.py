@@ -1,0 +1,108 @@
+"""Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Self
+
+from lsvib.errors import InputError
+
+_COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
+
+
+@dataclass(frozen=True)
+class Check:
+    """One claim of the chapter and what was computed; make it with :meth:`within` or :meth:`holds`.
+
+    ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1], ``tolerance`` the largest
+    relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are numbers in ``unit``. For a claim that
+    holds or does not, ``expected`` is ``"true"``, ``computed`` says what was found, ``unit``, ``error`` and ``tolerance`` are None.
+    """
+
+    claim: str
+    source: str
+    expected: float | str
+    computed: float | str
+    error: float | None
+    tolerance: float | None
+    tolerance_reason: str
+    unit: str | None
+    passed: bool
+
+    @classmethod
+    def within(
+        cls,
+        claim: str,
+        source: str,
+        expected: float,
+        computed: float,
+        tolerance: float,
+        unit: str,
+        tolerance_reason: str = "printed with ≈",
+    ) -> Self:
+        """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
+
+        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error has
+        no meaning there.
+        """
+        expected, computed, tolerance = float(expected), float(computed), float(tolerance)
+        if not math.isfinite(expected) or expected == 0:
+            raise InputError(f"expected = {expected:g} has no relative error; state the claim {claim!r} with Check.holds.")
+        if not tolerance > 0:
+            raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
+        error = abs(computed - expected) / abs(expected)
+        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
+
+    @classmethod
+    def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
+        """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
+        return cls(claim, source, "true", computed, None, None, "", None, bool(truth))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
+        return {key: str(v) if isinstance(v, float) and not math.isfinite(v) else v for key, v in asdict(self).items()}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Rebuild a check from :meth:`to_json`."""
+        texts = ("nan", "inf", "-inf")
+        numbers = ("computed", "error")
+        return cls(**{key: float(v) if key in numbers and v in texts else v for key, v in values.items()})
+
+    def sentence(self) -> str:
+        """Return the verdict as one sentence."""
+        if self.tolerance is None:
+            return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
+        return (
+            f"{self.claim}: expected {_text(self.expected)} {self.unit}, computed {_text(self.computed)} {self.unit}, relative "
+            f"error {_text(self.error)} {'<=' if self.passed else 'is NOT <='} {_text(self.tolerance)} [{self.source}]."
+        )
+
+
+def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
+    """Return the checks, pairs (figure, check), as a Markdown table that also reads well in a terminal."""
+    rows = [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
+    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows]
+    lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(lines) + "\n"
+
+
+def _row(figure: str, check: Check) -> list[str]:
+    unit = "" if check.unit in (None, "1") else f" {check.unit}"
+    cells = [
+        figure,
+        f"{check.claim} [{check.source}]",
+        _text(check.expected) + unit,
+        _text(check.computed) + unit,
+        _text(check.error),
+        _text(check.tolerance),
+        "pass" if check.passed else "FAIL",
+    ]
+    return [cell.replace("|", "\\|").replace("\n", " ") for cell in cells]
+
+
+def _text(value: float | str | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.6g}" if isinstance(value, float) else value

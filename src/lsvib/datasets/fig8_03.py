@@ -1,0 +1,149 @@
+"""Figure 8.3: stability of the steady sliding over effective inertia Γ_0 and effective damping C_0, by eigenvalues (8.18)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.stability import Stability, eigenvalues, flag_attributes, stability_class
+from lsvib.datasets.checks import Check
+from lsvib.models.friction import effective_damping, effective_inertia, friction_factor
+from lsvib.models.parameters import LeadScrew
+
+_HALVINGS = 100
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the class map, the node–focus boundary and the place of the chapter's drives.
+
+    ``settings``: ``drive`` (keys of :class:`LeadScrew`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with ``start``, ``stop``,
+    ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in the plane. Raises ``InputError``.
+    """
+    drive = LeadScrew.of(settings["drive"])
+    stiffness = drive.coupling_stiffness
+    inertia = np.linspace(**_span(settings["inertia"]))
+    damping = np.linspace(**_span(settings["damping"]))
+    kinds = stability_class(inertia[:, None], damping[None, :], stiffness)
+    positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
+    cases = [drive.replace(**changes) for changes in settings["cases"]]
+    return xr.Dataset(
+        {
+            "stability": (
+                ("inertia", "damping"),
+                kinds,
+                {"units": "1", "long_name": "class of the steady sliding", **flag_attributes()},
+            ),
+            "node_focus_damping": (
+                "positive_inertia",
+                _node_focus_boundary(positive, stiffness),
+                {"units": "N m s rad-1", "long_name": "effective damping where two eigenvalues meet", "symbol": "$C_0$"},
+            ),
+            "case_inertia": ("case", [_effective(case)[0] for case in cases], _inertia_attributes()),
+            "case_damping": ("case", [_effective(case)[1] for case in cases], _damping_attributes()),
+        },
+        coords={
+            "inertia": ("inertia", inertia, _inertia_attributes()),
+            "damping": ("damping", damping, _damping_attributes()),
+            "positive_inertia": ("positive_inertia", positive, _inertia_attributes()),
+            "case": ("case", np.arange(len(cases)), {"units": "1", "long_name": "index of the drive"}),
+            "case_mass": ("case", [case.mass for case in cases], {"units": "kg", "long_name": "translating mass", "symbol": "$m$"}),
+            "case_translation_damping": (
+                "case",
+                [case.translation_damping for case in cases],
+                {"units": "N s m-1", "long_name": "damping of the translating mass", "symbol": "$c_x$"},
+            ),
+            "stiffness": ((), stiffness, {"units": "N m rad-1", "long_name": "torsional stiffness", "symbol": "$k$"}),
+        },
+        attrs={
+            "title": "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
+            "source": "lsvib, eigenvalues in closed form (8.18)",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.4, Fig. 8.3",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
+    inertia = dataset.inertia.values[:, None]
+    damping = dataset.damping.values[None, :]
+    kinds = dataset.stability.values
+    stiffness = float(dataset.stiffness)
+    regular = kinds != Stability.DEGENERATE
+    stable = np.isin(kinds, [Stability.STABLE_NODE, Stability.STABLE_FOCUS])
+    wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
+    saddles = (kinds == Stability.SADDLE) == (inertia < 0)
+    ratio = dataset.node_focus_damping**2 / (4 * stiffness * dataset.positive_inertia)
+    worst = float(ratio[int(np.argmax(np.abs(ratio.values - 1)))])
+    largest = _distance_from_lapack(inertia, damping, stiffness)
+    return [
+        Check.holds(
+            "Steady sliding is stable exactly where Γ_0 > 0 and C_0 > 0",
+            "Sect. 8.4, Fig. 8.3",
+            f"{wrong} exceptions among {int(regular.sum())} points",
+            wrong == 0 and bool(stable.any()),
+        ),
+        Check.holds(
+            "Γ_0 < 0 gives a saddle whatever the damping",
+            "Sect. 8.4, eq. 8.20",
+            f"{int(np.sum(regular & ~saddles))} exceptions among {int(regular.sum())} points",
+            bool(saddles[regular].all()),
+        ),
+        Check.within(
+            "C_0²/(4kΓ_0) where node and focus meet (worst point of the curve)",
+            "eq. 8.18",
+            expected=1.0,
+            computed=worst,
+            tolerance=1e-12,
+            unit="1",
+            tolerance_reason="the curve is exact; rounding only",
+        ),
+        Check.holds(
+            "The closed form gives the eigenvalues of the Jacobian matrix up to 1e-7 of the larger one",
+            "eq. 8.18",
+            f"largest difference {largest:.1e}",
+            largest < 1e-7,  # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide
+        ),
+    ]
+
+
+def _span(settings: Mapping[str, Any]) -> dict[str, Any]:
+    return {"start": settings["start"], "stop": settings["stop"], "num": settings["count"]}
+
+
+def _effective(drive: LeadScrew) -> tuple[float, float]:
+    """Effective inertia [kg m²] and damping [N m s/rad] of the steady sliding with N_0 Ω > 0, from 50-digit arithmetic."""
+    exact = drive.exact()
+    factor = friction_factor(exact.friction_coefficient, exact.tan_lead, 1)
+    gamma = effective_inertia(exact.screw_inertia, exact.mass, exact.pitch_radius, exact.tan_lead, factor)
+    c = effective_damping(exact.support_damping, exact.translation_damping, exact.pitch_radius, exact.tan_lead, factor)
+    return float(gamma), float(c)
+
+
+def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
+    """Damping [N m s/rad] at which the eigenvalues turn real, by bisection on the eigenvalues themselves."""
+    focus, node = np.zeros_like(inertia), 4 * np.sqrt(stiffness * inertia)
+    for _ in range(_HALVINGS):
+        middle = (focus + node) / 2
+        oscillates = eigenvalues(inertia, middle, stiffness)[:, 1].imag != 0
+        focus, node = np.where(oscillates, middle, focus), np.where(oscillates, node, middle)
+    return node
+
+
+def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> float:
+    """Largest difference [1] between (8.18) and LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
+    gamma, c = (array.ravel() for array in np.broadcast_arrays(inertia, damping))
+    gamma, c = gamma[gamma != 0], c[gamma != 0]
+    jacobian = np.zeros((gamma.size, 2, 2))
+    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
+    theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
+    ours = eigenvalues(gamma, c, stiffness)
+    return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
+
+
+def _inertia_attributes() -> dict[str, str]:
+    return {"units": "kg m2", "long_name": "effective inertia", "symbol": r"$\Gamma_0$"}
+
+
+def _damping_attributes() -> dict[str, str]:
+    return {"units": "N m s rad-1", "long_name": "effective damping", "symbol": "$C_0$"}

@@ -1,0 +1,13 @@
+"""Errors that lsvib raises on purpose; each carries one clear sentence for the user."""
+
+
+class LsvibError(Exception):
+    """Base of all deliberate errors; the command line prints the sentence and exits with code 2."""
+
+
+class InputError(LsvibError, ValueError):
+    """A parameter, option or file is not acceptable; the sentence names it and the allowed range."""
+
+
+class EngineError(LsvibError, RuntimeError):
+    """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""

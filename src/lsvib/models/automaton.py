@@ -1,0 +1,176 @@
+"""From a model in words – surfaces, modes, transitions – to the tables that the engine runs.
+
+Every number may be a ``Decimal``; it is rounded to double once, here.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal, localcontext
+
+import numpy as np
+
+from lsvib.core import planar
+from lsvib.core.status import Test
+from lsvib.core.tables import Tables
+from lsvib.models.parameters import PLACES
+
+Row = Sequence[Decimal | float | int]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Zero set of an affine function of the state (coefficients, constant last); ``snap`` is the coordinate set on it."""
+
+    row: Row
+    snap: int
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A side of a surface: the mode lies where ``sign`` × function is positive; leaving it makes the transition."""
+
+    surface: str
+    sign: int
+    transition: str
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A linear flow (a row made by :func:`oscillator`) and the guards around it; ``code`` names it in datasets."""
+
+    code: int
+    flow: np.ndarray
+    guards: tuple[Guard, ...]
+    beyond_accumulation: str | None = None
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One outcome of a transition, taken if all ``conditions`` (row, test) hold and no earlier branch was."""
+
+    mode: str
+    kind: int
+    conditions: tuple[tuple[Row, Test], ...] = ()
+    sign: int = 0
+
+
+@dataclass(frozen=True)
+class Transition:
+    """An affine reset (one row for each coordinate) or none, then the first branch whose conditions hold."""
+
+    branches: tuple[Branch, ...]
+    reset: tuple[Row, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Automaton:
+    """A model ready to run: the engine's tables, the code of each mode and the observables.
+
+    ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each mode.
+    """
+
+    tables: Tables
+    codes: np.ndarray
+    states: tuple[str, ...]
+    observables: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
+        """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
+        rows = self.observables[name][modes]
+        return np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1]
+
+
+def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
+    """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
+
+    The characteristic roots are formed in decimal arithmetic, free of cancellation.
+    """
+    with localcontext(prec=PLACES):
+        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
+        alpha = a1 / 2
+        discriminant = alpha * alpha - a0
+        row = np.zeros(planar.COLUMNS)
+        row[planar.A0], row[planar.A1], row[planar.B], row[planar.ALPHA] = a0, a1, b, alpha
+        if discriminant < 0:
+            row[planar.BETA] = (-discriminant).sqrt()
+        else:
+            delta = discriminant.sqrt()
+            large = -(alpha + delta) if alpha >= 0 else -alpha + delta
+            small = a0 / large if large else Decimal(0)
+            row[planar.DELTA] = delta
+            row[planar.R1], row[planar.R2] = max(large, small), min(large, small)
+        row[planar.EQUILIBRIUM] = b / a0 if a0 else 0
+        row[planar.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
+    return row
+
+
+def assemble(
+    states: tuple[str, ...],
+    surfaces: dict[str, Surface],
+    modes: dict[str, Mode],
+    transitions: dict[str, Transition],
+    observables: dict[str, dict[str, Row]],
+    shortest_stay: float,
+) -> Automaton:
+    """Lay a model out as tables.
+
+    Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being the entry;
+    observables by name and mode; shortest stay [s] (see ``Tables``). Branches into modes that the model does not have are an error.
+    """
+    mode_index = {name: i for i, name in enumerate(modes)}
+    surface_index = {name: i for i, name in enumerate(surfaces)}
+    transition_index = {name: i for i, name in enumerate(transitions)}
+    guards = [guard for mode in modes.values() for guard in mode.guards]
+    branches = [branch for transition in transitions.values() for branch in transition.branches]
+    conditions = [condition for branch in branches for condition in branch.conditions]
+    resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
+    reset_index = iter(range(len(resets)))
+    n = len(states)
+    tables = Tables(
+        flow=np.array([mode.flow for mode in modes.values()]),
+        surfaces=_rows([surface.row for surface in surfaces.values()], n),
+        snap=_integers(surface.snap for surface in surfaces.values()),
+        guard_start=_starts(mode.guards for mode in modes.values()),
+        guard_surface=_integers(surface_index[guard.surface] for guard in guards),
+        guard_sign=np.array([float(guard.sign) for guard in guards]),
+        guard_transition=_integers(transition_index[guard.transition] for guard in guards),
+        transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
+        resets=np.array([_rows(reset, n) for reset in resets]).reshape(-1, n, n + 1),
+        branch_start=_starts(transition.branches for transition in transitions.values()),
+        branch_mode=_integers(mode_index[branch.mode] for branch in branches),
+        branch_kind=_integers(branch.kind for branch in branches),
+        branch_sign=_integers(branch.sign for branch in branches),
+        condition_start=_starts(branch.conditions for branch in branches),
+        condition_row=_rows([row for row, _ in conditions], n),
+        condition_test=_integers(test for _, test in conditions),
+        beyond_accumulation=_integers(mode_index.get(mode.beyond_accumulation, -1) for mode in modes.values()),
+        shortest_stay=float(shortest_stay),
+    )
+    return Automaton(
+        tables=tables,
+        codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
+        states=states,
+        observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+    )
+
+
+def scaled(row: Row, factor) -> tuple:
+    """Return a row times a number."""
+    return tuple(factor * x for x in row)
+
+
+def _rows(rows: Sequence[Row], n: int) -> np.ndarray:
+    table = np.array([[float(x) for x in row] for row in rows], dtype=float).reshape(-1, n + 1)
+    if not np.isfinite(table).all():
+        raise ArithmeticError("a coefficient of the model is not finite")
+    return table
+
+
+def _integers(values) -> np.ndarray:
+    return np.array([int(value) for value in values], dtype=np.int64)
+
+
+def _starts(groups) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum([len(group) for group in groups])]).astype(np.int64)
+

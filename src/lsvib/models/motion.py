@@ -1,0 +1,129 @@
+"""Run an automaton: the engine's kernels wrapped for Python, with its statuses turned into results or clear messages."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.core import loop
+from lsvib.core.status import Status
+from lsvib.errors import EngineError, InputError
+from lsvib.models.automaton import Automaton
+
+_FIRST_CAPACITY = 256
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion as the engine leaves it: its events and, between them, closed forms.
+
+    Arrays over the k events: ``time`` [s], ``kind``, ``sign``, ``mode`` (after the event), ``before`` and ``after`` (k, n). ``status``
+    says why it ended, at ``end_time`` [s] (of the last event if the motion settled) in ``end_mode`` and ``end_state``.
+    """
+
+    automaton: Automaton
+    start_time: float
+    start_mode: int
+    start_state: np.ndarray
+    time: np.ndarray
+    kind: np.ndarray
+    sign: np.ndarray
+    mode: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    status: Status
+    end_time: float
+    end_mode: int
+    end_state: np.ndarray
+
+    def at(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """Return exact states (k, n) and modes (k) at ascending ``times`` [s] (k); at an event, those after it."""
+        times = np.ascontiguousarray(times, dtype=float)
+        states = np.empty((times.size, self.start_state.size))
+        modes = np.empty(times.size, dtype=np.int64)
+        loop.states_at(
+            self.automaton.tables, self.start_time, self.start_mode, self.start_state, self.time, self.mode, self.after, times, states, modes
+        )
+        return states, modes
+
+    def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the arcs between events: mode (k), state at the start (k, n), at the end (k, n), duration [s] (k)."""
+        modes = np.concatenate([[self.start_mode], self.mode])
+        starts = np.concatenate([self.start_state[None], self.after])
+        ends = np.concatenate([self.before, self.end_state[None]])
+        durations = np.diff(np.concatenate([[self.start_time], self.time, [self.end_time]]))
+        return modes, starts, ends, durations
+
+
+def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
+    """Return the mode in which a motion from ``state`` (n) starts, and the state as an array; ``InputError`` if not finite."""
+    state = np.array(state, dtype=float)
+    for name, value in zip(automaton.states, state, strict=True):
+        if not abs(value) < 1e100:
+            raise InputError(f"initial {name} = {value} is outside the allowed range -1e+100 < {name} < 1e+100.")
+    branch = loop.choose_branch(automaton.tables, 0, state)
+    if branch < 0:
+        raise EngineError(f"no mode of the model fits the initial state {state.tolist()}; this is a fault of the model, please report it.")
+    return int(automaton.tables.branch_mode[branch]), state
+
+
+def follow(
+    automaton: Automaton,
+    state,
+    t_end: float,
+    *,
+    mode: int | None = None,
+    stop: tuple[int, int] = (-1, -1),
+    max_events: int = 10_000_000,
+) -> Motion:
+    """Follow the motion from ``state`` (n) at time 0 until ``t_end`` [s].
+
+    Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start there instead of
+    where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so many.
+    Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or EVENTS_FULL. Raises ``EngineError`` if the
+    motion diverges or the model has no answer.
+    """
+    if not t_end >= 0:
+        raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
+    entered, state = enter(automaton, state)
+    mode = entered if mode is None else mode
+    start_mode, start_state = mode, state.copy()
+    clock = np.zeros(2)
+    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, max_events)
+    while True:
+        events = _room(capacity, state.size)
+        status, mode, count = loop.run(automaton.tables, mode, state, clock, t_end, stop[0], stop[1], events)
+        pieces.append([column[:count] for column in events])
+        total += count
+        if status != Status.EVENTS_FULL or total >= max_events:
+            break
+        capacity = min(2 * total, max_events - total)
+    _complain(Status(status), float(clock.sum()), state)
+    columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
+    return Motion(
+        automaton, 0.0, start_mode, start_state, *columns,
+        status=Status(status), end_time=float(clock.sum()), end_mode=int(mode), end_state=state,
+    )  # fmt: skip
+
+
+def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:
+    return (
+        np.empty(capacity),
+        np.empty(capacity, dtype=np.int8),
+        np.empty(capacity, dtype=np.int8),
+        np.empty(capacity, dtype=np.int64),
+        np.empty((capacity, n)),
+        np.empty((capacity, n)),
+    )
+
+
+def _complain(status: Status, time: float, state: np.ndarray) -> None:
+    where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
+    if status == Status.DIVERGED:
+        raise EngineError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
+    if status == Status.ACCUMULATED:
+        raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
+    if status == Status.NO_BRANCH:
+        raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
+    if not math.isfinite(time):
+        raise EngineError(f"the clock left the range of numbers ({where}).")

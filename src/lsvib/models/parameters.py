@@ -1,0 +1,143 @@
+"""The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1)."""
+
+import math
+from collections.abc import Mapping
+from decimal import Decimal, localcontext
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lsvib.errors import InputError
+
+PLACES = 50  # decimal digits in which coefficients are formed
+
+
+def _number(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise ValueError("must be a number")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+
+
+def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: float) -> Any:
+    return Field(
+        default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds
+    )
+
+
+class LeadScrew(BaseModel):
+    """A rigid lead-screw drive in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+
+    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults are
+    m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13).
+    Raises ``InputError`` through :func:`LeadScrew.of` and :meth:`replace`, in one sentence naming key, value and range.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    pitch_radius: Number = _quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
+    lead_angle: Number = _quantity(math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2)
+    screw_inertia: Number = _quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
+    coupling_stiffness: Number = _quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
+    support_damping: Number = _quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
+    friction_coefficient: Number = _quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
+    input_speed: Number = _quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
+    mass: Number = _quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
+    translation_damping: Number = _quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
+    axial_force: Number = _quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
+
+    def model_post_init(self, context: Any) -> None:
+        """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
+        limit = 1 / math.tan(self.lead_angle)
+        if not self.friction_coefficient < limit:
+            raise InputError(
+                f"friction_coefficient = {self.friction_coefficient:g} is outside the allowed range "
+                f"0 <= friction_coefficient < cot(lead_angle) = {limit:.6g}."
+            )
+        if self.input_speed == 0:
+            raise InputError("input_speed = 0 is outside the allowed range -1e+09 <= input_speed <= 1e+09 without 0.")
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any] | None = None, **more: Any) -> Self:
+        """Make a drive from names and values; ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]."""
+        return validated(cls, _in_radians({**(values or {}), **more}))
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed, checked again."""
+        return self.of({**self.model_dump(), **_in_radians(changes)})
+
+    def exact(self) -> "ExactDrive":
+        """Return the same drive with every value as a ``Decimal``, together with tan λ, sin λ and cos λ to 50 digits."""
+        return ExactDrive(self)
+
+
+class ExactDrive:
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`LeadScrew`, plus the functions of λ."""
+
+    def __init__(self, drive: LeadScrew) -> None:
+        for key, value in drive:
+            setattr(self, key, Decimal(value))
+        with localcontext(prec=PLACES + 10):
+            self.sin_lead, self.cos_lead = _sine_and_cosine(self.lead_angle)
+            self.tan_lead = self.sin_lead / self.cos_lead
+
+
+def _sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
+    """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
+    sums = [Decimal(0), Decimal(1)]
+    term = Decimal(1)
+    for n in range(1, 100):
+        term = term * angle / n
+        sums[(n + 1) % 2] += term if n % 4 < 2 else -term
+    return sums[0], sums[1]
+
+
+def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
+    if "lead_angle_deg" not in values:
+        return values
+    if "lead_angle" in values:
+        raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
+    degrees = values.pop("lead_angle_deg")
+    try:
+        return {**values, "lead_angle": math.radians(float(degrees))}
+    except (TypeError, ValueError):
+        raise InputError(
+            f"lead_angle_deg = {degrees!r} is not a number; the allowed range is 0 < lead_angle_deg < 90."
+        ) from None
+
+
+def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
+    """Build a pydantic model, turning its first complaint into one ``InputError`` sentence with key, value and range."""
+    try:
+        return model(**values)
+    except ValidationError as error:
+        raise InputError(_sentence(model, error)) from None
+
+
+def _sentence(model: type[BaseModel], error: ValidationError) -> str:
+    first = error.errors()[0]
+    cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, InputError):
+        return str(cause)
+    key = ".".join(str(part) for part in first["loc"])
+    field = model.model_fields.get(key)
+    if first["type"] == "extra_forbidden":
+        return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
+    if first["type"] == "missing":
+        return f"{key} is missing."
+    allowed = allowed_range(model, key) if field is not None else ""
+    if allowed:
+        return f"{key} = {first['input']!r} is outside the allowed range {allowed}."
+    return f"{key} = {first['input']!r} is not acceptable: {first['msg']}."
+
+
+def allowed_range(model: type[BaseModel], key: str) -> str:
+    """Return the allowed range of a parameter as text, e.g. ``0 < mass <= 1e+09``; empty if it has no bounds."""
+    if key == "friction_coefficient":
+        return "0 <= friction_coefficient < cot(lead_angle)"
+    schema = model.model_json_schema()["properties"][key]
+    low = [f"{schema[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in schema]
+    high = [f" {sign} {schema[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in schema]
+    return f"{''.join(low)}{key}{''.join(high)}" if low or high else ""
