@@ -1,4 +1,4 @@
-"""The chapter's closed-form conditions: negative damping (8.19), inertia (8.20), Painlevé's paradox (8.21); critical values."""
+"""The chapter's closed-form conditions (8.19), (8.20), (8.21), and the critical values that follow from them."""
 
 from decimal import Decimal, localcontext
 
@@ -38,7 +38,7 @@ def conditions(drive: LeadScrew) -> dict[str, dict[str, object]]:
 
 
 def critical_mass(drive: LeadScrew) -> float | None:
-    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking (ξ₊ ≤ 0)."""
+    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
     d = drive.exact()
     with localcontext(prec=PLACES):
         xi = friction.friction_factor(d.friction_coefficient, d.tan_lead, 1)

@@ -1,11 +1,10 @@
 """The attractor that a motion reaches, decided by the return map of its events; exact means and extremes over a cycle.
 
-A motion either *settles* – the engine proves that no guard can fire again, so it stays in one linear mode for ever – or its
-events recur. Events of one kind that enter one mode lie on one surface, on which the motion induces a return map. The motion has
-reached its cycle when the map returns the same state to rounding; a map that converges slowly is solved for its fixed point by
-the secant method, and the fixed point is enclosed by a change of sign of P(s) − s on both sides, from above on the left to below on
-the right: then a fixed point lies between, and it attracts from both sides if the measured |P′| < 1.
-No waiting time enters.
+A motion either *settles* – the engine proves that no guard can fire again, so it stays in one linear mode for ever – or
+its events recur. Events of one kind that enter one mode lie on one surface, on which the motion induces a return map.
+The motion has reached its cycle when the map returns the same state to rounding; a map that converges slowly is solved
+for its fixed point by the secant method and enclosed: P(s) − s is positive on its left and negative on its right, so a
+fixed point lies between. Its multiplier P′ is measured; it attracts if |P′| < 1. No waiting time enters.
 """
 
 import math
@@ -24,6 +23,11 @@ from lsvib.models.rigid import EventKind, MotionMode
 _CHUNK = 64
 _PERIODS = 8  # longest cycle, in returns to the section, that is looked for
 _ROUNDING = 16 * planar.EPS
+_ENCLOSURE = 1e-9  # half width, in scales of the motion, of the first interval tried around a fixed point
+_SLOPE_STEP = 1e-5  # half step of the central difference for the slope of the return map
+_CORNER = (
+    1e-9  # section states smaller than this, in scales of the motion, belong to a motion that shrinks into a corner
+)
 
 
 class Attractor(IntEnum):
@@ -41,10 +45,11 @@ class Attractor(IntEnum):
 class SteadyState:
     """The attractor of a motion.
 
-    ``label``; for a cycle: ``orbit``, one period as a motion from a point on the section; ``returns``, returns to the section in a period;
-    ``residual``, change of the section state over one period relative to its size; ``enclosure``, half width of the interval that
-    is proved to hold the fixed point, relative to its size (0 if the section state repeats to the last bit); ``multiplier``, slope of the
-    return map there. ``state`` is the equilibrium or the section state.
+    ``label``; for a cycle: ``orbit``, one period as a motion from a point on the section; ``returns``, returns to the
+    section in a period; ``residual``, change of the section state over one period relative to its size; ``enclosure``,
+    half width of the interval that is proved to hold the fixed point, relative to its size (0 if the section state
+    repeats to the last bit); ``multiplier``, slope of the return map there. ``state`` is the equilibrium or the section
+    state.
     """
 
     label: Attractor
@@ -61,7 +66,7 @@ class SteadyState:
         return self.orbit.end_time if self.orbit else math.nan
 
     def extremes(self, row) -> tuple[float, float]:
-        """Smallest and largest value over the cycle of an affine function (n + 1) of the state or of an observable's rows (m, n + 1)."""
+        """Smallest and largest value over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
         if self.orbit is None:
             value = float(row[:-1] @ self.state + row[-1])
             return value, value
@@ -75,7 +80,7 @@ class SteadyState:
 
 
 def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest value along a motion of an affine function (n + 1), or of an observable (modes, n + 1), exactly."""
+    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1)."""
     low, high = math.inf, -math.inf
     modes, starts, _, durations = orbit.arcs()
     for mode, start, duration in zip(modes, starts, durations, strict=True):
@@ -101,7 +106,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
-    """Mean of an observable over a motion, impulses left out; with ``absolute`` of its magnitude (its sign must be constant in a mode)."""
+    """Mean of an observable over a motion without impulses; ``absolute``: of its magnitude (one sign in each mode)."""
     integrals, modes = arc_integrals(orbit)
     parts = np.einsum("ki,ki->k", orbit.automaton.observables[observable][modes], integrals)
     return float(np.sum(np.abs(parts) if absolute else parts) / orbit.end_time)
@@ -110,9 +115,10 @@ def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
 def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:
     """Find the attractor of the motion from ``state`` (n).
 
-    Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one, a slip cycle unless it is at rest there);
-    section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle, named sprag–slip if it has
-    a seizure, stick–slip if it has a rest, else other; the motion grows without bound → unbounded; else ``max_events`` → unresolved.
+    Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one, a slip cycle unless it is
+    at rest there); section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle,
+    named sprag–slip if it has a seizure, stick–slip if it has a rest, else other; the motion grows without bound →
+    unbounded; else ``max_events`` → unresolved.
     """
     state = np.array(state, dtype=float)
     used = 0
@@ -143,15 +149,15 @@ def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     """The cycle that the last events of a motion lie on, or None if they do not tell."""
     key = _section(motion)
-    hits = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
-    points = motion.after[hits]
+    points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])]
     size = np.abs(motion.after).max(axis=0)
     for returns in range(1, min(_PERIODS, len(points) - 1) + 1):
         if (np.abs(points[-1] - points[-1 - returns]) <= 4 * planar.EPS * size).all():
-            return _cycle(automaton, points[-1], key, returns, size, math.nan)
+            section = _Section(automaton, key, returns, points[-1], size)
+            return section.cycle(0.0, 0.0)
     if len(points) < 4:
         return None
-    return _fixed_point(automaton, points, key, size)
+    return _fixed_point(_Section(automaton, key, 1, points[-1], size), (points[-2] - points[-1]) / size)
 
 
 def _section(motion: Motion) -> tuple[int, int]:
@@ -162,81 +168,90 @@ def _section(motion: Motion) -> tuple[int, int]:
     return min(reversed(recent), key=recent.count)
 
 
-def _return(automaton: Automaton, point: np.ndarray, key: tuple[int, int]) -> Motion | None:
-    """One return to the section, or None if the motion does not come back."""
-    try:
-        motion = follow(automaton, point, math.inf, mode=key[1], stop=key, max_events=1000)
-    except EngineError:
+class _Section:
+    """A line of states that events of one kind (``key``: kind, mode after) enter on, and the return map along it.
+
+    A point is ``origin`` + s · ``direction``; s counts in scales of the motion. Where two surfaces meet, as on release
+    from rest, the section is a single point and ``direction`` is zero.
+    """
+
+    def __init__(
+        self, automaton: Automaton, key: tuple[int, int], returns: int, origin: np.ndarray, size: np.ndarray
+    ) -> None:
+        self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
+        rows = automaton.tables.surfaces
+        values = rows[:, :-1] @ origin + rows[:, -1]
+        met = rows[np.abs(values) <= _ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1]))]
+        tangent = np.array([-met[0, 1], met[0, 0]]) if len(met) == 1 else np.zeros(2)
+        largest = np.abs(tangent / size).max()
+        self.direction = tangent / largest if largest > 0 else tangent
+        self.axis = int(np.argmax(np.abs(self.direction / size)))
+
+    def come_back(self, point: np.ndarray) -> Motion | None:
+        """The motion from a point until it has returned ``returns`` times, or None if it does not."""
+        motion, events = None, 0
+        state = point
+        for _ in range(self.returns):
+            try:
+                motion = follow(self.automaton, state, math.inf, mode=self.key[1], stop=self.key, max_events=1000)
+            except EngineError:
+                return None
+            if motion.status != Status.STOP_EVENT:
+                return None
+            state, events = motion.end_state, events + motion.time.size
+        if self.returns > 1:
+            motion = follow(self.automaton, point, math.inf, mode=self.key[1], max_events=events)
+        return motion
+
+    def excess(self, s: float) -> float:
+        """P(s) − s; nan if the motion does not come back."""
+        motion = self.come_back(self.origin + s * self.direction)
+        if motion is None:
+            return math.nan
+        return (motion.end_state[self.axis] - self.origin[self.axis]) / self.direction[self.axis] - s
+
+    def cycle(self, s: float, enclosure: float) -> SteadyState | None:
+        """The cycle through the fixed point s."""
+        point = self.origin + s * self.direction
+        orbit = self.come_back(point)
+        if orbit is None:
+            return None
+        modes = self.automaton.codes[orbit.arcs()[0]]
+        if (orbit.kind == EventKind.SEIZURE).any():
+            label = Attractor.SPRAG_SLIP_CYCLE
+        elif (modes == MotionMode.REST).any():
+            label = Attractor.STICK_SLIP_CYCLE
+        else:
+            label = Attractor.OTHER_CYCLE
+        residual = float(np.max(np.abs(orbit.end_state - point) / self.size))
+        multiplier = 0.0
+        if self.direction.any():
+            multiplier = 1 + (self.excess(s + _SLOPE_STEP) - self.excess(s - _SLOPE_STEP)) / (2 * _SLOPE_STEP)
+        return SteadyState(label, point, orbit, self.returns, residual, enclosure, multiplier)
+
+
+def _fixed_point(section: _Section, last_step: np.ndarray) -> SteadyState | None:
+    """Solve the return map for its fixed point near the last return by the secant method, and enclose it."""
+    if not section.direction.any():
         return None
-    return motion if motion.status == Status.STOP_EVENT else None
-
-
-def _fixed_point(automaton: Automaton, points: np.ndarray, key: tuple[int, int], size: np.ndarray) -> SteadyState | None:
-    """Solve the return map for a fixed point near the last returns by the secant method along the section."""
-    direction = points[-1] - points[-2]
-    direction = direction / np.abs(direction / size).max()  # unit step: one scale of the motion
-    origin = points[-1]
-    axis = int(np.argmax(np.abs(direction / size)))
-
-    def excess(s: float) -> float:
-        motion = _return(automaton, origin + s * direction, key)
-        return math.nan if motion is None else (motion.end_state[axis] - origin[axis]) / direction[axis] - s
-
-    older, old = -1.0 * (points[-1] - points[-2])[axis] / direction[axis], 0.0
-    f_older, f_old = excess(older), excess(old)
+    older, old = float(last_step[section.axis]) * section.size[section.axis] / section.direction[section.axis], 0.0
+    f_older, f_old = section.excess(older), section.excess(old)
     for _ in range(60):
         if abs(f_old) <= planar.EPS or f_old == f_older:
             break
         new = old - f_old * (old - older) / (f_old - f_older)
-        f_new = excess(new)
+        f_new = section.excess(new)
         if math.isnan(f_new):
             return None
         older, f_older, old, f_old = old, f_old, new, f_new
         if abs(old - older) <= planar.EPS:
             break
-    if not abs(f_old) <= _ROUNDING:
+    point = section.origin + old * section.direction
+    if not abs(f_old) <= _ROUNDING or np.abs(point / section.size).max() < _CORNER:
+        return None  # not converged, or shrinking into a corner: the caller goes on
+    width = _ENCLOSURE
+    if not section.excess(old - width) > 0 > section.excess(old + width):
         return None
-    point = origin + old * direction
-    if np.abs(point / size).max() < 1e-9:
-        return None  # the motion shrinks to a corner; it is for the caller's limit of events to say so
-    width = 1e-9
-    left, right = excess(old - width), excess(old + width)
-    multiplier = 1 + (right - left) / (2 * width)
-    while width > _ROUNDING and excess(old - width / 4) > 0 > excess(old + width / 4):
+    while width > _ROUNDING and section.excess(old - width / 4) > 0 > section.excess(old + width / 4):
         width /= 4
-    if not left > 0 > right:
-        return None
-    return _cycle(automaton, point, key, 1, size, multiplier, width)
-
-
-def _cycle(automaton, point, key, returns, size, multiplier, enclosure=0.0) -> SteadyState | None:
-    parts = [point]
-    time = 0.0
-    for _ in range(returns):
-        motion = _return(automaton, parts[-1], key)
-        if motion is None:
-            return None
-        time += motion.end_time
-        parts.append(motion.end_state)
-    orbit = motion if returns == 1 else follow(automaton, point, math.inf, mode=key[1], max_events=_events_of(automaton, point, key, returns))
-    residual = float(np.max(np.abs(parts[-1] - point) / size))
-    modes = orbit.automaton.codes[orbit.arcs()[0]]
-    if (orbit.kind == EventKind.SEIZURE).any():
-        label = Attractor.SPRAG_SLIP_CYCLE
-    elif (modes == MotionMode.REST).any():
-        label = Attractor.STICK_SLIP_CYCLE
-    else:
-        label = Attractor.OTHER_CYCLE
-    if math.isnan(multiplier):
-        multiplier = 0.0 if (orbit.kind == EventKind.RELEASE).any() else math.nan
-    return SteadyState(label, point, orbit, returns, residual, enclosure, multiplier)
-
-
-def _events_of(automaton: Automaton, point: np.ndarray, key: tuple[int, int], returns: int) -> int:
-    """Number of events in ``returns`` returns to the section."""
-    total = 0
-    for _ in range(returns):
-        motion = _return(automaton, point, key)
-        total += motion.time.size
-        point = motion.end_state
-    return total
+    return section.cycle(old, width)

@@ -1,4 +1,4 @@
-"""Existence and uniqueness of the contact force over the phase plane (Sect. 8.1, eq. 8.5): the four sectors of Fig. 8.7."""
+"""Existence and uniqueness of the contact force over the phase plane (Sect. 8.1, eq. 8.5, Fig. 8.7)."""
 
 from enum import IntEnum
 
@@ -20,8 +20,8 @@ class Existence(IntEnum):
 def contact_forces(drive: LeadScrew, u, w) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
-    Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is admissible
-    where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force.
+    Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
+    admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force.
     """
     c = coefficients(drive)
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
@@ -29,14 +29,18 @@ def contact_forces(drive: LeadScrew, u, w) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.stack(
             [
-                q / (float(c.gamma[s]) * (np.cos(drive.lead_angle) + s * drive.friction_coefficient * np.sin(drive.lead_angle)))
+                q
+                / (
+                    float(c.gamma[s])
+                    * (np.cos(drive.lead_angle) + s * drive.friction_coefficient * np.sin(drive.lead_angle))
+                )
                 for s in (1, -1)
             ]
         )
 
 
 def existence(drive: LeadScrew, u, w) -> np.ndarray:
-    """Classify states by the number of admissible contact forces; arrays of one shape in, ``Existence`` codes (int8) out."""
+    """Classify states by their number of admissible contact forces; equal shapes in, ``Existence`` (int8) out."""
     forces = contact_forces(drive, u, w)
     direction = np.sign(drive.input_speed + np.asarray(w))
     admissible = [np.sign(force) * direction == s for force, s in zip(forces, (1, -1), strict=True)]

@@ -23,10 +23,11 @@ class Stability(IntEnum):
 def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.complex128]:
     """Eigenvalues of Γ_0 ü + C_0 u̇ + k u = 0 at the origin (8.18), to full precision also where they nearly coincide.
 
-    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k ≥ 0 [N m/rad]; any sign of Γ_0
-    and C_0; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of two, in
-    ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the other one from the
-    product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no second eigenvalue.
+    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k ≥ 0 [N m/rad]; Γ_0
+    and C_0 of any sign; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of
+    two, in ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the
+    other one from the product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no
+    second eigenvalue.
     """
     gamma, c, k = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (inertia, damping, stiffness)))
     discriminant = _discriminant(gamma, c, k)
@@ -47,7 +48,7 @@ def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) ->
 
 
 def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.int8]:
-    """Class of the steady sliding, :class:`Stability`, read off its eigenvalues (8.18); arguments as for :func:`eigenvalues`.
+    """Class of the steady sliding (:class:`Stability`) by its eigenvalues (8.18); arguments as :func:`eigenvalues`.
 
     A pair that coincides counts as a node, Γ_0 = 0 as degenerate.
     """
@@ -84,7 +85,7 @@ def flag_attributes() -> dict[str, object]:
 
 
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
-    """C_0² − 4kΓ_0 with the rounding errors of both products added back, so that nearly equal roots keep their digits."""
+    """C_0² − 4kΓ_0 with the rounding errors of both products added back, so nearly equal roots keep their digits."""
     square, product = c * c, 4 * k * gamma
     return (square - product) + (_product_error(c, c, square) - _product_error(4 * k, gamma, product))
 

@@ -1,4 +1,4 @@
-"""The axial forces at which the steady state changes kind, as roots of closed-form conditions or of the exact return map."""
+"""The axial forces at which the steady state changes kind: roots of closed-form conditions or of the return map."""
 
 import math
 
@@ -20,9 +20,13 @@ class NoThreshold(InputError):
 def _require_negative_damping(drive: LeadScrew) -> None:
     c = coefficients(drive)
     if c.paradox:
-        raise NoThreshold("the drive is in the Painleve region (effective inertia of law + not positive), where conditions (8.19) do not apply.")
+        raise NoThreshold(
+            "the drive is in the Painleve region (effective inertia of law + not positive), outside conditions (8.19)."
+        )
     if c.damping[1] >= 0:
-        raise NoThreshold("the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.")
+        raise NoThreshold(
+            "the effective damping of law + is not negative, so conditions (8.19) hold for no axial force."
+        )
 
 
 def onset_force(drive: LeadScrew) -> float:
@@ -35,8 +39,8 @@ def onset_force(drive: LeadScrew) -> float:
 def stick_force(drive: LeadScrew) -> float:
     """Axial force R [N] at which the slip cycle first touches θ′ = 0.
 
-    Without that guard the motion scales with R̃, so one cycle of the return map at R̃ = ±1 N with extreme velocity w_1 gives
-    R̃ = Ω / |w_1|. Raises ``NoThreshold`` if there is no such cycle.
+    Without that guard the motion scales with R̃, so one cycle of the return map at R̃ = ±1 N with extreme velocity w_1
+    gives R̃ = Ω / |w_1|. Raises ``NoThreshold`` if there is no such cycle.
     """
     onset = onset_force(drive)
     direction = math.copysign(1.0, drive.input_speed)
@@ -45,10 +49,12 @@ def stick_force(drive: LeadScrew) -> float:
     trial = drive.replace(axial_force=force)
     net_force = float(coefficients(trial).net_force)
     automaton = rigid_drive(trial, rest=False)
-    law = [k for k, code in enumerate(automaton.codes) if (code in (0, 3))][0]
+    law = next(k for k, code in enumerate(automaton.codes) if code in (0, 3))
     cycle = steady_state(automaton, _off_equilibrium(trial, automaton, law), mode=law)
     if cycle.label != Attractor.OTHER_CYCLE:
-        raise NoThreshold("slip without rest has no limit cycle for this drive, so there is no force at which one touches rest.")
+        raise NoThreshold(
+            "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
+        )
     low, high = cycle.extremes(np.array([0.0, 1.0, 0.0]))
     fastest_backward = -low if direction > 0 else high
     return onset + net_force * abs(drive.input_speed) / fastest_backward
@@ -63,35 +69,45 @@ def _off_equilibrium(drive: LeadScrew, automaton, law: int) -> np.ndarray:
 def detach_force(drive: LeadScrew) -> float:
     """Axial force R [N] beyond which the stick–slip cycle no longer reaches N = 0.
 
-    Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so the cycle touches
-    Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊ over that slip. Raises ``NoThreshold`` if slip does not end in rest.
+    Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so the
+    cycle touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊ over that slip. Raises ``NoThreshold`` if slip does
+    not end in rest.
     """
     onset = onset_force(drive)
     c = coefficients(drive)
     direction = math.copysign(1.0, drive.input_speed)
     automaton = rigid_drive(drive.replace(axial_force=2 * onset + direction * 1e3))
-    mode = int(np.flatnonzero(automaton.codes == (MotionMode.SLIP_FORWARD_POSITIVE if direction > 0 else MotionMode.SLIP_BACKWARD_NEGATIVE))[0])
+    mode = int(
+        np.flatnonzero(
+            automaton.codes
+            == (MotionMode.SLIP_FORWARD_POSITIVE if direction > 0 else MotionMode.SLIP_BACKWARD_NEGATIVE)
+        )[0]
+    )
     flow = automaton.tables.flow
     start = np.array([float(c.damping[1]) * drive.input_speed / drive.coupling_stiffness, -drive.input_speed])
     speed = direction * np.array([0.0, 1.0, drive.input_speed])
     found, duration = planar.crossing(flow, mode, start, speed, True, math.inf)
     if found != Found.CROSSING:
-        raise NoThreshold("slip under law + does not come back to rest for this drive, so there is no stick-slip cycle to leave N = 0.")
+        raise NoThreshold(
+            "slip under law + does not come back to rest for this drive, so no stick-slip cycle can leave N = 0."
+        )
     q = np.array([float(c.q_row[0]), float(c.q_row[1]), 0.0])
     low, high = planar.extremes(flow, mode, start, q, duration)
     return onset - (low if direction > 0 else high) / float(c.gamma[1])
 
 
 def global_stability_force(drive: LeadScrew) -> float:
-    """Axial force R [N] (R Ω < 0) beyond which steady sliding is globally stable in the Painlevé region (end of Sect. 8.7).
+    """Axial force R [N] beyond which steady sliding is globally stable in the Painlevé region (end of Sect. 8.7).
 
-    Every seizure ends in rest, and rest ends at u = c Ω / k whatever R is; the slip under law −1 that follows reaches the origin
-    unless it meets Q = Q_uw(u, w) + Γ₋ R = 0. It touches that line at R = −max(Q_uw) / Γ₋ (Ω > 0).
-    For c_x = 0 and Γ₊ < 0, as in the chapter; raises ``NoThreshold`` otherwise.
+    Every seizure ends in rest, and rest ends at u = c Ω / k whatever R is; the slip under law −1 that follows reaches
+    the origin unless it meets Q = Q_uw(u, w) + Γ₋ R = 0. It touches that line at R = −max(Q_uw) / Γ₋ (Ω > 0). For c_x =
+    0 and Γ₊ < 0, as in the chapter; raises ``NoThreshold`` otherwise.
     """
     c = coefficients(drive)
     if not c.paradox or drive.translation_damping != 0:
-        raise NoThreshold("the threshold of global stability is defined for the Painleve region without translation damping.")
+        raise NoThreshold(
+            "the threshold of global stability is defined for the Painleve region without translation damping."
+        )
     if drive.support_damping == 0:
         raise NoThreshold("without support damping steady sliding attracts nothing.")
     direction = math.copysign(1.0, drive.input_speed)

@@ -1,8 +1,8 @@
 """The one way kernels are compiled: no fast maths, numpy's error model, a disk cache keyed by the source.
 
-numba checks only the file of the function itself when it decides whether a cached kernel is current; a change in another
-kernel that is inlined into it goes unnoticed. The cache therefore lives in a folder named after a digest of all kernels,
-unless ``NUMBA_CACHE_DIR`` says otherwise.
+numba checks only the file of the function itself when it decides whether a cached kernel is current; a change in
+another kernel that is inlined into it goes unnoticed. The cache therefore lives in a folder named after a digest of all
+kernels, unless ``NUMBA_CACHE_DIR`` says otherwise.
 """
 
 import hashlib

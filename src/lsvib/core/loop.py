@@ -1,8 +1,9 @@
 """The event loop: flow to the first guard that fires, reset, branch, and again. It knows no model.
 
-A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be zero, since the
-state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: rising, it is
-watched from its first maximum on; falling, it fires at once. No time step and no tolerance in time is involved.
+A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be
+zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding:
+rising, it is watched from its first maximum on; falling, it fires at once. No time step and no tolerance in time is
+involved.
 """
 
 import math
@@ -18,28 +19,28 @@ _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
-_ROUNDING = 16.0 * planar.EPS
 _MANY = 24  # so many shortest stays in a row are an accumulation
 _LARGEST = 1e150
 
 
 @kernel
-def next_event(tables, mode, state, limit, guard_row):
+def next_event(tables, mode, state, scale, limit, guard_row):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
-    A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a jump is due.
-    Returns (``Found``, guard index, time [s]). ``guard_row`` (n + 1) is scratch space.
+    ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
+    A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
+    jump is due. Returns (``Found``, guard index, time [s]). ``guard_row`` (n + 1) is scratch space.
     """
     found, first, when = _NONE, -1, limit
     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
         surface = tables.surfaces[tables.guard_surface[guard]]
         for i in range(surface.size):
             guard_row[i] = tables.guard_sign[guard] * surface[i]
-        value, size, rate, rate_size, bend, bend_size = planar.guard_at(tables.flow, mode, state, guard_row)
+        value, size, rate, rate_size, bend, bend_size = planar.guard_at(tables.flow, mode, state, scale, guard_row)
         on_surface = value <= size
-        if on_surface:
-            if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
-                return _CROSSING, guard, 0.0
+        falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
+        if on_surface and falls:
+            return _CROSSING, guard, 0.0
         outcome, t = planar.crossing(tables.flow, mode, state, guard_row, on_surface, when)
         if outcome != _NONE:
             found, first, when = outcome, guard, t
@@ -47,23 +48,23 @@ def next_event(tables, mode, state, limit, guard_row):
 
 
 @kernel
-def _affine(row, state):
+def _affine(row, state, scale):
     """Value of an affine function of the state, and the size of its rounding."""
     last = row.size - 1
     value, size = row[last], abs(row[last])
     for i in range(last):
         value += row[i] * state[i]
-        size += abs(row[i] * state[i])
-    return value, _ROUNDING * size
+        size += abs(row[i]) * scale[i]
+    return value, planar.ROUNDING * size
 
 
 @kernel
-def choose_branch(tables, transition, state):
-    """Return the first branch of a transition whose conditions all hold at ``state``, or −1."""
+def choose_branch(tables, transition, state, scale):
+    """Return the first branch of a transition whose conditions hold at ``state``, or −1; ``scale`` as in next_event."""
     for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
         holds = True
         for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
-            value, size = _affine(tables.condition_row[k], state)
+            value, size = _affine(tables.condition_row[k], state, scale)
             test = tables.condition_test[k]
             if test == _POSITIVE:
                 holds = value > size
@@ -110,17 +111,17 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
     Arguments: tables; mode; state (n), replaced by the final state; clock (2): time [s] and its compensation, replaced;
-    t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any mode; kind −1:
-    never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0.
-    Returns (``Status``, mode, number of events).
+    t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any
+    mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled
+    from index 0. Returns (``Status``, mode, number of events).
     """
     times, kinds, signs, modes, before, after = events
     n = state.size
-    guard_row, scratch = np.empty(n + 1), np.empty(n)
+    guard_row, scratch, scale = np.empty(n + 1), np.empty(n), np.abs(state)
     short_stays, count = 0, 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]
-        found, guard, stay = next_event(tables, mode, state, remaining, guard_row)
+        found, guard, stay = next_event(tables, mode, state, scale, remaining, guard_row)
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
@@ -130,11 +131,13 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
         if count == times.size:
             return Status.EVENTS_FULL, mode, count
         if stay > 0.0:
+            planar.magnitudes(tables.flow, mode, state, stay, scale)
             planar.advance(tables.flow, mode, state, stay, state)
             put_on_surface(tables, guard, state)
         _add_time(clock, stay)
         for i in range(n):
             before[count, i] = state[i]
+            scale[i] = max(scale[i], abs(state[i]))
             if not abs(state[i]) < _LARGEST:
                 return Status.DIVERGED, mode, count
         short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
@@ -149,7 +152,7 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             apply_reset(tables, tables.guard_transition[guard], state, scratch)
         else:
             apply_reset(tables, tables.guard_transition[guard], state, scratch)
-            branch = choose_branch(tables, tables.guard_transition[guard], state)
+            branch = choose_branch(tables, tables.guard_transition[guard], state, scale)
             if branch < 0:
                 return Status.NO_BRANCH, mode, count
             mode = tables.branch_mode[branch]
@@ -173,8 +176,10 @@ def _add_time(clock, stay):
 
 
 @kernel
-def states_at(tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes):
-    """Exact states and modes at ``times`` [s] (ascending, none before ``start_time``), written to ``states`` and ``modes``.
+def states_at(
+    tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
+):
+    """Write exact states and modes at ``times`` [s] (ascending, from ``start_time`` on) to ``states`` and ``modes``.
 
     At the very time of an event the state after it is given.
     """
@@ -187,4 +192,6 @@ def states_at(tables, start_time, start_mode, start_state, event_times, event_mo
             planar.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
         else:
             modes[k] = event_modes[event]
-            planar.advance(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])
+            planar.advance(
+                tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k]
+            )

@@ -1,18 +1,18 @@
 """Closed-form flow of a mode with two states, and the certain isolation of a guard's roots along it.
 
-A mode is the oscillator  u″ + a₁ u′ + a₀ u = b  with state (u, w = u′). With S its impulse response (S(0) = 0, S′(0) = 1),
-C = S′ + a₁ S its response to a unit displacement, and J = ∫S,
+A mode is the oscillator  u″ + a₁ u′ + a₀ u = b  with state (u, w = u′). With S its impulse response (S(0) = 0, S′(0) =
+1), C = S′ + a₁ S its response to a unit displacement, and J = ∫S,
 
     u(t) = u_e + (u₀ − u_e) C + w₀ S = u₀ + w₀ S + (b − a₀ u₀) J,      w(t) = w₀ S′ + (b − a₀ u₀) S,      u_e = b / a₀.
 
-The first form keeps relative accuracy near the equilibrium, the second when the equilibrium is far away or does not exist
-(a₀ → 0); :func:`_far` chooses. Roots of the characteristic equation are held as −a₁/2 ± iβ or as r₁ ≥ r₂ with r₁ − r₂ = 2δ; in
-h = (1 − e^{−2δt}) / 2δ everything is smooth through δ = 0, so no case is special near a double root.
+The first form keeps relative accuracy near the equilibrium, the second when the equilibrium is far away or does not
+exist (a₀ → 0); :func:`_far` chooses. Roots of the characteristic equation are held as −a₁/2 ± iβ or as r₁ ≥ r₂ with r₁
+− r₂ = 2δ; in h = (1 − e^{−2δt}) / 2δ everything is smooth through δ = 0, so no case is special near a double root.
 
-A guard g = g_u u + g_w w + g_0 has the derivative  g′(t) = p S′ + q S  with constants p, q. Its zeros are known in closed form:
-one at most if the roots are real, and spaced by π/β otherwise. Between them g is monotone, so it has one root there if its ends
-differ in sign and none otherwise; and since the extrema of an oscillation that does not grow only get shallower, the first one
-decides for all time. This is what makes the search certain.
+A guard g = g_u u + g_w w + g_0 has the derivative  g′(t) = p S′ + q S  with constants p, q. Its zeros are known in
+closed form: one at most if the roots are real, and spaced by π/β otherwise. Between them g is monotone, so it has one
+root there if its ends differ in sign and none otherwise; and since the extrema of an oscillation that does not grow
+only get shallower, the first one decides for all time. This is what makes the search certain.
 """
 
 import math
@@ -27,7 +27,9 @@ A0, A1, B, ALPHA, BETA, DELTA, R1, R2, EQUILIBRIUM, TIME_SCALE = range(10)
 COLUMNS = 10
 
 EPS = float(np.finfo(np.float64).eps)
+ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 _TWO_PI = 2.0 * math.pi
+_PATIENCE = 8  # iterations before bisection takes turns
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
@@ -96,7 +98,7 @@ def advance(flow, mode, state, t, out):
 
 @kernel
 def _shape(row, state, guard):
-    """Constants of a guard along the flow: p, q, whether the far form holds, and its coefficients (constant, C or J, S, S′)."""
+    """Constants of a guard along the flow: p, q, whether the far form holds, coefficients of 1, C or J, S, S′."""
     u, w = state[0], state[1]
     far = _far(row, u, w)
     y = 0.0 if far else u - row[EQUILIBRIUM]
@@ -111,46 +113,47 @@ def _shape(row, state, guard):
 
 @kernel
 def _value(row, shape, t):
-    """Value and first derivative of a guard at time t."""
+    """Value and first two derivatives of a guard at time t."""
     p, q, far, constant, c_part, s_part, rate_part = shape
     c, s, s_rate = responses(row, t)
     if far:
         c = _integrated_response(row, t)
-    return constant + (c_part * c + s_part * s + rate_part * s_rate), p * s_rate + q * s
+    value = constant + (c_part * c + s_part * s + rate_part * s_rate)
+    return value, p * s_rate + q * s, (q - row[A1] * p) * s_rate - row[A0] * p * s
 
 
 @kernel
-def _descent(row, shape, bend, low, high, guess):
-    """Root of a guard that falls from ``low`` to ``high``, where it is not positive: Halley's step, safeguarded by bisection.
+def _descent(row, shape, low, high, guess):
+    """Root of a guard that falls from ``low`` to ``high``, where it is not positive: Halley's step, or bisection.
 
-    ``bend`` is the constant in g″ = −a₁ g′ − a₀ g + bend. The error of a step is of the order of the cube of the step before, in
-    units of the times g′/g″ and 1/rate of the mode; a step below 10⁻⁶ of both is the last, so that rounding alone is left.
+    The error of a step is of the order of the cube of the step before, in units of the times g′/g″ and 1/rate of the
+    mode; a step below 10⁻⁶ of both is the last, so that rounding alone is left. If that takes long, every other step
+    halves the interval.
     """
     t = guess if low < guess < high else 0.5 * (low + high)
     rate = abs(row[ALPHA]) + row[BETA] + row[DELTA]
-    for _ in range(200):
-        value, slope = _value(row, shape, t)
+    for k in range(300):
+        value, slope, curvature = _value(row, shape, t)
         if value > 0.0:
             low = t
-        elif value < 0.0:
-            high = t
-        else:
+        elif value == 0.0:
             return t
-        curvature = bend - row[A1] * slope - row[A0] * value
+        else:  # negative, or overflown far beyond the root
+            high = t
         new = t - 2.0 * value * slope / (2.0 * slope * slope - value * curvature)
-        if low < new < high:
+        if low < new < high and (k < _PATIENCE or k % 2 == 0):
             if abs(new - t) * max(rate, abs(curvature / slope)) < 1e-6:
                 return new
         else:
             new = 0.5 * (low + high)
-            if new == low or new == high:
+            if new in (low, high):
                 return new
         t = new
     return t
 
 
 @kernel
-def _up_to(row, shape, bend, low, high, guess, limit):
+def _up_to(row, shape, low, high, guess, limit):
     """As :func:`_descent`, but only a root before ``limit`` counts: returns (found, time)."""
     if low >= limit:
         return _NONE, limit
@@ -158,15 +161,16 @@ def _up_to(row, shape, bend, low, high, guess, limit):
         if _value(row, shape, limit)[0] > 0.0:
             return _NONE, limit
         high = limit
-    return _CROSSING, _descent(row, shape, bend, low, high, guess)
+    return _CROSSING, _descent(row, shape, low, high, guess)
 
 
 @kernel
 def crossing(flow, mode, state, guard, on_surface, limit):
     """Find the first time in (0, limit] at which a guard falls through zero or touches it from above.
 
-    Arguments: flow table, mode, state (2), guard (g_u, g_w, g_0), positive at the start or – with ``on_surface`` – zero at
-    the start and rising; limit [s], may be infinite. Returns (``Found``, time [s]); certain in the sense of the module docstring.
+    Arguments: flow table, mode, state (2), guard (g_u, g_w, g_0), positive at the start or – with ``on_surface`` – zero
+    at the start and rising; limit [s], may be infinite. Returns (``Found``, time [s]); certain in the sense of the
+    module docstring.
     """
     row = flow[mode]
     shape = _shape(row, state, guard)
@@ -214,12 +218,13 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
         return _NONE, limit
     if lowest >= -resolution:
         return (_GRAZE, t_bottom) if t_bottom <= limit else (_NONE, limit)
-    highest = middle + swing * math.exp(-alpha * top / beta)
-    if top > 0.0 and highest <= resolution:
+    rise = swing * math.exp(-alpha * top / beta)
+    highest = middle + rise
+    if top > 0.0 and highest <= 8.0 * EPS * (abs(constant) + rise):
         return _CROSSING, top / beta  # it rose by less than rounding
     fraction = (highest + lowest) / (lowest - highest)
     guess = (top + math.acos(min(1.0, max(-1.0, fraction)))) / beta
-    return _up_to(row, shape, bend, max(top, 0.0) / beta, t_bottom, guess, limit)
+    return _up_to(row, shape, max(top, 0.0) / beta, t_bottom, guess, limit)
 
 
 @kernel
@@ -241,10 +246,11 @@ def _parabolic_crossing(shape, on_surface, limit):
 @kernel
 def _turning_time(row, p, q):
     """The one positive zero of g′ when the characteristic roots are real; infinite if there is none."""
-    h = -p / (q + row[R2] * p)
-    if not h > 0.0 or not 2.0 * row[DELTA] * h < 1.0:
+    slow = q + row[R1] * p  # in proportion to the part of g′ that decays (or grows) with r₁
+    excess = -p / slow
+    if not excess > 0.0:
         return math.inf
-    return -math.log1p(-2.0 * row[DELTA] * h) / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else h
+    return math.log1p(2.0 * row[DELTA] * excess) / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else excess
 
 
 @kernel
@@ -267,7 +273,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
                 return _GRAZE, turn
     if low >= limit:
         return _NONE, limit
-    value, slope = _value(row, shape, low)
+    value, slope, _ = _value(row, shape, low)
     if value <= 0.0:
         return _CROSSING, low  # it rose by less than rounding
     guess = low - value / slope if slope < 0.0 else low
@@ -281,24 +287,36 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
             high = low + step
             if not step < 1e300:
                 return _NONE, limit
-    return _up_to(row, shape, bend, low, high, guess, limit)
+    return _up_to(row, shape, low, high, guess, limit)
 
 
 @kernel
-def guard_at(flow, mode, state, guard):
-    """Value, first and second derivative of a guard at a state, each with the size below which it is rounding only."""
+def magnitudes(flow, mode, state, stay, scale):
+    """Write to ``scale`` (2) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
+    row = flow[mode]
+    reach = min(stay, row[TIME_SCALE]) if row[A0] != 0.0 else stay
+    scale[0] = abs(state[0]) + abs(state[1]) * reach
+    scale[1] = abs(state[1]) + abs(row[B] - row[A0] * state[0]) * reach
+
+
+@kernel
+def guard_at(flow, mode, state, scale, guard):
+    """Value, first and second derivative of a guard at a state, each with the size below which it is rounding only.
+
+    ``scale`` (2) are the magnitudes that the state was computed from; its rounding is in proportion to them.
+    """
     row = flow[mode]
     u, w = state[0], state[1]
-    push = abs(row[B]) + abs(row[A0] * u)
     acceleration = row[B] - row[A0] * u - row[A1] * w
     jerk = -row[A0] * w - row[A1] * acceleration
+    push = abs(row[B]) + abs(row[A0]) * scale[0] + abs(row[A1]) * scale[1]
+    tug = abs(row[A0]) * scale[1] + abs(row[A1]) * push
     value = guard[0] * u + guard[1] * w + guard[2]
     rate = guard[0] * w + guard[1] * acceleration
     bend = guard[0] * acceleration + guard[1] * jerk
-    push += abs(row[A1] * w)
-    size = 4.0 * EPS * (abs(guard[0] * u) + abs(guard[1] * w) + abs(guard[2]))
-    rate_size = 8.0 * EPS * (abs(guard[0] * w) + abs(guard[1]) * push)
-    bend_size = 16.0 * EPS * (abs(guard[0]) * push + abs(guard[1]) * (abs(row[A0] * w) + abs(row[A1]) * push))
+    size = ROUNDING * (abs(guard[0]) * scale[0] + abs(guard[1]) * scale[1] + abs(guard[2]))
+    rate_size = ROUNDING * (abs(guard[0]) * scale[1] + abs(guard[1]) * push)
+    bend_size = ROUNDING * (abs(guard[0]) * push + abs(guard[1]) * tug)
     return value, size, rate, rate_size, bend, bend_size
 
 

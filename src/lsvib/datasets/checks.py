@@ -14,9 +14,10 @@ _COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "ve
 class Check:
     """One claim of the chapter and what was computed; make it with :meth:`within` or :meth:`holds`.
 
-    ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1], ``tolerance`` the largest
-    relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are numbers in ``unit``. For a claim that
-    holds or does not, ``expected`` is ``"true"``, ``computed`` says what was found, ``unit``, ``error`` and ``tolerance`` are None.
+    ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1],
+    ``tolerance`` the largest relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are
+    numbers in ``unit``. For a claim that holds or does not, ``expected`` is ``"true"``, ``computed`` says what was
+    found, ``unit``, ``error`` and ``tolerance`` are None.
     """
 
     claim: str
@@ -42,12 +43,14 @@ class Check:
     ) -> Self:
         """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
 
-        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error has
-        no meaning there.
+        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error
+        has no meaning there.
         """
         expected, computed, tolerance = float(expected), float(computed), float(tolerance)
         if not math.isfinite(expected) or expected == 0:
-            raise InputError(f"expected = {expected:g} has no relative error; state the claim {claim!r} with Check.holds.")
+            raise InputError(
+                f"expected = {expected:g} has no relative error; state the claim {claim!r} with Check.holds."
+            )
         if not tolerance > 0:
             raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
         error = abs(computed - expected) / abs(expected)
@@ -74,8 +77,9 @@ class Check:
         if self.tolerance is None:
             return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
         return (
-            f"{self.claim}: expected {_text(self.expected)} {self.unit}, computed {_text(self.computed)} {self.unit}, relative "
-            f"error {_text(self.error)} {'<=' if self.passed else 'is NOT <='} {_text(self.tolerance)} [{self.source}]."
+            f"{self.claim}: expected {_quantity(self.expected, self.unit)}, "
+            f"computed {_quantity(self.computed, self.unit)}, relative error "
+            f"{_text(self.error)} {'<=' if self.passed else 'is NOT <='} {_text(self.tolerance)} [{self.source}]."
         )
 
 
@@ -83,23 +87,28 @@ def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
     """Return the checks, pairs (figure, check), as a Markdown table that also reads well in a terminal."""
     rows = [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
-    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows]
+    lines = [
+        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
+    ]
     lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
     return "\n".join(lines) + "\n"
 
 
 def _row(figure: str, check: Check) -> list[str]:
-    unit = "" if check.unit in (None, "1") else f" {check.unit}"
     cells = [
         figure,
         f"{check.claim} [{check.source}]",
-        _text(check.expected) + unit,
-        _text(check.computed) + unit,
+        _quantity(check.expected, check.unit),
+        _quantity(check.computed, check.unit),
         _text(check.error),
         _text(check.tolerance),
         "pass" if check.passed else "FAIL",
     ]
     return [cell.replace("|", "\\|").replace("\n", " ") for cell in cells]
+
+
+def _quantity(value: float | str, unit: str | None) -> str:
+    return _text(value) if unit in (None, "1") else f"{_text(value)} {unit}"
 
 
 def _text(value: float | str | None) -> str:

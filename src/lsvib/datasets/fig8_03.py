@@ -1,4 +1,4 @@
-"""Figure 8.3: stability of the steady sliding over effective inertia Γ_0 and effective damping C_0, by eigenvalues (8.18)."""
+"""Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +8,7 @@ import xarray as xr
 
 from lsvib.analysis.stability import Stability, eigenvalues, flag_attributes, stability_class
 from lsvib.datasets.checks import Check
-from lsvib.models.friction import effective_damping, effective_inertia, friction_factor
+from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 
 _HALVINGS = 100
@@ -17,8 +17,9 @@ _HALVINGS = 100
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives.
 
-    ``settings``: ``drive`` (keys of :class:`LeadScrew`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with ``start``, ``stop``,
-    ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in the plane. Raises ``InputError``.
+    ``settings``: ``drive`` (keys of :class:`LeadScrew`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with
+    ``start``, ``stop``, ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in
+    the plane. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     stiffness = drive.coupling_stiffness
@@ -37,7 +38,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "node_focus_damping": (
                 "positive_inertia",
                 _node_focus_boundary(positive, stiffness),
-                {"units": "N m s rad-1", "long_name": "effective damping where two eigenvalues meet", "symbol": "$C_0$"},
+                {
+                    "units": "N m s rad-1",
+                    "long_name": "effective damping where two eigenvalues meet",
+                    "symbol": "$C_0$",
+                },
             ),
             "case_inertia": ("case", [_effective(case)[0] for case in cases], _inertia_attributes()),
             "case_damping": ("case", [_effective(case)[1] for case in cases], _damping_attributes()),
@@ -47,7 +52,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "damping": ("damping", damping, _damping_attributes()),
             "positive_inertia": ("positive_inertia", positive, _inertia_attributes()),
             "case": ("case", np.arange(len(cases)), {"units": "1", "long_name": "index of the drive"}),
-            "case_mass": ("case", [case.mass for case in cases], {"units": "kg", "long_name": "translating mass", "symbol": "$m$"}),
+            "case_mass": (
+                "case",
+                [case.mass for case in cases],
+                {"units": "kg", "long_name": "translating mass", "symbol": "$m$"},
+            ),
             "case_translation_damping": (
                 "case",
                 [case.translation_damping for case in cases],
@@ -112,12 +121,9 @@ def _span(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _effective(drive: LeadScrew) -> tuple[float, float]:
-    """Effective inertia [kg m²] and damping [N m s/rad] of the steady sliding with N_0 Ω > 0, from 50-digit arithmetic."""
-    exact = drive.exact()
-    factor = friction_factor(exact.friction_coefficient, exact.tan_lead, 1)
-    gamma = effective_inertia(exact.screw_inertia, exact.mass, exact.pitch_radius, exact.tan_lead, factor)
-    c = effective_damping(exact.support_damping, exact.translation_damping, exact.pitch_radius, exact.tan_lead, factor)
-    return float(gamma), float(c)
+    """Effective inertia Γ_0 [kg m²] and damping C_0 [N m s/rad] of the drive's steady sliding."""
+    exact = coefficients(drive)
+    return float(exact.gamma[exact.steady_law]), float(exact.damping[exact.steady_law])
 
 
 def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
@@ -131,7 +137,7 @@ def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
 
 
 def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> float:
-    """Largest difference [1] between (8.18) and LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
+    """Largest difference [1] of (8.18) from LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
     gamma, c = (array.ravel() for array in np.broadcast_arrays(inertia, damping))
     gamma, c = gamma[gamma != 0], c[gamma != 0]
     jacobian = np.zeros((gamma.size, 2, 2))

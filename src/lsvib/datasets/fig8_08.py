@@ -1,31 +1,32 @@
 """Figure 8.8: eigenvalues of the steady sliding against the translating mass, and the critical mass Γ₊ = 0."""
 
 from collections.abc import Mapping
-from decimal import Decimal, localcontext
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets.checks import Check
-from lsvib.models.friction import effective_inertia, friction_factor
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
-
-_SHARED_DIGITS = 50
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
-    ``settings``: ``drive`` (keys of :class:`LeadScrew`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and ``count``, ``dampings``
-    [N m s/rad] for which the loss of stability is located. The masses crowd towards m_cr, where the eigenvalues diverge.
-    Raises ``InputError``.
+    ``settings``: ``drive`` (keys of :class:`LeadScrew`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and ``count``,
+    ``dampings`` [N m s/rad] for which the loss of stability is located. The masses crowd towards m_cr, where the
+    eigenvalues diverge. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     critical = critical_mass(drive)
-    mass = _masses(settings["mass"]["start"], settings["mass"]["stop"], settings["mass"]["count"], float(critical))
-    inertia = np.array([_inertia(drive, Decimal(m)) for m in mass])
+    if critical is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    mass = _masses(settings["mass"]["start"], settings["mass"]["stop"], settings["mass"]["count"], critical)
+    inertia = np.array([_inertia(drive, m) for m in mass])
     pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
     dampings = np.array(settings["dampings"], dtype=float)
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
@@ -48,11 +49,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "mass": ("mass", mass, _attributes("kg", "translating mass", "$m$")),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), _attributes("1", "index of the eigenvalue", "$i$")),
             "damping": ("damping", dampings, _attributes("N m s rad-1", "support damping", "$c$")),
-            "critical_mass": (
-                (),
-                float(critical),
-                _attributes("kg", "critical mass", r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass": ((), critical, _attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
         },
         attrs={
             "title": "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
@@ -97,38 +94,26 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def critical_mass(drive: LeadScrew) -> Decimal:
-    """Critical mass m_cr = I / (ξ₊ tan λ r_m²) [kg], the root of Γ₊(m) = 0 (8.20), to 50 digits."""
-    exact = drive.exact()
-    with localcontext(prec=_SHARED_DIGITS):
-        factor = friction_factor(exact.friction_coefficient, exact.tan_lead, 1)
-        return exact.screw_inertia / (factor * exact.tan_lead * exact.pitch_radius**2)
+def _inertia(drive: LeadScrew, mass: float) -> float:
+    """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
+    return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
 
 
-def _inertia(drive: LeadScrew, mass: Decimal) -> float:
-    """Effective inertia Γ₊(m) [kg m²]: 50 digits, rounded once, because it is a difference that vanishes at m_cr."""
-    exact = drive.exact()
-    with localcontext(prec=_SHARED_DIGITS):
-        factor = friction_factor(exact.friction_coefficient, exact.tan_lead, 1)
-        return float(effective_inertia(exact.screw_inertia, mass, exact.pitch_radius, exact.tan_lead, factor))
-
-
-def _loss_of_stability(drive: LeadScrew, critical: Decimal) -> float:
-    """Mass [kg] at which an eigenvalue gets a positive real part, by bisection on the sign, from m_cr/2 to 3 m_cr/2."""
-    with localcontext(prec=_SHARED_DIGITS):
-        stable, unstable = critical / 2, 3 * critical / 2
-        while float(stable) != float(unstable):
-            middle = (stable + unstable) / 2
-            pair = eigenvalues(_inertia(drive, middle), drive.support_damping, drive.coupling_stiffness)
-            if pair.real.max() < 0:
-                stable = middle
-            else:
-                unstable = middle
-    return float(unstable)
+def _loss_of_stability(drive: LeadScrew, critical: float) -> float:
+    """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
+    stable, unstable = critical / 2, 3 * critical / 2
+    while unstable > np.nextafter(stable, unstable):
+        middle = (stable + unstable) / 2
+        pair = eigenvalues(_inertia(drive, middle), drive.support_damping, drive.coupling_stiffness)
+        if pair.real.max() < 0:
+            stable = middle
+        else:
+            unstable = middle
+    return unstable
 
 
 def _masses(start: float, stop: float, count: int, critical: float) -> np.ndarray:
-    """Masses [kg] from start to stop, without m_cr itself: evenly spaced ones, and ever closer ones on both sides of m_cr."""
+    """Masses [kg] from start to stop without m_cr: evenly spaced ones, and ever closer ones on both sides of m_cr."""
     near = critical * np.geomspace(1e-6, 0.1, count // 4)
     mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near]))
     return mass[(mass >= start) & (mass <= stop) & (mass != critical)]

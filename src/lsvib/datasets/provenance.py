@@ -1,4 +1,4 @@
-"""What made a dataset: package version, git commit, versions of the libraries. No clock, so equal runs give equal files."""
+"""What made a dataset: package version, git commit, library versions. No clock, so equal runs give equal files."""
 
 import json
 import platform
@@ -10,10 +10,10 @@ _LIBRARIES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
 
 
 def provenance() -> dict[str, str]:
-    """Return global attributes that name the code: ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
+    """Return attributes that name the code: ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
 
-    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository that
-    tracks it; ``package_versions`` is a JSON object of Python and library versions.
+    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
+    that tracks it; ``package_versions`` is a JSON object of Python and library versions.
     """
     commit, dirty = _git_state(Path(__file__).resolve())
     versions = {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}

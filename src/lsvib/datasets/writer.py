@@ -23,10 +23,11 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write ``dataset`` to ``path`` as CF-1.11 netCDF-4, whole or not at all, and re-open it to be sure.
 
     The dataset brings the global attributes ``title``, ``source`` and ``references``, and for every variable and
-    coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with ``flag_values`` and
-    ``flag_meanings``. Added here: ``Conventions`` and the attributes of :func:`lsvib.datasets.provenance.provenance`; no clock
-    time, so that equal runs give equal content. ``dataset`` itself is not changed.
-    Raises ``InputError`` if the dataset breaks one of these rules, ``LsvibError`` if the file cannot be written.
+    coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with
+    ``flag_values`` and ``flag_meanings``. Added here: ``Conventions`` and the attributes of
+    :func:`lsvib.datasets.provenance.provenance`; no clock time, so that equal runs give equal content. ``dataset``
+    itself is not changed. Raises ``InputError`` if the dataset breaks one of these rules, ``LsvibError`` if the file
+    cannot be written.
     """
     path = Path(path)
     for key in _REQUIRED:

@@ -28,7 +28,13 @@ def draw(dataset: xr.Dataset) -> Figure:
     colours = ListedColormap([_COLOURS[name] for name in names.values()])
     norm = BoundaryNorm([value - 0.5 for value in names] + [len(names) - 0.5], len(names))
     axes.pcolormesh(
-        dataset.inertia, dataset.damping, dataset.stability.T, cmap=colours, norm=norm, shading="nearest", rasterized=True
+        dataset.inertia,
+        dataset.damping,
+        dataset.stability.T,
+        cmap=colours,
+        norm=norm,
+        shading="nearest",
+        rasterized=True,
     )
     for sign in (1, -1):
         curve = axes.plot(dataset.positive_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0)

@@ -19,7 +19,7 @@ Row = Sequence[Decimal | float | int]
 
 @dataclass(frozen=True)
 class Surface:
-    """Zero set of an affine function of the state (coefficients, constant last); ``snap`` is the coordinate set on it."""
+    """Zero set of an affine function of the state (constant last); ``snap`` is the coordinate that is set on it."""
 
     row: Row
     snap: int
@@ -66,7 +66,8 @@ class Transition:
 class Automaton:
     """A model ready to run: the engine's tables, the code of each mode and the observables.
 
-    ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each mode.
+    ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
+    mode.
     """
 
     tables: Tables
@@ -115,8 +116,9 @@ def assemble(
 ) -> Automaton:
     """Lay a model out as tables.
 
-    Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being the entry;
-    observables by name and mode; shortest stay [s] (see ``Tables``). Branches into modes that the model does not have are an error.
+    Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``). Branches into modes that the model does
+    not have are an error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
@@ -173,4 +175,3 @@ def _integers(values) -> np.ndarray:
 
 def _starts(groups) -> np.ndarray:
     return np.concatenate([[0], np.cumsum([len(group) for group in groups])]).astype(np.int64)
-

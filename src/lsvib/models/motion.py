@@ -1,4 +1,4 @@
-"""Run an automaton: the engine's kernels wrapped for Python, with its statuses turned into results or clear messages."""
+"""Run an automaton: the engine's kernels for Python, their statuses turned into results or clear messages."""
 
 import math
 from dataclasses import dataclass
@@ -17,8 +17,9 @@ _FIRST_CAPACITY = 256
 class Motion:
     """A motion as the engine leaves it: its events and, between them, closed forms.
 
-    Arrays over the k events: ``time`` [s], ``kind``, ``sign``, ``mode`` (after the event), ``before`` and ``after`` (k, n). ``status``
-    says why it ended, at ``end_time`` [s] (of the last event if the motion settled) in ``end_mode`` and ``end_state``.
+    Arrays over the k events: ``time`` [s], ``kind``, ``sign``, ``mode`` (after the event), ``before`` and ``after`` (k,
+    n). ``status`` says why it ended, at ``end_time`` [s] (of the last event if the motion settled) in ``end_mode`` and
+    ``end_state``.
     """
 
     automaton: Automaton
@@ -42,7 +43,16 @@ class Motion:
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
         loop.states_at(
-            self.automaton.tables, self.start_time, self.start_mode, self.start_state, self.time, self.mode, self.after, times, states, modes
+            self.automaton.tables,
+            self.start_time,
+            self.start_mode,
+            self.start_state,
+            self.time,
+            self.mode,
+            self.after,
+            times,
+            states,
+            modes,
         )
         return states, modes
 
@@ -56,14 +66,16 @@ class Motion:
 
 
 def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
-    """Return the mode in which a motion from ``state`` (n) starts, and the state as an array; ``InputError`` if not finite."""
+    """Return the mode in which a motion from ``state`` (n) starts, and the state; ``InputError`` if not finite."""
     state = np.array(state, dtype=float)
     for name, value in zip(automaton.states, state, strict=True):
         if not abs(value) < 1e100:
             raise InputError(f"initial {name} = {value} is outside the allowed range -1e+100 < {name} < 1e+100.")
-    branch = loop.choose_branch(automaton.tables, 0, state)
+    branch = loop.choose_branch(automaton.tables, 0, state, np.abs(state))
     if branch < 0:
-        raise EngineError(f"no mode of the model fits the initial state {state.tolist()}; this is a fault of the model, please report it.")
+        raise EngineError(
+            f"no mode fits the initial state {state.tolist()}; this is a fault of the model, please report it."
+        )
     return int(automaton.tables.branch_mode[branch]), state
 
 
@@ -78,10 +90,10 @@ def follow(
 ) -> Motion:
     """Follow the motion from ``state`` (n) at time 0 until ``t_end`` [s].
 
-    Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start there instead of
-    where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so many.
-    Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or EVENTS_FULL. Raises ``EngineError`` if the
-    motion diverges or the model has no answer.
+    Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
+    there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
+    many. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or EVENTS_FULL. Raises ``EngineError``
+    if the motion diverges or the model has no answer.
     """
     if not t_end >= 0:
         raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")

@@ -22,17 +22,15 @@ Number = Annotated[float, BeforeValidator(_number)]
 
 
 def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: float) -> Any:
-    return Field(
-        default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds
-    )
+    return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
 
 
 class LeadScrew(BaseModel):
     """A rigid lead-screw drive in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
-    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults are
-    m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13).
-    Raises ``InputError`` through :func:`LeadScrew.of` and :meth:`replace`, in one sentence naming key, value and range.
+    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
+    are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
+    ``InputError`` through :func:`LeadScrew.of` and :meth:`replace`, in one sentence naming key, value and range.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -69,7 +67,7 @@ class LeadScrew(BaseModel):
         return self.of({**self.model_dump(), **_in_radians(changes)})
 
     def exact(self) -> "ExactDrive":
-        """Return the same drive with every value as a ``Decimal``, together with tan λ, sin λ and cos λ to 50 digits."""
+        """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
         return ExactDrive(self)
 
 
@@ -109,7 +107,7 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
-    """Build a pydantic model, turning its first complaint into one ``InputError`` sentence with key, value and range."""
+    """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
     try:
         return model(**values)
     except ValidationError as error:

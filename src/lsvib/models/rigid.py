@@ -4,22 +4,22 @@ r"""The rigid drive: one degree of freedom, nut and screw tied by x = r_m tan λ
     motor ──/\/\/\── k ──▶ (I) screw ═══threads═══▶ [m] nut ──▶ R
                             c to ground                c_x to ground
 
-State (u, w): u = z − z_0 [rad] is the deviation of the coupling deflection z = θ − Ω t from steady sliding, w = u′ [rad/s] its rate;
-the screw turns at θ′ = Ω + w. With s = sgn(θ′)·sgn(N) and R̃ = R − r_m tan λ c_x Ω,
+State (u, w): u = z − z_0 [rad] is the deviation of the coupling deflection z = θ − Ω t from steady sliding, w = u′
+[rad/s] its rate; the screw turns at θ′ = Ω + w. With s = sgn(θ′)·sgn(N) and R̃ = R − r_m tan λ c_x Ω,
 
-    Γ_s u″ + C_s u′ + k u = r_m (ξ_0 − ξ_s) R̃,        N = Q / [Γ_s (cos λ + s μ sin λ)],                          (8.16, 8.17)
-    Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃,
+    Γ_s u″ + C_s u′ + k u = r_m (ξ_0 − ξ_s) R̃,        N = Q / [Γ_s (cos λ + s μ sin λ)],
+    (8.16, 8.17) Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃,
 
-so the motion is linear in each combination of signs of θ′ and Q, and at rest, where u′ = −Ω and static friction holds while the
-coupling torque T_r = −k (z_0 + u) stays between r_m R ξ₊ and r_m R ξ₋.
+so the motion is linear in each combination of signs of θ′ and Q, and at rest, where u′ = −Ω and static friction holds
+while the coupling torque T_r = −k (z_0 + u) stays between r_m R ξ₊ and r_m R ξ₋.
 
 Γ₊ > 0: the sign of N is that of Q, and N reverses where Q does.
-Γ₊ ≤ 0 (Painlevé region): law s = −1 is followed where it is admissible (θ′ > 0, Q < 0 and θ′ < 0, Q > 0); elsewhere, and on
-arriving at Q = 0, the screw *seizes*: θ′ jumps to zero, with an impulse of the sign of θ′. The contact then still carries the sign of the
-impulse. If slip under law −1 with that sign of N is admissible and accelerates away from rest, it starts at once; otherwise the
-screw rests, and goes on under law −1 when T_r leaves the band (``resume="contact_sign"``, the limit of a compliant contact). With
-``resume="at_once"`` – the chapter's reading – the sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0,
-beyond which the screw rests.
+Γ₊ ≤ 0 (Painlevé region): law s = −1 is followed where it is admissible (θ′ > 0, Q < 0 and θ′ < 0, Q > 0); elsewhere,
+and on arriving at Q = 0, the screw *seizes*: θ′ jumps to zero, with an impulse of the sign of θ′. The contact then
+still carries the sign of the impulse. If slip under law −1 with that sign of N is admissible and accelerates away from
+rest, it starts at once; otherwise the screw rests, and goes on under law −1 when T_r leaves the band
+(``resume="contact_sign"``, the limit of a compliant contact). With ``resume="at_once"`` – the chapter's reading – the
+sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyond which the screw rests.
 """
 
 from decimal import localcontext
@@ -71,8 +71,8 @@ _FORWARD, _BACKWARD = "slip_forward_negative", "slip_backward_positive"  # the s
 def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
     """Build the rigid drive's automaton.
 
-    Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure), for motions
-    that are known not to reach it – only outside the Painlevé region; ``resume``: see the module docstring.
+    Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
+    for motions that are known not to reach it – only outside the Painlevé region; ``resume``: see the module docstring.
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s].
     """
     c = coefficients(drive)
@@ -111,7 +111,11 @@ class _Stand:
         def torque_above(law: int) -> tuple:
             # (T_r − r_m ξ R) / k as a function of (u, w); k z_0 is inserted so that nothing cancels.
             steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-            return (-1, 0, steady + d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness)
+            return (
+                -1,
+                0,
+                steady + d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness,
+            )
 
         upper, lower = (1, -1) if d.axial_force >= 0 else (-1, 1)
         self.above = torque_above(upper)
@@ -127,7 +131,7 @@ class _Stand:
         self.release_sign = (1 if d.axial_force > 0 else -1) if d.axial_force else -self.turning
 
     def beyond_band(self, kinds: tuple[int, int], sign: int = 0) -> tuple[Branch, ...]:
-        """Rest within the band, else slip under law −1 in the direction of the excess torque; kinds for (rest, slip)."""
+        """Rest within the band, else slip under law −1 in the direction of the excess torque; kinds (rest, slip)."""
         return (
             Branch(_FORWARD, kinds[1], ((self.above, Test.POSITIVE),), sign),
             Branch(_BACKWARD, kinds[1], ((self.below, Test.POSITIVE),), sign),

@@ -1,0 +1,40 @@
+"""Figures of chapter 8 from the model: dataset -> checks -> picture. Run: snakemake -j2"""
+
+import time
+
+from snakemake.utils import min_version
+
+min_version("9.19")  # the first that reads profiles/default/profile.yaml
+
+
+configfile: "config/config.yaml"
+
+
+report: "workflow/report/workflow.rst"
+
+
+STARTED = time.time()
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/checks.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        collect("results/figures/{figure}.{format}", figure=config["figures"], format=["png", "pdf"]),
+        "results/checks.md",
+        "results/verdict.txt",
+    message:
+        "All figures are drawn and all checks passed"
+
+
+onsuccess:
+    remove_leftovers()
+    print_results(STARTED)
+
+
+onerror:
+    print_results(STARTED)

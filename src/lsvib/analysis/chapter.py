@@ -1,0 +1,28 @@
+"""What the chapter prints, and for which drives: the yardstick of the checks."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A printed number: value, unit, source, the drive where it is not Table 8.1, relative tolerance and its reason."""
+
+    value: float
+    unit: str
+    source: str
+    drive: dict[str, float]
+    tolerance: float = 0.02
+    reason: str = "printed with ≈; 2 % allows for the reading of a printed axis"
+
+
+_NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
+
+SUPPORT_SCREW_MASS = 11.6  # m_1 [kg] of the model with axial support, Fig. 8.15
+
+THRESHOLDS = {
+    "critical_mass": Claim(10.10, "kg", "Sect. 8.6.1, eq. 8.20", {}),
+    "critical_friction": Claim(0.285, "1", "Fig. 8.15, eqs 8.27 and 8.28", {"mass": 15.0}),
+    "onset_force": Claim(20.0, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+    "stick_force": Claim(34.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+    "detach_force": Claim(46.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+}

@@ -1,0 +1,88 @@
+"""Thresholds and linear stability of a drive as plain values, ready for JSON."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lsvib.analysis import chapter, thresholds
+from lsvib.analysis.conditions import conditions, critical_friction, critical_mass
+from lsvib.analysis.stability import Stability, eigenvalues, stability_class
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import LeadScrew
+
+_COMPUTE: dict[str, Callable[[LeadScrew], float | None]] = {
+    "critical_mass": critical_mass,
+    "critical_friction": lambda drive: critical_friction(drive, chapter.SUPPORT_SCREW_MASS),
+    "onset_force": thresholds.onset_force,
+    "stick_force": thresholds.stick_force,
+    "detach_force": thresholds.detach_force,
+}
+_ABSENT = {
+    "critical_mass": "The drive is not self-locking, so no mass makes the effective inertia vanish.",
+    "critical_friction": "No friction coefficient below cot(lead_angle) makes the effective inertia vanish.",
+}
+
+
+def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[str, Any]]:
+    """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
+
+    Returns by name: ``value`` and ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and
+    whether it ``passed`` – all four None if ``changes`` leave the chapter's parameters – and ``reason`` if there is no
+    such threshold (value None). Raises ``InputError`` for unacceptable parameters.
+    """
+    table = {}
+    for name, claim in chapter.THRESHOLDS.items():
+        original = LeadScrew.of(claim.drive)
+        drive = original.replace(**(changes or {}))
+        reason = None
+        try:
+            value = _COMPUTE[name](drive)
+        except thresholds.NoThreshold as absent:
+            value, reason = None, str(absent)
+        if value is None and reason is None:
+            reason = _ABSENT[name]
+        as_printed = drive == original
+        error = abs(value - claim.value) / claim.value if as_printed and value is not None else None
+        table[name] = {
+            "value": value,
+            "unit": claim.unit,
+            "expected": claim.value if as_printed else None,
+            "tolerance": claim.tolerance if as_printed else None,
+            "relative_error": error,
+            "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
+            "source": claim.source,
+        }
+        if reason:
+            table[name]["reason"] = reason
+    return table
+
+
+def stability_table(changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Linear stability of steady sliding (eqs 8.18–8.21) of a drive, Table 8.1 with ``changes``.
+
+    Returns ``stable``, ``class``, ``eigenvalues`` [1/s], the ``steady_law`` s_0, the effective coefficients of both
+    laws, the steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of
+    :func:`conditions`. With a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its
+    eigenvalues.
+    """
+    drive = LeadScrew.of(changes or {})
+    c = coefficients(drive)
+    law = c.steady_law
+    if c.net_force == 0:
+        raise InputError(
+            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
+        )
+    gamma, damping = float(c.gamma[law]), float(c.damping[law])
+    pair = eigenvalues(gamma, damping, drive.coupling_stiffness)
+    kind = Stability(int(stability_class(gamma, damping, drive.coupling_stiffness)))
+    return {
+        "stable": kind in (Stability.STABLE_NODE, Stability.STABLE_FOCUS),
+        "class": kind.name.lower(),
+        "eigenvalues": [{"real": float(x.real), "imaginary": float(x.imag)} for x in pair],
+        "steady_law": law,
+        "effective_inertia": {"plus": float(c.gamma[1]), "minus": float(c.gamma[-1]), "unit": "kg m2"},
+        "effective_damping": {"plus": float(c.damping[1]), "minus": float(c.damping[-1]), "unit": "N m s rad-1"},
+        "steady_deflection": {"value": float(c.deflection), "unit": "rad"},
+        "paradox_region": c.paradox,
+        "conditions": conditions(drive),
+    }

@@ -1,0 +1,255 @@
+"""The ``lsvib`` command."""
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, CycloptsError, Parameter
+
+from lsvib import __version__
+from lsvib.errors import InputError, LsvibError
+
+app = App(
+    name="lsvib",
+    help="Friction-induced vibration of lead-screw drives, computed exactly from event to event.",
+    version=__version__,
+    result_action="return_value",
+)
+
+_ONE_VALUE = {"negative_iterable": ""}
+Changes = Annotated[
+    list[str] | None,
+    Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **_ONE_VALUE),
+]
+AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
+
+
+@app.command
+def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Compute the chapter's thresholds: critical mass, critical friction, and the forces of Fig. 8.6.
+
+    Examples:
+
+        lsvib thresholds
+
+        lsvib thresholds --set translation_damping=2000 --json
+    """
+    from lsvib.analysis.summary import threshold_table
+
+    table = threshold_table(_pairs(changes))
+    if as_json:
+        _print_json(table)
+        return
+    for name, entry in table.items():
+        if entry["value"] is None:
+            print(f"{name:18s} none: {entry['reason']}")
+            continue
+        line = f"{name:18s} {entry['value']:.12g} {entry['unit']}"
+        if entry["expected"] is not None:
+            verdict = "pass" if entry["passed"] else "FAIL"
+            line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
+        print(line)
+
+
+@app.command
+def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
+
+    Examples:
+
+        lsvib stability --set mass=11
+
+        lsvib stability --set mass=1 --set translation_damping=1000 --set axial_force=25 --json
+    """
+    from lsvib.analysis.summary import stability_table
+
+    table = stability_table(_pairs(changes))
+    if as_json:
+        _print_json(table)
+        return
+    print(f"steady sliding is {'stable' if table['stable'] else 'unstable'} ({table['class'].replace('_', ' ')})")
+    for value in table["eigenvalues"]:
+        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
+    for quantity in ("effective_inertia", "effective_damping"):
+        entry = table[quantity]
+        print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
+    for name, condition in table["conditions"].items():
+        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")
+
+
+@app.command
+def simulate(
+    *,
+    out: Path,
+    model: str = "rigid",
+    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    changes: Changes = None,
+    initial: Annotated[
+        list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **_ONE_VALUE)
+    ] = None,
+    t_end: Annotated[float | None, Parameter(help="End time [s].")] = None,
+    samples: Annotated[int | None, Parameter(help="Number of output times, both ends included.")] = None,
+    resume: Annotated[str | None, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a drive exactly and write its motion and events as netCDF.
+
+    Examples:
+
+        lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --initial u=0.1 w=0
+        --t-end 0.5 --out motion.nc
+
+        lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write.
+    model:
+        Model of the drive: rigid.
+    """
+    from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
+    from lsvib.datasets.writer import write_dataset
+
+    given: dict[str, Any] = {"t_end": t_end, "samples": samples, "resume": resume}
+    given = {key: value for key, value in given.items() if value is not None}
+    if initial:
+        given["initial"] = _pairs(initial)
+    if scene is None or model != "rigid":
+        given["model"] = model
+    checked = as_scene(scene, **given, **_pairs(changes))
+    motion = run(checked)
+    write_dataset(trajectory(checked, motion), out)
+    result = summary(checked, motion)
+    if as_json:
+        _print_json(result)
+        return
+    print(f"wrote {out}")
+    final = result["final_state"]
+    print(f"final state: u = {final['u']:.15g} rad, w = {final['w']:.15g} rad/s, {final['mode'].replace('_', ' ')}")
+    print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
+    print(f"attractor: {result['attractor'].replace('_', ' ')}")
+    print(f"peak normal force: {result['peak_normal_force']:.10g} N")
+
+
+@app.command
+def figure(
+    number: str,
+    *,
+    changes: Changes = None,
+    config: Annotated[Path, Parameter(help="Settings of the figures.")] = Path("config/config.yaml"),
+    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Build one figure of the chapter: its dataset, its checks, and the picture as PNG and PDF.
+
+    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
+
+    Examples:
+
+        lsvib figure 8.6
+
+        lsvib figure 8.9 --set support_damping=4e-4 --out mine
+
+    Parameters
+    ----------
+    number:
+        Number of the figure in the chapter, e.g. 8.6.
+    """
+    from importlib import import_module
+    from importlib.util import find_spec
+
+    from lsvib.datasets.writer import write_dataset
+    from lsvib.files import write_json
+    from lsvib.models.scene import read_yaml
+
+    chapter, _, rest = number.partition(".")
+    name = f"fig{chapter}_{rest.zfill(2)}"
+    settings = read_yaml(config)
+    if name not in settings or not name.isidentifier() or find_spec(f"lsvib.datasets.{name}") is None:
+        known = ", ".join(f"8.{int(key[5:])}" for key in settings if key.startswith("fig8_"))
+        raise InputError(f"figure {number} is not one of those in {config}: {known}.")
+    section = settings[name]
+    section["drive"] = {**section.get("drive", {}), **_pairs(changes)}
+    module = import_module(f"lsvib.datasets.{name}")
+    dataset = module.build(section)
+    checks = module.checks(dataset)
+    drawn = import_module(f"lsvib.figures.{name}").draw(dataset)
+    for folder in ("datasets", "figures", "checks"):
+        (out / folder).mkdir(parents=True, exist_ok=True)
+    write_dataset(dataset, out / "datasets" / f"{name}.nc")
+    write_json([check.to_json() for check in checks], out / "checks" / f"{name}.json")
+    from lsvib.figures.style import save
+
+    picture = out / "figures" / f"{name}.png"
+    save(drawn, picture, picture.with_suffix(".pdf"))
+    if as_json:
+        _print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
+        return
+    for check in checks:
+        print(check.sentence())
+    print(f"wrote {picture}, its PDF, dataset and checks")
+    if not changes and not all(check.passed for check in checks):
+        raise LsvibError(f"figure {number}: a check failed; see the lines above.")
+
+
+@app.command
+def config(
+    *,
+    changes: Changes = None,
+    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the effective parameters of a drive, with units and allowed ranges.
+
+    Examples:
+
+        lsvib config
+
+        lsvib config --set lead_angle_deg=4 --json
+    """
+    from lsvib.models.parameters import LeadScrew, allowed_range
+    from lsvib.models.scene import read_yaml
+
+    base = read_yaml(scene).get("drive", {}) if scene else {}
+    drive = LeadScrew.of(base).replace(**_pairs(changes))
+    fields = {
+        key: {
+            "value": value,
+            "unit": LeadScrew.model_fields[key].json_schema_extra["unit"],
+            "symbol": LeadScrew.model_fields[key].json_schema_extra["symbol"],
+            "allowed": allowed_range(LeadScrew, key),
+        }
+        for key, value in drive
+    }
+    if as_json:
+        _print_json(fields)
+        return
+    for key, entry in fields.items():
+        print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+
+
+def _pairs(items: list[str] | None) -> dict[str, str]:
+    """Split KEY=VALUE items; the values stay text, which the models read and check."""
+    pairs = {}
+    for item in items or []:
+        key, equals, value = item.partition("=")
+        if not equals or not key or not value:
+            raise InputError(f"{item!r} is not of the form KEY=VALUE.")
+        pairs[key] = value
+    return pairs
+
+
+def _print_json(value: Mapping[str, Any]) -> None:
+    print(json.dumps(value, indent=2, allow_nan=False))
+
+
+def main() -> None:
+    """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
+    try:
+        app(exit_on_error=False, print_error=False)
+    except (CycloptsError, LsvibError) as error:
+        print(f"lsvib: {' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,108 @@
+"""Figure 8.9: trajectories (a) below and (b) above the critical mass, and how the cycle of (b) depends on the axial force."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.conditions import critical_mass
+from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
+from lsvib.analysis.impact import seizure_impulses, seizure_speeds
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.models.parameters import LeadScrew
+from lsvib.models.rigid import rigid_drive
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text does not state.
+
+    ``settings``: ``drive``; ``cases`` (a) and (b), changes of the drive; ``starts``, ``duration`` [s], ``samples``;
+    ``axial_force`` [N] with ``start``, ``stop``, ``count``. Raises ``InputError``.
+    """
+    drive = LeadScrew.of(settings["drive"])
+    drives = [drive.replace(**changes) for changes in settings["cases"]]
+    critical = critical_mass(drive)
+    if critical is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    forces = phase.span(settings["axial_force"])
+    return xr.Dataset(
+        phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
+        | _sensitivity(drives[-1], forces, settings["starts"][0]),
+        coords={
+            **phase.cases(drives, ["mass", "axial_force"], ["axial_force"]),
+            **phase.rule_coordinate(),
+            "force": ("force", forces, phase.parameter("axial_force", ["axial_force"])),
+            "critical_mass": ((), critical, phase.attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+        },
+        attrs={
+            "title": "Figure 8.9: trajectories below and above the critical mass",
+            "source": "lsvib, exact event-driven motion and its return map",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.9",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
+    gamma, mass, critical = dataset.effective_inertia.values, dataset.mass.values, float(dataset.critical_mass)
+    light, heavy = dataset.attractor.values
+    amplitude = dataset.amplitude.values[1].ravel()
+    spread = float(np.ptp(amplitude) / amplitude.max()) if amplitude.max() > 0 else np.inf
+    labels = dataset.force_attractor.values
+    speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
+    swing = float(np.ptp(speed) / (speed.max() + speed.min()))
+    return [
+        Check.holds(
+            "The critical mass lies between the masses of (a) and (b), and Γ₊ changes sign there",
+            "Sect. 8.6.1, eq. 8.20",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg, m_cr = {critical:.4f} kg",
+            bool(gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]),
+        ),
+        Check.holds(
+            "(a) below the critical mass every motion decays to the origin",
+            "Sect. 8.6.1, Fig. 8.9a",
+            f"{int((light == Attractor.STEADY_SLIDING).sum())} of {light.size}",
+            bool((light == Attractor.STEADY_SLIDING).all()),
+        ),
+        Check.holds(
+            "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",
+            "Sect. 8.6.1, Fig. 8.9b",
+            f"{int((heavy == Attractor.SPRAG_SLIP_CYCLE).sum())} of {heavy.size}, amplitude {amplitude[0]:.6g} rad, "
+            f"relative spread {spread:.1e}",
+            bool((heavy == Attractor.SPRAG_SLIP_CYCLE).all()) and spread < 1e-12,
+        ),
+        Check.holds(
+            "The axial force, which the text leaves out, changes neither the kind of motion in (b) nor, by 2 %, the impact speed "
+            "that the peak force is proportional to",
+            "Sect. 8.6.1, Figs 8.9b, 8.10b",
+            f"R from {float(dataset.force[0]):g} to {float(dataset.force[-1]):g} N: sprag-slip, impact speed "
+            f"{speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude {dataset.force_amplitude.values.max():.3g} down to "
+            f"{dataset.force_amplitude.values.min():.3g} rad",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all()) and swing < 0.02,
+        ),
+    ]
+
+
+def _sensitivity(drive: LeadScrew, forces: np.ndarray, start: Mapping[str, float]) -> phase.Variables:
+    rows = []
+    for force in forces:
+        pushed = drive.replace(axial_force=float(force))
+        steady = steady_state(rigid_drive(pushed), [start["u"], start["w"]])
+        row = [steady.label, steady.amplitude, np.nan, np.nan, np.nan]
+        if steady.orbit is not None:
+            speeds = np.abs(seizure_speeds(pushed, steady.orbit))
+            largest = speeds.max() if speeds.size else np.nan
+            low, high = orbit_extremes(steady.orbit, steady.orbit.automaton.observables["normal_force"])
+            row[2:] = largest, max(-low, high), float(seizure_impulses(pushed, largest).normal)
+        rows.append(row)
+    label, amplitude, speed, peak, impulse = np.array(rows, dtype=float).T
+    return {
+        "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor in case (b)", Attractor)),
+        "force_amplitude": ("force", amplitude, phase.attributes("rad", "amplitude of the steady vibration in case (b)")),
+        "impact_speed": ("force", speed, phase.attributes("rad s-1", "screw speed just before a seizure", r"$\dot\theta$")),
+        "peak_normal_force": ("force", peak, phase.attributes("N", "largest finite normal force, impulses apart", "$|N|$")),
+        "normal_impulse": ("force", impulse, phase.attributes("N s", "normal impulse of a seizure")),
+    }

@@ -1,0 +1,130 @@
+"""Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
+
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for a mass beyond m_cr.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.thresholds import global_stability_force
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.models.parameters import LeadScrew
+from lsvib.models.rigid import EventKind, rigid_drive
+
+_ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
+
+    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a) and (b); ``starts``,
+    ``duration`` [s], ``samples``. Raises ``InputError``.
+    """
+    drive = LeadScrew.of(settings["drive"])
+    drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+    heavy = drives[-1]
+    threshold = global_stability_force(heavy)
+    bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
+    labels = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase.RULES] for r in bracket]
+    return xr.Dataset(
+        phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
+        | {
+            "bracket_attractor": (
+                ("bracket", "rule"),
+                np.array(labels, np.int8),
+                phase.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
+            ),
+        },
+        coords={
+            **phase.cases(drives, ["mass", "axial_force", "support_damping"]),
+            **phase.rule_coordinate(),
+            "bracket": ("bracket", bracket, phase.attributes("N", "axial force beside the threshold", "$R$")),
+            "global_stability_force": (
+                (),
+                threshold,
+                phase.attributes("N", "axial force below which steady sliding is globally stable, beyond m_cr", "$R$"),
+            ),
+        },
+        attrs={
+            "title": "Figure 8.14: trajectories under a negative axial force",
+            "source": "lsvib, exact event-driven motion and its return map",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7, Fig. 8.14",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
+    mass, force, gamma = dataset.mass.values, dataset.axial_force.values, dataset.effective_inertia.values
+    printed, beyond = (slice(0, 2), slice(2, 4))
+    result = [
+        Check.holds(
+            "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
+            "Sect. 8.7, Fig. 8.14",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
+            bool((gamma[printed] > 0).all() and (gamma[beyond] < 0).all()),
+        )
+    ]
+    for case, note in ((0, " (as printed)"), (2, "")):
+        labels = dataset.attractor.values[case]
+        touches = _line_crossings(dataset, case)
+        result.append(
+            Check.holds(
+                f"(a) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: every trajectory meets N = 0 and yet reaches the origin",
+                "Sect. 8.7, Fig. 8.14a",
+                f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}",
+                bool((labels == Attractor.STEADY_SLIDING).all()) and min(touches) > 0,
+            )
+        )
+    for case, note, expected, words in (
+        (1, " (as printed)", Attractor.STEADY_SLIDING, "there is no limit cycle, unlike the text's figure; every trajectory reaches the origin"),
+        (3, "", Attractor.SPRAG_SLIP_CYCLE, "every trajectory ends on a limit cycle, the same under either rule of resuming"),
+    ):
+        labels, amplitude = dataset.attractor.values[case], dataset.amplitude.values[case].ravel()
+        result.append(
+            Check.holds(
+                f"(b) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {words}",
+                "Sect. 8.7, Fig. 8.14b",
+                f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad",
+                bool((labels == expected).all()) and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max()),
+            )
+        )
+    threshold = float(dataset.global_stability_force)
+    labels = dataset.bracket_attractor.values
+    result += [
+        Check.holds(
+            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
+            "Sect. 8.7",
+            f"R = {threshold:.10g} N",
+            bool(force[2] < threshold < force[3]),
+        ),
+        Check.holds(
+            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
+            "Sect. 8.7",
+            f"{_names(labels[0])} just above, {_names(labels[1])} just below {threshold:.10g} N",
+            bool((labels[0] == Attractor.SPRAG_SLIP_CYCLE).all() and (labels[1] == Attractor.STEADY_SLIDING).all()),
+        ),
+    ]
+    return result
+
+
+def _from_release(drive: LeadScrew, rule: str) -> Attractor:
+    """Attractor of the motion from the end of rest, u = c Ω / k, u′ = −Ω."""
+    start = [drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed]
+    return steady_state(rigid_drive(drive, resume=rule), start).label
+
+
+def _line_crossings(dataset: xr.Dataset, case: int) -> list[int]:
+    """How often each motion of a case arrives at N = 0 after its start."""
+    kinds, times = dataset.event_kind.values[case], dataset.event_time.values[case]
+    meets = np.isin(kinds, [EventKind.SEIZURE, EventKind.CONTACT_REVERSAL]) & (times > 0)
+    return meets.sum(axis=1).tolist()
+
+
+def _names(labels: np.ndarray) -> str:
+    return " and ".join(sorted({Attractor(label).name.lower().replace("_", " ") for label in labels.ravel()}))

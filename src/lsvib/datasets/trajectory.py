@@ -1,0 +1,163 @@
+"""Simulate a scene: the exact motion as a CF dataset, and its summary."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
+from lsvib.models.motion import Motion, follow
+from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.models.scene import Scene, read_yaml
+
+_LONG_NAMES = {
+    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
+    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "normal_force": ("normal force of the threads", "N", "$N$"),
+    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
+    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
+    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
+}
+
+
+def flags(kinds) -> dict[str, Any]:
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
+    return {
+        "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
+        "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
+    }
+
+
+def quantity(name: str) -> dict[str, str]:
+    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of the rigid drive."""
+    long_name, units, symbol = _LONG_NAMES[name]
+    return {"long_name": long_name, "units": units, "symbol": symbol}
+
+
+def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, **changes: Any) -> xr.Dataset:
+    """Simulate a scene exactly and return its trajectory.
+
+    Arguments: a :class:`Scene`, names and values of one, or the path of a YAML file; ``changes`` are keys of the scene
+    (``initial``, ``t_end``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...) that replace the
+    scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the scene's
+    outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode after, state before and
+    after. At the time of an event the samples are those after it. Raises ``InputError`` or ``EngineError`` in one
+    sentence.
+
+    >>> import lsvib
+    >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
+    >>> int(motion.sizes["event"])
+    10
+    """
+    scene = as_scene(scene, **changes)
+    return trajectory(scene, run(scene))
+
+
+def as_scene(scene: Scene | Mapping[str, Any] | str | Path | None = None, **changes: Any) -> Scene:
+    """Return a checked scene from any of the forms that :func:`simulate` takes."""
+    if isinstance(scene, Scene):
+        values = scene.model_dump()
+    elif isinstance(scene, (str, Path)):
+        values = read_yaml(scene)
+    else:
+        values = dict(scene or {})
+    own = {key: value for key, value in changes.items() if key in Scene.model_fields}
+    drive = {key: value for key, value in changes.items() if key not in own}
+    if drive.keys() & {"lead_angle", "lead_angle_deg"} and isinstance(values.get("drive"), Mapping):
+        values["drive"] = {k: v for k, v in values["drive"].items() if k not in ("lead_angle", "lead_angle_deg")}
+    values |= own
+    values["drive"] = {**dict(values.get("drive") or {}), **drive}
+    return Scene.of(values)
+
+
+def run(scene: Scene) -> Motion:
+    """Follow the motion of a scene to its end."""
+    automaton = rigid_drive(scene.drive, rest="rest" in scene.terms, resume=scene.resume)
+    return follow(automaton, [scene.initial["u"], scene.initial["w"]], scene.t_end)
+
+
+def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
+    """Return the dataset of a motion of a scene."""
+    times = np.linspace(0.0, scene.t_end, scene.samples)
+    states, modes = motion.at(times)
+    codes = motion.automaton.codes
+    data = {
+        "angle_deviation": ("time", states[:, 0], quantity("angle_deviation")),
+        "velocity_deviation": ("time", states[:, 1], quantity("velocity_deviation")),
+        "mode": ("time", codes[modes], {"long_name": "mode of motion", "units": "1", **flags(MotionMode)}),
+    }
+    for name in scene.outputs:
+        data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
+    data |= _events(motion)
+    return xr.Dataset(
+        data,
+        coords={
+            "time": ("time", times, {"long_name": "time", "units": "s", "symbol": "$t$"}),
+            "event": ("event", np.arange(motion.time.size), {"long_name": "index of the event", "units": "1"}),
+        },
+        attrs={
+            "title": f"Motion of the {scene.model} lead-screw drive",
+            "source": "lsvib, exact event-driven simulation",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, eqs 8.13-8.17",
+            "model": scene.model,
+            "parameters": json.dumps(scene.parameters()),
+            "physics": " ".join(scene.terms),
+            "resume": scene.resume,
+            "initial_state": json.dumps(dict(scene.initial)),
+        },
+    )
+
+
+def _events(motion: Motion) -> dict[str, tuple]:
+    events = {
+        "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
+        "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(EventKind)}),
+        "event_sign": (
+            motion.sign,
+            {
+                "long_name": "sign of the impulse of a seizure, or of the normal force after a contact reversal",
+                "units": "1",
+                "flag_values": np.array([-1, 0, 1], dtype=np.int8),
+                "flag_meanings": "negative none positive",
+            },
+        ),
+        "event_mode": (
+            motion.automaton.codes[motion.mode],
+            {"long_name": "mode of motion after the event", "units": "1", **flags(MotionMode)},
+        ),
+    }
+    for when, states in (("before", motion.before), ("after", motion.after)):
+        for column, name in enumerate(("angle_deviation", "velocity_deviation")):
+            attributes = quantity(name)
+            attributes["long_name"] += f", {when} the event"
+            events[f"event_{name}_{when}"] = (states[:, column], attributes)
+    return {name: ("event", values, attributes) for name, (values, attributes) in events.items()}
+
+
+def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
+    """Summarise a motion for JSON.
+
+    ``final_state`` (u [rad], w [rad/s], mode), ``events`` (count by kind), ``attractor`` (where the motion goes on to,
+    decided by the return map), ``peak_normal_force`` (largest finite |N| [N] along the motion; the impulses of seizures
+    are counted apart), ``status``.
+    """
+    automaton = motion.automaton
+    low, high = orbit_extremes(motion, automaton.observables["normal_force"])
+    attractor = steady_state(automaton, motion.end_state, mode=motion.end_mode).label
+    counts = np.bincount(motion.kind, minlength=len(EventKind))
+    return {
+        "model": scene.model,
+        "t_end": scene.t_end,
+        "final_state": {
+            "u": float(motion.end_state[0]),
+            "w": float(motion.end_state[1]),
+            "mode": MotionMode(int(automaton.codes[motion.end_mode])).name.lower(),
+        },
+        "events": {kind.name.lower(): int(counts[kind]) for kind in EventKind if counts[kind]},
+        "attractor": Attractor(attractor).name.lower(),
+        "peak_normal_force": max(-low, high),
+        "status": motion.status.name.lower(),
+    }

@@ -1,0 +1,62 @@
+"""Figure 8.6: amplitude of the steady vibration against the axial force, with phase portraits as insets."""
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lsvib.figures import phase, style
+
+_REGIMES = {
+    "steady sliding": (style.BLACK, "no vibration"),
+    "slip cycle": (style.BLUE, "cycle of pure slip"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
+    "stick slip in contact": (style.VERMILION, "stick–slip, $N > 0$"),
+}
+_THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}
+# Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
+_PLACES = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
+
+_THIN = (0.6, 0.6, 0.6, 0.6)
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
+    figure = style.new_figure(style.DOUBLE, 4.2)
+    axes = figure.add_subplot()
+    names = style.flag_names(dataset.regime)
+    for value, name in names.items():
+        if name in _REGIMES:
+            colour, words = _REGIMES[name]
+            inside = dataset.regime == value
+            axes.plot(dataset.force[inside], dataset.vibration_amplitude[inside], color=colour, linewidth=2.2, label=words)
+    top = 1.12 * float(dataset.vibration_amplitude.max())
+    for name, word in _THRESHOLDS.items():
+        force = float(dataset[name])
+        axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
+        axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
+    axes.set(
+        xlabel=style.label(dataset.force),
+        ylabel=style.label(dataset.vibration_amplitude, "amplitude of $u$"),
+        xlim=(float(dataset.force[0]), float(dataset.force[-1])),
+        ylim=(-0.02 * top, top),
+    )
+    insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]
+    for small, index in zip(insets, dataset.case.values, strict=True):
+        _inset(small, dataset.sel(case=index))
+    phase.legend(figure, [axes, *insets], 4)
+    return figure
+
+
+def _inset(small: Axes, case: xr.Dataset) -> None:
+    """Draw the phase portrait of one force."""
+    phase.draw_motions(small, case, widths=_THIN)
+    phase.draw_cycle(small, case, width=1.4)
+    phase.mark_origin(small)
+    phase.widen(small, case, 0.1)
+    phase.draw_lines(small, case)
+    small.locator_params(nbins=4)
+    small.set_title(f"$R$ = {phase.number(case.axial_force)} N", fontsize=7, pad=2)
+    small.tick_params(labelsize=6, pad=1.5)
+    small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)
+    small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)

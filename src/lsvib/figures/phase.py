@@ -1,0 +1,133 @@
+"""Draw phase planes from the variables that ``lsvib.datasets.phase`` lays down: one case, a few motions, lines and marks."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lsvib.figures import style
+
+MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
+EVEN = (1.1, 1.1, 1.1, 1.1)
+OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
+_DOTTED = (0, (1, 1.2))
+
+
+def single(dataset: xr.Dataset) -> Figure:
+    """Return a figure of the only case of a dataset."""
+    figure = style.new_figure(style.SINGLE * 1.25, 3.4)
+    axes = figure.add_subplot()
+    case = dataset.isel(case=0)
+    draw_motions(axes, case)
+    draw_cycle(axes, case)
+    mark_origin(axes)
+    widen(axes, case)
+    draw_lines(axes, case)
+    label_axes(axes, dataset)
+    axes.set_title(f"$R$ = {number(case.axial_force)} N")
+    legend(figure, [axes], 3)
+    return figure
+
+
+def label_axes(axes: Axes, dataset: xr.Dataset) -> None:
+    """Label both axes with u and its rate."""
+    axes.set_xlabel(style.label(dataset.angle_deviation, "deviation"))
+    axes.set_ylabel(style.label(dataset.velocity_deviation, "rate"))
+
+
+def draw_lines(axes: Axes, case: xr.Dataset, colour: str = style.VERMILION, name: str = "$N = 0$") -> None:
+    """Draw the line N = 0 of one case and θ′ = 0, without any change of the axes' limits."""
+    limits = axes.axis()
+    angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
+    rates = np.array(limits[2:])
+    axes.plot(angle + slope * rates, rates, color=colour, linestyle=(0, (5, 2)), linewidth=1.0, label=name, zorder=1.5)
+    axes.axhline(
+        float(case.stop_velocity), color=style.GREY, linestyle=(0, (6, 2, 1, 2)), linewidth=1.0, label=r"$\dot\theta = 0$", zorder=1.4
+    )
+    axes.axis(limits)
+
+
+def draw_motions(
+    axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, widths: Sequence[float] = EVEN
+) -> None:
+    """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
+    for index, colour, width in zip(range(case.sizes["start"]), colours, widths, strict=False):
+        motion = case.isel(start=index)
+        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
+        _broken_line(axes, u, w, (np.diff(time) == 0) & (np.diff(w) != 0), colour, width, "motion")
+        rests = (motion["mode"] == _code(motion["mode"], "rest")).values
+        if rests.any():
+            still = np.where(rests, u, np.nan), np.where(rests, w, np.nan)
+            axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
+        seized = (motion.event_kind == _code(motion.event_kind, "seizure")).values
+        if seized.any():
+            mark_seizures(axes, motion.event_angle.values[seized], motion.event_velocity_before.values[seized], colour)
+        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
+
+
+def draw_cycle(
+    axes: Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
+) -> None:
+    """Draw the limit cycle of one case, if it has one, its jumps dotted."""
+    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+    if np.isfinite(u).any():
+        _broken_line(axes, u, w, cycle_jumps(case), colour, width, name)
+
+
+def cycle_jumps(case: xr.Dataset) -> np.ndarray:
+    """Return, for each sample of a limit cycle, whether the rate jumps from it to the next one (the first after the last)."""
+    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+    return (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
+
+
+def mark_seizures(axes: Axes, u, w, colour: str) -> None:
+    """Mark states in which a seizure starts."""
+    axes.plot(u, w, "v", color=colour, markersize=3.2, label="start of a seizure", zorder=3)
+
+
+def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
+    """Draw a line that is solid but for its jumps, which are dotted."""
+    after = np.flatnonzero(jumps) + 1
+    axes.plot(np.insert(u, after, np.nan), np.insert(w, after, np.nan), color=colour, linewidth=width, label=name, zorder=2.2)
+    for k in after:
+        axes.plot(
+            u[k - 1 : k + 1], w[k - 1 : k + 1], color=colour, linewidth=0.8 * width, linestyle=_DOTTED, label="seizure: jump of the rate"
+        )
+
+
+def mark_origin(axes: Axes) -> None:
+    """Mark steady sliding, the origin."""
+    axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
+
+
+def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Artist] = ()) -> None:
+    """Put one legend above the panels: the ``first`` artists, then what the panels name, each name once."""
+    entries = {artist.get_label(): artist for artist in first}
+    for panel in axes:
+        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+            entries.setdefault(name, handle)
+    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=columns)
+
+
+def widen(axes: Axes, case: xr.Dataset, margin: float = 0.06) -> None:
+    """Set limits around the motions and the line θ′ = 0 of one case."""
+    u, w = case.angle_deviation.values, np.append(case.velocity_deviation.values, float(case.stop_velocity))
+    for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
+        room = margin * np.ptp(x)
+        limits(x.min() - room, x.max() + room)
+
+
+def number(value: float) -> str:
+    """Return a number for a title: a minus sign in place of a hyphen, a power of ten where it is short."""
+    text = f"{float(value):g}".replace("-", "−")
+    if "e" not in text and abs(float(value)) >= 0.01 or float(value) == 0:
+        return text
+    mantissa, power = f"{float(value):.3e}".split("e")
+    return f"${float(mantissa):g} \\times 10^{{{int(power)}}}$"
+
+
+def _code(variable: xr.DataArray, word: str) -> int:
+    return next(value for value, name in style.flag_names(variable).items() if name == word)

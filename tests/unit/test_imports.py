@@ -1,0 +1,66 @@
+"""What a module loads: no engine for eigenvalues, no matplotlib for data, no engine for pictures; import contracts."""
+
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import grimp
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = Path(find_spec("lsvib").origin).parent
+DATASETS = sorted(path.stem for path in (PACKAGE / "datasets").glob("fig8_*.py"))
+FIGURES = sorted(path.stem for path in (PACKAGE / "figures").glob("fig8_*.py"))
+HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
+
+
+def loaded(statement: str) -> set[str]:
+    """Names of all modules that a fresh Python has loaded after a statement."""
+    program = f"{statement}\nimport sys\nprint(*sys.modules)"
+    return set(
+        subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    )
+
+
+def test_every_dataset_has_a_figure():
+    assert DATASETS == FIGURES
+    assert {"fig8_03", "fig8_08"} <= set(DATASETS)
+
+
+def test_the_package_itself_loads_nothing_heavy():
+    names = loaded("import lsvib, lsvib.core, lsvib.models, lsvib.analysis, lsvib.datasets, lsvib.figures")
+    assert not names & HEAVY
+
+
+@pytest.mark.parametrize("module", ["datasets.fig8_03", "datasets.fig8_08", "analysis.stability", "datasets.writer"])
+def test_no_engine_where_none_is_needed(module):
+    assert "numba" not in loaded(f"import lsvib.{module}")
+
+
+@pytest.mark.parametrize("figure", DATASETS)
+def test_dataset_modules_load_no_matplotlib(figure):
+    assert "matplotlib" not in loaded(f"import lsvib.datasets.{figure}")
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_figure_modules_load_no_engine(figure):
+    names = loaded(f"import lsvib.figures.{figure}")
+    assert not names & {"numba", "matplotlib.pyplot", "scipy"}
+
+
+@pytest.mark.parametrize("module", [f"datasets.{n}" for n in DATASETS] + [f"figures.{n}" for n in FIGURES])
+def test_what_is_loaded_is_known_to_the_workflow(module):
+    """The workflow reruns a figure when a file in its import closure changes: no module may be loaded outside of it."""
+    name = f"lsvib.{module}"
+    closure = grimp.build_graph("lsvib", cache_dir=None).find_upstream_modules(name) | {name}
+    packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
+    ours = {m for m in loaded(f"import {name}") if m == "lsvib" or m.startswith("lsvib.")}
+    assert ours <= closure | packages
+
+
+def test_import_contracts_hold():
+    command = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout
+    assert "0 broken" in run.stdout

@@ -1,0 +1,51 @@
+"""What the README promises about set-up: two lines, complete pins, nothing but pip."""
+
+import re
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+import lsvib
+
+ROOT = Path(__file__).parents[2]
+
+
+def pins(name: str) -> dict[str, str]:
+    lines = (ROOT / name).read_text(encoding="utf-8").splitlines()
+    return dict(line.split("==") for line in lines if "==" in line)
+
+
+@pytest.mark.parametrize(
+    ("requirements", "program"), [("requirements.txt", "snakemake -j2"), ("requirements-dev.txt", "pytest")]
+)
+def test_readme_has_the_line(requirements, program):
+    line = f"python3 -m venv .venv && .venv/bin/pip install -r {requirements} && .venv/bin/{program}"
+    assert (ROOT / "README.md").read_text(encoding="utf-8").splitlines().count(line) == 1
+    assert program.split()[0] in pins(requirements)
+
+
+def test_requirements_pin_what_the_project_declares():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    extras = project["optional-dependencies"]
+    names = [re.split("[>=]", text)[0] for text in project["dependencies"] + extras["workflow"]]
+    tools = [re.split("[>=]", text)[0] for text in extras["dev"]]
+    assert set(pins("requirements.txt")) == set(names)
+    assert set(pins("requirements-dev.txt")) == set(tools)
+    assert (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()[-1] == "-e ."
+    assert "-r requirements.txt" in (ROOT / "requirements-dev.txt").read_text(encoding="utf-8").splitlines()
+
+
+def test_installed_versions_are_the_pinned_ones():
+    wanted = pins("requirements.txt") | pins("requirements-dev.txt")
+    assert {name: version(name) for name in wanted} == wanted
+
+
+def test_versions_agree():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        declared = tomllib.load(file)["project"]["version"]
+    assert version("lsvib") == lsvib.__version__ == declared
+    assert f"\nversion: {declared}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"## {declared} " in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

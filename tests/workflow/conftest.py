@@ -1,0 +1,95 @@
+"""A copy of the project with a tiny configuration, and a way to run Snakemake in it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
+TINY = "figures: [fig8_03, fig8_08]\n"
+DONE = "All figures are drawn and all checks passed"
+
+
+class Project:
+    """A copy of the project in a folder of its own; what runs there imports the copy, not the installed lsvib."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.environment = {**os.environ, "PYTHONPATH": str(folder / "src")}
+        self.command = [sys.executable, "-m", "snakemake", "-j2"]
+
+    def __call__(self, *arguments: str) -> subprocess.CompletedProcess:
+        """Run Snakemake and wait; stderr goes where stdout goes, as on a terminal."""
+        return subprocess.run(
+            [*self.command, *arguments],
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    def start(self) -> subprocess.Popen:
+        """Start Snakemake in a process group of its own."""
+        return subprocess.Popen(
+            self.command,
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def plan(self, *arguments: str) -> set[str]:
+        """Return what a run would do now: messages of its jobs, without that of the target rule."""
+        run = self("-n", *arguments)
+        assert run.returncode == 0, run.stdout
+        lines = (line.split(":", 1) for line in run.stdout.splitlines() if line.startswith("Job "))
+        return {message.strip() for job, message in lines if job[4:].isdigit()} - {DONE}
+
+    def edit(self, file: str, old: str, new: str) -> None:
+        """Replace text in a file; the text must be there."""
+        path = self.folder / file
+        text = path.read_text(encoding="utf-8")
+        assert old in text
+        path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.fixture
+def fresh(tmp_path: Path) -> Project:
+    """Return a copy in which nothing has run yet."""
+    return copy_of_sources(tmp_path / "project")
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, str]:
+    """Return a copy in which one complete run has been made, and what it printed. For reading only."""
+    project = copy_of_sources(tmp_path_factory.mktemp("finished") / "project")
+    run = project()
+    assert run.returncode == 0, run.stdout
+    return project, run.stdout
+
+
+@pytest.fixture
+def built(finished: tuple[Project, str], tmp_path: Path) -> Project:
+    """Return a copy of the finished project, to be changed."""
+    shutil.copytree(finished[0].folder, tmp_path / "project")
+    return Project(tmp_path / "project")
+
+
+def copy_of_sources(folder: Path) -> Project:
+    """Copy what the workflow needs, and configure two figures without engine on coarse grids."""
+    folder.mkdir()
+    for part in PARTS:
+        if (ROOT / part).is_dir():
+            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        else:
+            shutil.copy2(ROOT / part, folder / part)
+    config = folder / "config" / "config.yaml"
+    lines = config.read_text(encoding="utf-8").splitlines(keepends=True)
+    config.write_text("".join(TINY if line.startswith("figures:") else line for line in lines), encoding="utf-8")
+    return Project(folder)

@@ -1,0 +1,181 @@
+"""The workflow as a newcomer meets it: a run, a second run, an edit, a failed check, a wrong key, a kill."""
+
+import json
+import os
+import re
+import signal
+import time
+import zipfile
+
+import pytest
+from conftest import ROOT
+
+from lsvib.datasets.writer import read_dataset
+
+pytestmark = pytest.mark.workflow
+
+FIGURES = ("fig8_03", "fig8_08")
+
+
+def test_a_run_makes_everything_and_says_where(finished):
+    project, printed = finished
+    results = project.folder / "results"
+    for figure in FIGURES:
+        assert (results / "figures" / f"{figure}.png").read_bytes().startswith(b"\x89PNG")
+        assert (results / "figures" / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
+        assert read_dataset(results / "datasets" / f"{figure}.nc").attrs["Conventions"] == "CF-1.11"
+    table = (results / "checks.md").read_text(encoding="utf-8")
+    assert table in printed
+    assert "Figures: results/figures" in printed
+    assert "Computing fig8_03" in printed
+    assert "(100%) done" in printed
+    checks = json.loads((results / "checks.json").read_text(encoding="utf-8"))
+    assert {check["figure"] for check in checks} == set(FIGURES)
+    assert all(check["passed"] for check in checks)
+    assert len(table.splitlines()) == len(checks) + 2
+
+
+def test_a_second_run_does_nothing(finished):
+    project, _ = finished
+    run = project()
+    assert run.returncode == 0
+    assert "Nothing to be done" in run.stdout
+
+
+def test_touching_a_file_does_nothing(built):
+    for path in (built.folder / "src").rglob("*.py"):
+        path.touch()
+    assert built.plan() == set()
+
+
+@pytest.mark.parametrize(
+    ("file", "jobs"),
+    [
+        ("src/lsvib/figures/fig8_08.py", {"Drawing fig8_08"}),
+        ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
+        (
+            "src/lsvib/datasets/fig8_08.py",
+            {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
+        ),
+        (
+            "src/lsvib/analysis/conditions.py",  # imported by figure 8.8 only
+            {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
+        ),
+        (
+            "src/lsvib/models/friction.py",
+            {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
+            | {"Judging the checks"},
+        ),
+        ("src/lsvib/core/loop.py", set()),  # neither figure reaches the engine
+    ],
+)
+def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, file, jobs):
+    built.edit(file, '"""\n', '"""\n# an edit\n')
+    assert built.plan() == jobs
+
+
+def test_a_changed_parameter_reruns_its_figure_only(built):
+    built.edit("config/config.yaml", "dampings: [", "dampings: [5.0e-4, ")
+    assert built.plan() == {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"}
+
+
+def test_draft_configuration_reruns_both_figures(built):
+    jobs = built.plan("--configfile", "config/draft.yaml")
+    assert {"Computing fig8_03", "Computing fig8_08"} <= jobs
+
+
+def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
+    """All but the figures of eigenvalues and of existence (8.3, 8.7, 8.8) wait for the compiled engine."""
+    lines = (ROOT / "config" / "config.yaml").read_text(encoding="utf-8").splitlines()
+    figures = re.findall(r"fig8_\d\d", next(line for line in lines if line.startswith("figures:")))
+    assert len(figures) == 10
+    waiting = {f for f in figures if "Compiling the engine" in fresh.plan(f"results/datasets/{f}.nc")}
+    assert waiting == set(figures) - {"fig8_03", "fig8_07", "fig8_08"}
+
+
+def test_a_failed_check_fails_the_run_with_the_reason(fresh):
+    fresh.edit("src/lsvib/datasets/fig8_08.py", "10.10", "20.0")
+    run = fresh()
+    assert run.returncode == 1
+    assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
+    assert "is NOT <= 0.02" in run.stdout
+    assert "| FAIL " in run.stdout
+    results = fresh.folder / "results"
+    assert "| FAIL " in (results / "checks.md").read_text(encoding="utf-8")
+    assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]
+    assert not (results / "verdict.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("fig8_08:\n", "fig8_08:\n  typo: 1\n", "'typo' was unexpected"),
+        ("mass: {start: 0.5", "mass: {start: -0.5", "-0.5 is less than or equal to the minimum of 0"),
+        ("figures: [", "figures: [fig8_99, ", "'fig8_99' is not one of"),
+    ],
+)
+def test_a_wrong_configuration_is_refused(fresh, old, new, words):
+    fresh.edit("config/config.yaml", old, new)
+    run = fresh()
+    assert run.returncode == 1
+    assert words in run.stdout
+    assert not (fresh.folder / "results").exists()
+
+
+def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
+    fresh.edit("config/config.yaml", "fig8_08:\n  drive: {", "fig8_08:\n  drive: {friction_coefficient: 11.0")
+    run = fresh("results/figures/fig8_08.png")
+    assert run.returncode == 1
+    assert "\nfig8_08: friction_coefficient = 11 is outside the allowed range" in run.stdout
+    assert "Traceback" not in (fresh.folder / "logs" / "dataset" / "fig8_08.log").read_text()
+    assert not list((fresh.folder / "results").rglob("*.*"))
+
+
+def test_lint_asks_for_nothing_but_conda(fresh):
+    """Everything comes from requirements.txt, so the lint that demands conda or a container for each rule stays."""
+    run = fresh("--lint")
+    demands = re.findall(r"^    \* (.*)$", run.stdout, re.MULTILINE)
+    rules = re.findall(r"^Lints for rule (\w+)", run.stdout, re.MULTILINE)
+    assert set(demands) == {"Specify a conda environment or container for each rule.:"}
+    assert sorted(rules) == ["checks", "compile_engine", "dataset", "figure", "verdict"]
+    assert "Lints for snakefile" not in run.stdout
+
+
+def test_every_figure_has_a_caption_and_a_section():
+    captions = {path.stem for path in (ROOT / "workflow" / "report").glob("fig8_*.rst")}
+    config = (ROOT / "config" / "config.yaml").read_text(encoding="utf-8")
+    assert captions == set(re.findall(r"^(fig8_\d\d):", config, re.MULTILINE))
+
+
+@pytest.mark.slow
+def test_report_shows_figures_with_captions(built):
+    run = built("--report", "report.zip")
+    assert run.returncode == 0, run.stdout
+    with zipfile.ZipFile(built.folder / "report.zip") as report:
+        names = report.namelist()
+        page = report.read("report/report.html").decode()
+    for figure in FIGURES:
+        assert any(name.endswith(f"{figure}.png") for name in names)
+    assert "node and focus meet on the black curve" in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moment", [1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
+def test_a_killed_run_is_completed_by_the_next(fresh, finished, moment):
+    """SIGKILL to Snakemake and all its jobs; the moments spread over a run of about four seconds."""
+    process = fresh.start()
+    time.sleep(moment)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    run = fresh()
+    assert run.returncode == 0, run.stdout
+    assert "Nothing to be done" in fresh().stdout
+    reference = finished[0].folder / "results"
+    files = {path.relative_to(reference) for path in reference.rglob("*") if path.is_file()}
+    for name in files:
+        if name.suffix == ".nc":
+            assert read_dataset(fresh.folder / "results" / name).identical(read_dataset(reference / name))
+        else:
+            assert (fresh.folder / "results" / name).read_bytes() == (reference / name).read_bytes()
+    results = fresh.folder / "results"
+    assert {path.relative_to(results) for path in results.rglob("*") if path.is_file()} == files

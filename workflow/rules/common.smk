@@ -1,0 +1,89 @@
+"""Validation of the configuration, and the source files that a figure depends on."""
+
+import importlib.metadata
+import importlib.util
+from functools import cache
+from pathlib import Path
+
+import grimp
+from snakemake.exceptions import WorkflowError
+from snakemake.utils import validate
+
+validate(config, "../schemas/config.schema.yaml")
+
+
+wildcard_constraints:
+    figure=r"fig8_\d\d",
+
+
+# What each script imports of ours besides the module of its figure.
+SCRIPT_IMPORTS = {
+    "datasets": ("lsvib.datasets.checks", "lsvib.datasets.writer"),
+    "figures": ("lsvib.datasets.writer", "lsvib.figures.style"),
+}
+
+
+@cache
+def import_graph():
+    """Return who imports whom inside lsvib; refuse an lsvib that is not the one beside this Snakefile."""
+    graph = grimp.build_graph("lsvib", cache_dir=None)
+    source = Path(workflow.basedir, "src", "lsvib", "__init__.py").resolve()
+    found = Path(importlib.util.find_spec("lsvib").origin).resolve()
+    if found != source:
+        raise WorkflowError(f"The lsvib that Python imports is {found}, not {source}: run pip install -e . here.")
+    return graph
+
+
+@cache
+def imports(module):
+    """Return the modules of lsvib that ``module`` imports, directly or not, itself included."""
+    graph = import_graph()
+    if module not in graph.modules:
+        raise WorkflowError(f"The module {module} does not exist.")
+    return frozenset(graph.find_upstream_modules(module) | {module})
+
+
+def source_files(modules):
+    """Return the files of the modules and of the packages around them, relative to the working directory."""
+    files = set()
+    for module in modules:
+        parts = module.split(".")
+        files |= {Path("src", *parts[:n], "__init__.py") for n in range(1, len(parts))}
+        package = Path("src", *parts, "__init__.py")
+        files.add(package if package.exists() else Path("src", *parts).with_suffix(".py"))
+    return sorted(str(file) for file in files)
+
+
+def sources(kind):
+    """Return an input function: the source files of the figure's module in ``lsvib.datasets`` or ``lsvib.figures``."""
+
+    def files(wildcards):
+        roots = (f"lsvib.{kind}.{wildcards.figure}", *SCRIPT_IMPORTS[kind])
+        return source_files(frozenset().union(*map(imports, roots)))
+
+    return files
+
+
+def engine(wildcards):
+    """Return the marker of the compiled engine if the figure's dataset reaches ``lsvib.core``, else nothing."""
+    modules = imports(f"lsvib.datasets.{wildcards.figure}")
+    return "results/engine.txt" if any(module.startswith("lsvib.core.") for module in modules) else []
+
+
+def caption(wildcards):
+    """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
+    return Path(workflow.basedir, "workflow", "report", f"{wildcards.figure}.rst").read_text(encoding="utf-8")
+
+
+def remove_leftovers():
+    """Remove temporary files of runs that were killed; a run that ended well has none of its own."""
+    for part in Path("results").rglob(".*.part"):
+        part.unlink(missing_ok=True)
+
+
+def print_results(started):
+    """Print where the figures are and the table of checks, unless the table is older than this run."""
+    table = Path("results/checks.md")
+    if table.exists() and table.stat().st_mtime >= started:
+        print(f"\n{table.read_text()}")
+        print("Figures: results/figures   datasets: results/datasets   checks: results/checks.md, results/checks.json")

@@ -1,0 +1,62 @@
+"""From the model to a dataset, from a dataset to a picture."""
+
+
+rule compile_engine:
+    """Compile the engine once, so that jobs side by side never fill one numba cache together."""
+    input:
+        source_files(module for module in import_graph().modules if module.startswith("lsvib.core.")),
+    output:
+        "results/engine.txt",
+    log:
+        "logs/compile_engine.log",
+    params:
+        numba=importlib.metadata.version("numba"),
+    message:
+        "Compiling the engine"
+    script:
+        "../scripts/compile_engine.py"
+
+
+rule dataset:
+    """Compute the dataset of a figure and check it against the chapter."""
+    input:
+        sources=sources("datasets"),
+        engine=engine,
+    output:
+        dataset="results/datasets/{figure}.nc",
+        checks="results/checks/{figure}.json",
+    log:
+        "logs/dataset/{figure}.log",
+    benchmark:
+        "benchmarks/dataset/{figure}.tsv"
+    params:
+        settings=lookup(within=config, dpath="{figure}"),
+    message:
+        "Computing {wildcards.figure}"
+    script:
+        "../scripts/build_dataset.py"
+
+
+rule figure:
+    """Draw a figure from its dataset."""
+    input:
+        dataset="results/datasets/{figure}.nc",
+        sources=sources("figures"),
+    output:
+        png=report(
+            "results/figures/{figure}.png",
+            caption="../report/figure.rst",
+            category="Chapter 8",
+            labels={"figure": "{figure}"},
+        ),
+        pdf="results/figures/{figure}.pdf",
+    log:
+        "logs/figure/{figure}.log",
+    benchmark:
+        "benchmarks/figure/{figure}.tsv"
+    params:
+        caption=caption,
+    message:
+        "Drawing {wildcards.figure}"
+    script:
+        "../scripts/draw_figure.py"
