@@ -50,7 +50,7 @@ class MeanLoad:
 
 
 def seizure_impulses(drive: LeadScrew, speed) -> Impulses:
-    """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); formulas in the module docstring."""
+    """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
     lever = drive.mass * drive.pitch_radius - drive.screw_inertia / drive.pitch_radius
     return Impulses(

@@ -9,8 +9,11 @@ from lsvib.core import planar
 from lsvib.core.status import Found
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
+from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
-from lsvib.models.rigid import MotionMode, rigid_drive
+from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
+
+_INSIDE = 1e-9  # relative distance from the threshold at which the seizure next to it is looked at
 
 
 class NoThreshold(InputError):
@@ -117,8 +120,23 @@ def global_stability_force(drive: LeadScrew) -> float:
     mode = int(np.flatnonzero(automaton.codes == code)[0])
     start = np.array([drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed])
     q = np.array([float(c.q_row[0]), float(c.q_row[1]), 0.0])
-    # The extremes along a decaying flow lie within its first turn, or within a few times its slowest rate.
+    # The extremes along a decaying flow lie within its first turn, or within a few times its slowest time.
     row = automaton.tables.flow[mode]
     horizon = 2 * math.pi / row[planar.BETA] if row[planar.BETA] > 0 else 40 / abs(row[planar.R1])
     low, high = planar.extremes(automaton.tables.flow, mode, start, q, horizon)
-    return -(high if direction > 0 else low) / float(c.gamma[-1])
+    reach = high if direction > 0 else -low
+    if reach <= 0:
+        raise NoThreshold("slip from rest never turns back towards Q = 0 for this drive, so rest starts no cycle.")
+    force = -direction * reach / float(c.gamma[-1])
+    nearby = drive.replace(axial_force=force * (1 - _INSIDE))
+    if direction * _seizure_angle(nearby, start) < direction * start[0]:
+        raise NoThreshold(
+            "a seizure at the threshold does not lead to rest for this drive, so cycles without rest decide."
+        )
+    return force
+
+
+def _seizure_angle(drive: LeadScrew, start: np.ndarray) -> float:
+    """Angle u [rad] at which the slip from ``start`` seizes."""
+    motion = follow(rigid_drive(drive), start, math.inf, stop=(EventKind.SEIZURE, -1), max_events=2)
+    return float(motion.before[-1, 0])

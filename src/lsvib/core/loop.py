@@ -10,8 +10,9 @@ import math
 
 import numpy as np
 
-from lsvib.core import planar
+from lsvib.core import flows
 from lsvib.core.jit import kernel
+from lsvib.core.planar import ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 _NONE = int(Found.NONE)
@@ -24,27 +25,28 @@ _LARGEST = 1e150
 
 
 @kernel
-def next_event(tables, mode, state, scale, limit, guard_row):
+def next_event(tables, mode, state, scale, limit, room, zeros):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
     ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
     A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
-    jump is due. Returns (``Found``, guard index, time [s]). ``guard_row`` (n + 1) is scratch space.
+    jump is due. ``room`` (g, n + 1) and ``zeros`` (g) are scratch space for the guards of the mode.
+    Returns (``Found``, guard index, time [s]).
     """
-    found, first, when = _NONE, -1, limit
-    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-        surface = tables.surfaces[tables.guard_surface[guard]]
-        for i in range(surface.size):
-            guard_row[i] = tables.guard_sign[guard] * surface[i]
-        value, size, rate, rate_size, bend, bend_size = planar.guard_at(tables.flow, mode, state, scale, guard_row)
-        on_surface = value <= size
+    first_guard = tables.guard_start[mode]
+    count = tables.guard_start[mode + 1] - first_guard
+    guards, on_surface = room[:count], zeros[:count]
+    for k in range(count):
+        guard = first_guard + k
+        for i in range(state.size + 1):
+            guards[k, i] = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard], i]
+        value, size, rate, rate_size, bend, bend_size = flows.guard_at(tables.flow, mode, state, scale, guards[k])
+        on_surface[k] = value <= size
         falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
-        if on_surface and falls:
+        if on_surface[k] and falls:
             return _CROSSING, guard, 0.0
-        outcome, t = planar.crossing(tables.flow, mode, state, guard_row, on_surface, when)
-        if outcome != _NONE:
-            found, first, when = outcome, guard, t
-    return found, first, when
+    found, k, when = flows.first_crossing(tables.flow, mode, state, guards, on_surface, limit)
+    return found, first_guard + k, when
 
 
 @kernel
@@ -55,7 +57,7 @@ def _affine(row, state, scale):
     for i in range(last):
         value += row[i] * state[i]
         size += abs(row[i]) * scale[i]
-    return value, planar.ROUNDING * size
+    return value, ROUNDING * size
 
 
 @kernel
@@ -117,22 +119,23 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """
     times, kinds, signs, modes, before, after = events
     n = state.size
-    guard_row, scratch, scale = np.empty(n + 1), np.empty(n), np.abs(state)
+    scratch, scale = np.empty(n), np.abs(state)
+    room, zeros = np.empty((tables.guard_sign.size, n + 1)), np.empty(tables.guard_sign.size, dtype=np.bool_)
     short_stays, count = 0, 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]
-        found, guard, stay = next_event(tables, mode, state, scale, remaining, guard_row)
+        found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros)
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
-            planar.advance(tables.flow, mode, state, remaining, state)
+            flows.advance(tables.flow, mode, state, remaining, state)
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
             return Status.EVENTS_FULL, mode, count
         if stay > 0.0:
-            planar.magnitudes(tables.flow, mode, state, stay, scale)
-            planar.advance(tables.flow, mode, state, stay, state)
+            flows.magnitudes(tables.flow, mode, state, stay, scale)
+            flows.advance(tables.flow, mode, state, stay, state)
             put_on_surface(tables, guard, state)
         _add_time(clock, stay)
         for i in range(n):
@@ -189,9 +192,9 @@ def states_at(
             event += 1
         if event < 0:
             modes[k] = start_mode
-            planar.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
+            flows.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
         else:
             modes[k] = event_modes[event]
-            planar.advance(
+            flows.advance(
                 tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k]
             )

@@ -1,4 +1,4 @@
-"""Figure 8.6: amplitude of the steady vibration against the axial force under negative damping, with three phase portraits."""
+"""Figure 8.6: amplitude against the axial force under negative damping, with three phase portraits."""
 
 from collections.abc import Mapping
 from enum import IntEnum
@@ -9,7 +9,7 @@ import xarray as xr
 
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets import phase
+from lsvib.datasets import mass_readings, phase
 from lsvib.datasets.checks import Check
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
@@ -17,9 +17,6 @@ from lsvib.models.rigid import EventKind, rigid_drive
 
 _ASIDE = 1e-9  # relative distance from a threshold at which the regime is also computed, on either side
 _FORCES = ("onset_force", "stick_force", "detach_force")
-# Sect. 8.5.1 prints two digits: (law, value, unit of the last digit).
-_PRINTED_DAMPING = {-1: (1.0e-3, 1e-4), 1: (-1.1e-4, 1e-5)}  # C∓ [N m s/rad]
-_PRINTED_INERTIA = {-1: (9.9e-6, 1e-7), 1: (6.5e-7, 1e-8)}  # Γ∓ [kg m²]
 
 
 class Regime(IntEnum):
@@ -33,11 +30,11 @@ class Regime(IntEnum):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both readings of the mass.
+    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses.
 
-    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``initial`` state (u [rad], w [rad/s]);
-    ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``; ``mass_readings``, the
-    masses [kg] for which Γ and C are computed. Raises ``InputError``.
+    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``initial`` state (u [rad],
+    w [rad/s]); ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``;
+    ``mass_readings``, the masses [kg] for which Γ and C are computed. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
@@ -49,7 +46,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
     return xr.Dataset(
         _curve(drives, steady)
-        | _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
+        | mass_readings.variables([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
         | phase.portraits(insets, settings["starts"], settings["duration"], settings["samples"]),
         coords={
             "force": ("force", forces, phase.parameter("axial_force")),
@@ -57,7 +54,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "mass": ((), drive.mass, phase.parameter("mass")),
             **phase.cases(insets, ["axial_force"]),
             **phase.rule_coordinate(),
-            **{name: ((), value, phase.attributes("N", name.replace("_", " "), "$R$")) for name, value in values.items()},
+            **{n: ((), value, phase.attributes("N", n.replace("_", " "), "$R$")) for n, value in values.items()},
         },
         attrs={
             "title": "Figure 8.6: amplitude of the steady vibration against the axial force under negative damping",
@@ -69,7 +66,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
-    return [*_threshold_checks(dataset), *_curve_checks(dataset), *_inset_checks(dataset), *_reading_checks(dataset)]
+    return [
+        *_threshold_checks(dataset),
+        *_curve_checks(dataset),
+        *_inset_checks(dataset),
+        *mass_readings.checks(dataset),
+    ]
 
 
 def _curve(drives: list[LeadScrew], steady: list[SteadyState]) -> phase.Variables:
@@ -86,7 +88,7 @@ def _curve(drives: list[LeadScrew], steady: list[SteadyState]) -> phase.Variable
             [e[1] for e in extreme],
             phase.attributes("rad s-1", "smallest rate of the deviation", r"$\dot u$"),
         ),
-        "regime": ("force", np.array([_regime(s) for s in steady], np.int8), phase.flag("kind of steady state", Regime)),
+        "regime": ("force", np.array([_regime(s) for s in steady], np.int8), phase.flag("kind of motion", Regime)),
         "net_force": (
             "force",
             [float(coefficients(d).net_force) for d in drives],
@@ -106,30 +108,6 @@ def _regime(steady: SteadyState) -> Regime:
     return kinds.get((steady.label, reverses), Regime.OTHER)
 
 
-def _readings(drives: list[LeadScrew]) -> phase.Variables:
-    """Effective coefficients under both laws, and the two upper thresholds, for each reading of the mass."""
-    exact = [coefficients(d) for d in drives]
-    variables = {}
-    for law, sign, symbol in ((1, "plus", "+"), (-1, "minus", "-")):
-        variables[f"inertia_{sign}"] = (
-            "reading",
-            [float(c.gamma[law]) for c in exact],
-            phase.attributes("kg m2", f"effective inertia of law {symbol}", f"$\\Gamma_{symbol}$"),
-        )
-        variables[f"damping_{sign}"] = (
-            "reading",
-            [float(c.damping[law]) for c in exact],
-            phase.attributes("N m s rad-1", f"effective damping of law {symbol}", f"$C_{symbol}$"),
-        )
-    for name in ("stick_force", "detach_force"):
-        variables[f"{name}_of_reading"] = (
-            "reading",
-            [getattr(thresholds, name)(d) for d in drives],
-            phase.attributes("N", f"{name.replace('_', ' ')} for this mass", "$R$"),
-        )
-    return variables
-
-
 def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
     words = {
         "onset_force": "Axial force at which vibration sets in",
@@ -145,6 +123,7 @@ def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
 
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     onset, stick, detach = (float(dataset[name]) for name in _FORCES)
+    stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
     force, amplitude, regime = (dataset[name].values for name in ("force", "vibration_amplitude", "regime"))
     below = amplitude[force < onset]
     slip, last = (force > onset) & (force < stick), force > detach
@@ -184,74 +163,30 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
             "Only from the stick force on does the cycle reach the line of rest",
             "Sect. 8.5.1, Fig. 8.6",
             f"smallest rate {dataset.smallest_velocity.values.min():.9g} rad/s",
-            bool(((dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]) == (force > stick))[judged].all()),
+            bool((stops == (force > stick))[judged].all()),
         ),
     ]
 
 
 def _inset_checks(dataset: xr.Dataset) -> list[Check]:
-    expected = {18.0: Attractor.STEADY_SLIDING, 25.0: Attractor.OTHER_CYCLE, 40.0: Attractor.STICK_SLIP_CYCLE}
-    words = {18.0: "the origin is stable", 25.0: "a pure-slip limit cycle attracts", 40.0: "a stick-slip cycle attracts"}
+    expected = {
+        18.0: (Attractor.STEADY_SLIDING, "the origin is stable"),
+        25.0: (Attractor.OTHER_CYCLE, "a pure-slip limit cycle attracts"),
+        40.0: (Attractor.STICK_SLIP_CYCLE, "a stick-slip cycle attracts"),
+    }
     result = []
     for index, force in enumerate(dataset.axial_force.values):
         if force not in expected:
             continue
+        kind, words = expected[force]
         found = dataset.attractor.values[index].ravel()
+        names = ", ".join(sorted({Attractor(f).name.lower() for f in found}))
         result.append(
             Check.holds(
-                f"At R = {force:g} N {words[force]}",
+                f"At R = {force:g} N {words}",
                 "Sect. 8.5.1, Fig. 8.6, inset",
-                ", ".join(sorted({Attractor(f).name.lower() for f in found})) + f" from {dataset.sizes['start']} starts",
-                bool((found == expected[force]).all()),
+                f"{names} from {dataset.sizes['start']} starts",
+                bool((found == kind).all()),
             )
         )
-    return result
-
-
-def _reading_checks(dataset: xr.Dataset) -> list[Check]:
-    """C± do not depend on the mass; Γ± as printed belong to another mass than the stated one."""
-    result = []
-    stated = float(dataset.mass)
-    printed_for = float(dataset.reading.values[dataset.reading.values != stated][0])
-    ours, theirs = dataset.sel(reading=stated), dataset.sel(reading=printed_for)
-    reason = "printed with two digits: half a unit of the last one"
-    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
-        value, digit = _PRINTED_DAMPING[law]
-        tolerance = 0.5 * digit / abs(value)
-        result.append(
-            Check.within(
-                f"Effective damping C{symbol}, of any mass",
-                "Sect. 8.5.1",
-                value,
-                float(ours[f"damping_{sign}"]),
-                tolerance,
-                "N m s/rad",
-                reason,
-            )
-        )
-    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
-        value, digit = _PRINTED_INERTIA[law]
-        mine = float(ours[f"inertia_{sign}"])
-        result.append(
-            Check.within(
-                f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
-                f"(with the stated m = {stated:g} kg it is {mine:.3g} kg m2)",
-                "Sect. 8.5.1",
-                value,
-                float(theirs[f"inertia_{sign}"]),
-                0.5 * digit / value,
-                "kg m2",
-                reason,
-            )
-        )
-    stick = float(theirs.stick_force_of_reading), float(theirs.detach_force_of_reading)
-    printed = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
-    result.append(
-        Check.holds(
-            f"The thresholds of Fig. 8.6 belong to the stated mass: those of m = {printed_for:g} kg are more than 2 % off",
-            "Sect. 8.5.1, Fig. 8.6",
-            f"m = {printed_for:g} kg gives {stick[0]:.2f} N and {stick[1]:.2f} N",
-            all(abs(s / p - 1) > 0.02 for s, p in zip(stick, printed, strict=True)),
-        )
-    )
     return result

@@ -19,10 +19,10 @@ _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a st
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the existence map, motions from each sector, and the equilibrium of law −1 with the states that its flow ends in.
+    """Compute the existence map, motions from each sector, and where the flow of law −1 leads.
 
-    ``settings``: ``drive`` (R > 0, Ω > 0, Γ₊ < 0); ``angle`` [rad] and ``velocity`` [rad/s] of the grid with ``start``, ``stop``,
-    ``count``; ``starts``, ``duration`` [s], ``samples`` of the motions. Raises ``InputError``.
+    ``settings``: ``drive`` (R > 0, Ω > 0, Γ₊ < 0); ``angle`` [rad] and ``velocity`` [rad/s] of the grid with ``start``,
+    ``stop``, ``count``; ``starts``, ``duration`` [s], ``samples`` of the motions. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     angle, velocity = phase.span(settings["angle"]), phase.span(settings["velocity"])
@@ -33,7 +33,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     assumed = ["mass", "axial_force", "support_damping"]
     return xr.Dataset(
         {
-            "existence": (("angle", "velocity"), kinds, phase.flag("number of solutions for the contact force", Existence)),
+            "existence": (("angle", "velocity"), kinds, phase.flag("solutions for the contact force", Existence)),
             "law_minus_angle": (
                 "start",
                 ends[:, 0],
@@ -69,7 +69,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     by_sign = np.where(q * direction > 0, Existence.INCONSISTENT, Existence.INDETERMINATE)
     regular = (dataset.existence.values != Existence.BOUNDARY) & (q * direction != 0)
     wrong = int(np.sum((by_sign != dataset.existence.values) & regular))
-    found = [int(np.sum(dataset.existence.values == kind)) for kind in (Existence.INCONSISTENT, Existence.INDETERMINATE)]
+    found = [int((dataset.existence == kind).sum()) for kind in (Existence.INCONSISTENT, Existence.INDETERMINATE)]
     u, w = dataset.angle_deviation.values[0, :, 0], dataset.velocity_deviation.values[0, :, 0]
     signs = np.sign(w - stop)
     inconsistent = np.sign(_beyond_line(dataset, u, w)) == signs
@@ -106,7 +106,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             gap < 1e-12 and leftover < 1e-9,
         ),
         Check.holds(
-            "u_0 itself lies beyond the line N = 0, in a sector without a solution, so every motion towards it is cut short",
+            "u_0 lies beyond the line N = 0, in a sector without a solution: every motion towards it is cut short",
             "Sect. 8.6, Fig. 8.7",
             f"{virtual:.4g} rad beyond the line",
             virtual > 0,

@@ -1,4 +1,4 @@
-"""Figure 8.9: trajectories (a) below and (b) above the critical mass, and how the cycle of (b) depends on the axial force."""
+"""Figure 8.9: trajectories (a) below and (b) above the critical mass, and the effect of the axial force on (b)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -58,7 +58,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "The critical mass lies between the masses of (a) and (b), and Γ₊ changes sign there",
             "Sect. 8.6.1, eq. 8.20",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg, m_cr = {critical:.4f} kg",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg; "
+            f"m_cr = {critical:.4f} kg",
             bool(gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]),
         ),
         Check.holds(
@@ -75,12 +76,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool((heavy == Attractor.SPRAG_SLIP_CYCLE).all()) and spread < 1e-12,
         ),
         Check.holds(
-            "The axial force, which the text leaves out, changes neither the kind of motion in (b) nor, by 2 %, the impact speed "
-            "that the peak force is proportional to",
+            "The axial force, which the text leaves out, changes neither the kind of motion in (b) nor, by 2 %, "
+            "the impact speed that the peak force is proportional to",
             "Sect. 8.6.1, Figs 8.9b, 8.10b",
             f"R from {float(dataset.force[0]):g} to {float(dataset.force[-1]):g} N: sprag-slip, impact speed "
-            f"{speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude {dataset.force_amplitude.values.max():.3g} down to "
-            f"{dataset.force_amplitude.values.min():.3g} rad",
+            f"{speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
+            f"{dataset.force_amplitude.values.max():.3g} down to {dataset.force_amplitude.values.min():.3g} rad",
             bool((labels == Attractor.SPRAG_SLIP_CYCLE).all()) and swing < 0.02,
         ),
     ]
@@ -101,8 +102,8 @@ def _sensitivity(drive: LeadScrew, forces: np.ndarray, start: Mapping[str, float
     label, amplitude, speed, peak, impulse = np.array(rows, dtype=float).T
     return {
         "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor in case (b)", Attractor)),
-        "force_amplitude": ("force", amplitude, phase.attributes("rad", "amplitude of the steady vibration in case (b)")),
-        "impact_speed": ("force", speed, phase.attributes("rad s-1", "screw speed just before a seizure", r"$\dot\theta$")),
-        "peak_normal_force": ("force", peak, phase.attributes("N", "largest finite normal force, impulses apart", "$|N|$")),
+        "force_amplitude": ("force", amplitude, phase.attributes("rad", "amplitude in case (b)")),
+        "impact_speed": ("force", speed, phase.attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
+        "peak_normal_force": ("force", peak, phase.attributes("N", "largest finite normal force", "$|N|$")),
         "normal_impulse": ("force", impulse, phase.attributes("N s", "normal impulse of a seizure")),
     }

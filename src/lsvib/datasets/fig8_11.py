@@ -37,11 +37,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the trend of the amplitude, where seizures start, and that the rule of resuming makes no difference here."""
+    """Check the trend of the amplitude, where seizures start, and that the rule of resuming plays no part here."""
     amplitude, damping = dataset.amplitude.values, dataset.support_damping.values
     sprags = dataset.attractor.values == Attractor.SPRAG_SLIP_CYCLE
     seizes = (dataset.event_kind == EventKind.SEIZURE) & (dataset.event_time > 0)
-    terms = [dataset.event_angle, -dataset.contact_line_slope * dataset.event_velocity_before, -dataset.contact_line_angle]
+    slope, offset = dataset.contact_line_slope, dataset.contact_line_angle
+    terms = [dataset.event_angle, -slope * dataset.event_velocity_before, -offset]
     distance = abs(sum(terms)) / sum(abs(term) for term in terms)
     worst = float(distance.where(seizes).max())
     count = int(seizes.sum())
@@ -66,7 +67,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             count > 0 and worst <= _ROUNDING,
         ),
         Check.holds(
-            "At these dampings both rules of resuming after a seizure give the same cycle (Fig. 8.12 shows where they differ)",
+            "At these dampings both rules of resuming give the same cycle (Fig. 8.12 shows where they differ)",
             "Sect. 8.6, rule of resuming",
             f"largest difference of the amplitudes {np.abs(np.diff(amplitude, axis=1)).max():.1e} rad",
             bool((np.diff(amplitude, axis=1) == 0).all()),

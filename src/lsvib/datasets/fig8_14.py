@@ -1,6 +1,7 @@
 """Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
 
-The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for a mass beyond m_cr.
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
+a mass beyond m_cr.
 """
 
 from collections.abc import Mapping
@@ -22,11 +23,13 @@ _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
-    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a) and (b); ``starts``,
-    ``duration`` [s], ``samples``. Raises ``InputError``.
+    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a), (b); ``angle`` [rad]
+    and ``velocity`` [rad/s] with ``start``, ``stop``, ``count``, a grid of starts whose attractor is found; ``starts``,
+    ``duration`` [s], ``samples`` of the motions drawn. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+    angle, velocity = phase.span(settings["angle"]), phase.span(settings["velocity"])
     heavy = drives[-1]
     threshold = global_stability_force(heavy)
     bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
@@ -34,6 +37,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | {
+            "grid_attractor": (
+                ("case", "angle", "velocity"),
+                np.array([_basin(d, angle, velocity) for d in drives]),
+                phase.flag("attractor of the motion from each state of the grid", Attractor),
+            ),
             "bracket_attractor": (
                 ("bracket", "rule"),
                 np.array(labels, np.int8),
@@ -43,6 +51,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             **phase.cases(drives, ["mass", "axial_force", "support_damping"]),
             **phase.rule_coordinate(),
+            "angle": ("angle", angle, phase.attributes("rad", "deviation at the start", "$u$")),
+            "velocity": ("velocity", velocity, phase.attributes("rad s-1", "rate at the start", r"$\dot u$")),
             "bracket": ("bracket", bracket, phase.attributes("N", "axial force beside the threshold", "$R$")),
             "global_stability_force": (
                 (),
@@ -70,28 +80,37 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool((gamma[printed] > 0).all() and (gamma[beyond] < 0).all()),
         )
     ]
+    grid = dataset.grid_attractor.values
     for case, note in ((0, " (as printed)"), (2, "")):
         labels = dataset.attractor.values[case]
         touches = _line_crossings(dataset, case)
+        claim = "every trajectory drawn meets N = 0 and yet reaches the origin, as does every other start"
         result.append(
             Check.holds(
-                f"(a) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: every trajectory meets N = 0 and yet reaches the origin",
+                f"(a) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {claim}",
                 "Sect. 8.7, Fig. 8.14a",
-                f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}",
-                bool((labels == Attractor.STEADY_SLIDING).all()) and min(touches) > 0,
+                f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}; of {grid[case].size} "
+                f"other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach the origin",
+                bool((labels == Attractor.STEADY_SLIDING).all() and (grid[case] == Attractor.STEADY_SLIDING).all())
+                and min(touches) > 0,
             )
         )
+    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
+    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
     for case, note, expected, words in (
-        (1, " (as printed)", Attractor.STEADY_SLIDING, "there is no limit cycle, unlike the text's figure; every trajectory reaches the origin"),
-        (3, "", Attractor.SPRAG_SLIP_CYCLE, "every trajectory ends on a limit cycle, the same under either rule of resuming"),
+        (1, " (as printed)", Attractor.STEADY_SLIDING, no_cycle),
+        (3, "", Attractor.SPRAG_SLIP_CYCLE, one_cycle),
     ):
         labels, amplitude = dataset.attractor.values[case], dataset.amplitude.values[case].ravel()
         result.append(
             Check.holds(
                 f"(b) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {words}",
                 "Sect. 8.7, Fig. 8.14b",
-                f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad",
-                bool((labels == expected).all()) and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max()),
+                f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
+                f"{grid[case].size} other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach it",
+                bool((labels == expected).all())
+                and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max())
+                and bool(np.isin(grid[case], [Attractor.STEADY_SLIDING, expected]).all()),
             )
         )
     threshold = float(dataset.global_stability_force)
@@ -111,6 +130,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
     ]
     return result
+
+
+def _basin(drive: LeadScrew, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Attractors of the motions from each state of a grid, shape (angle, velocity)."""
+    automaton = rigid_drive(drive)
+    return np.array([[steady_state(automaton, [u, w]).label for w in velocity] for u in angle], dtype=np.int8)
 
 
 def _from_release(drive: LeadScrew, rule: str) -> Attractor:

@@ -22,7 +22,7 @@ MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where it
 def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
     """Compute the phase plane of one drive, the margins of (8.19) and the eigenvalues of its origin.
 
-    Arguments: ``settings`` with ``drive``, ``starts``, ``duration`` [s], ``samples``; the figure's number; what it shows.
+    Arguments: ``settings`` with ``drive``, ``starts``, ``duration`` [s], ``samples``; the figure's number; its subject.
     """
     drive = LeadScrew.of(settings["drive"])
     c = coefficients(drive)

@@ -1,7 +1,8 @@
 """Phase planes as pieces of a dataset: sampled motions with their events, limit cycles, the lines N = 0 and θ′ = 0.
 
-Every function returns variables ``{name: (dimensions, values, attributes)}`` for ``xarray.Dataset``. A phase plane is one ``case`` (a drive)
-with several ``start`` states. Attractors are found under both ``rule`` s of resuming after a seizure; motions are sampled under the first.
+Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xarray.Dataset``. A phase plane is one
+``case`` (a drive) with several ``start`` states. Attractors are found under each ``rule`` of resuming after a seizure;
+motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
@@ -73,7 +74,7 @@ def portraits(
 ) -> Variables:
     """Compute the phase planes of some drives.
 
-    Arguments: drives (c); starts (s), each with u [rad] and w = u′ [rad/s]; duration [s] and number of samples of each motion.
+    Arguments: drives; starts, each with u [rad] and w = u′ [rad/s]; duration [s] and number of samples of a motion.
     Returns the variables of :func:`lines`, :func:`motions` and :func:`attractors`, the dimension ``case`` first.
     Raises ``InputError`` if the samples are too few for the events.
     """
@@ -163,7 +164,7 @@ def _events(followed: Sequence[Sequence[Motion]]) -> Variables:
 
 
 def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
-    """Return what the motions settle on, dimensions (case, rule, start), and the limit cycle of the first, (case, sample)."""
+    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample)."""
     dims = ("case", "rule", "start")
 
     def table(name: str, dtype: type) -> np.ndarray:
@@ -193,13 +194,13 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
 def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sample a motion at ``count`` times, each event twice: in the state before it and in the one after.
 
-    Returns times [s] (count), states (count, n), mode codes (count). Samples are shared out by duration, with a few for the shortest arc.
-    Raises ``InputError`` if there are fewer than two for each arc.
+    Returns times [s] (count), states (count, n), mode codes (count). Samples are shared out by duration, with a few for
+    the shortest arc. Raises ``InputError`` if there are fewer than two for each arc.
     """
     modes, starts, ends, durations = motion.arcs()
     least = min(_ARC, count // durations.size)
     if least < 2:
-        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * durations.size}, two for each arc.")
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * durations.size}.")
     share = np.where(durations > 0, least, 2)
     spare = count - share.sum()
     total = durations.sum()

@@ -29,7 +29,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         if name in _REGIMES:
             colour, words = _REGIMES[name]
             inside = dataset.regime == value
-            axes.plot(dataset.force[inside], dataset.vibration_amplitude[inside], color=colour, linewidth=2.2, label=words)
+            curve = dataset.force[inside], dataset.vibration_amplitude[inside]
+            axes.plot(*curve, color=colour, linewidth=2.2, label=words)
     top = 1.12 * float(dataset.vibration_amplitude.max())
     for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
@@ -56,7 +57,8 @@ def _inset(small: Axes, case: xr.Dataset) -> None:
     phase.widen(small, case, 0.1)
     phase.draw_lines(small, case)
     small.locator_params(nbins=4)
-    small.set_title(f"$R$ = {phase.number(case.axial_force)} N", fontsize=7, pad=2)
+    title = small.set_title(f"$R$ = {phase.number(case.axial_force)} N", fontsize=7, pad=4)
+    title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})
     small.tick_params(labelsize=6, pad=1.5)
     small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)
     small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)

@@ -34,7 +34,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     last.tick_params(axis="y", which="both", right=False)
     right = last.twinx()
     right.plot(dataset.force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
-    right.set(ylabel=style.label(dataset.impact_speed, "impact speed"), ylim=(0, -2.2 * float(dataset.stop_velocity[1])))
+    right.set_ylabel(style.label(dataset.impact_speed, "impact speed"))
+    right.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
     right.yaxis.label.set_color(style.VERMILION)
     phase.legend(figure, planes, 4)
     return figure

@@ -17,7 +17,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         phase.draw_cycle(axes, case)
         phase.mark_origin(axes)
         note = " (as printed)" if index < 2 else ""
-        axes.set_title(f"({'ab'[index % 2]}) $R$ = {phase.number(case.axial_force)} N, $m$ = {phase.number(case.mass)} kg{note}")
+        force, mass = phase.number(case.axial_force), phase.number(case.mass)
+        axes.set_title(f"({'ab'[index % 2]}) $R$ = {force} N, $m$ = {mass} kg{note}")
     phase.widen(panels[0], dataset.isel(case=0))
     for index, axes in enumerate(panels):
         phase.draw_lines(axes, dataset.isel(case=index))

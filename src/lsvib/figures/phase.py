@@ -1,4 +1,4 @@
-"""Draw phase planes from the variables that ``lsvib.datasets.phase`` lays down: one case, a few motions, lines and marks."""
+"""Draw phase planes from the variables of ``lsvib.datasets.phase``: one case, a few motions, lines and marks."""
 
 from collections.abc import Sequence
 
@@ -44,8 +44,9 @@ def draw_lines(axes: Axes, case: xr.Dataset, colour: str = style.VERMILION, name
     angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
     rates = np.array(limits[2:])
     axes.plot(angle + slope * rates, rates, color=colour, linestyle=(0, (5, 2)), linewidth=1.0, label=name, zorder=1.5)
+    stop = float(case.stop_velocity)
     axes.axhline(
-        float(case.stop_velocity), color=style.GREY, linestyle=(0, (6, 2, 1, 2)), linewidth=1.0, label=r"$\dot\theta = 0$", zorder=1.4
+        stop, color=style.GREY, linestyle=(0, (6, 2, 1, 2)), linewidth=1.0, label=r"$\dot\theta = 0$", zorder=1.4
     )
     axes.axis(limits)
 
@@ -78,7 +79,7 @@ def draw_cycle(
 
 
 def cycle_jumps(case: xr.Dataset) -> np.ndarray:
-    """Return, for each sample of a limit cycle, whether the rate jumps from it to the next one (the first after the last)."""
+    """Return, for each sample of a limit cycle, whether the rate jumps before the next (the first follows the last)."""
     u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
     return (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
 
@@ -91,11 +92,11 @@ def mark_seizures(axes: Axes, u, w, colour: str) -> None:
 def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
     after = np.flatnonzero(jumps) + 1
-    axes.plot(np.insert(u, after, np.nan), np.insert(w, after, np.nan), color=colour, linewidth=width, label=name, zorder=2.2)
+    broken = np.insert(u, after, np.nan), np.insert(w, after, np.nan)
+    axes.plot(*broken, color=colour, linewidth=width, label=name, zorder=2.2)
     for k in after:
-        axes.plot(
-            u[k - 1 : k + 1], w[k - 1 : k + 1], color=colour, linewidth=0.8 * width, linestyle=_DOTTED, label="seizure: jump of the rate"
-        )
+        jump = slice(k - 1, k + 1)
+        axes.plot(u[jump], w[jump], color=colour, linewidth=1, linestyle=_DOTTED, label="seizure: jump of the rate")
 
 
 def mark_origin(axes: Axes) -> None:
@@ -123,7 +124,7 @@ def widen(axes: Axes, case: xr.Dataset, margin: float = 0.06) -> None:
 def number(value: float) -> str:
     """Return a number for a title: a minus sign in place of a hyphen, a power of ten where it is short."""
     text = f"{float(value):g}".replace("-", "−")
-    if "e" not in text and abs(float(value)) >= 0.01 or float(value) == 0:
+    if float(value) == 0 or ("e" not in text and abs(float(value)) >= 0.01):
         return text
     mantissa, power = f"{float(value):.3e}".split("e")
     return f"${float(mantissa):g} \\times 10^{{{int(power)}}}$"

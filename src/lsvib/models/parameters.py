@@ -71,6 +71,33 @@ class LeadScrew(BaseModel):
         return ExactDrive(self)
 
 
+class ThreadsDrive(LeadScrew):
+    """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
+
+    contact_stiffness: Number = _quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Number = _quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+
+
+class SupportDrive(LeadScrew):
+    """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
+
+    screw_mass: Number = _quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
+    support_stiffness: Number = _quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
+    axial_support_damping: Number = _quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
+    slide_friction: Number = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Number = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+
+
+class NutDrive(LeadScrew):
+    """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
+
+    nut_inertia: Number = _quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
+    nut_stiffness: Number = _quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
+    nut_damping: Number = _quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
+    slide_friction: Number = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Number = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+
+
 class ExactDrive:
     """A drive in 50-digit decimal arithmetic: attributes as in :class:`LeadScrew`, plus the functions of λ."""
 

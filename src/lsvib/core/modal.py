@@ -1,0 +1,175 @@
+"""Closed-form flow of a mode with any number of states, as a sum of oscillators, and bounds of its derivatives.
+
+A linear mode x′ = A x + b splits into pairs of modal coordinates, each an oscillator of :mod:`lsvib.core.planar`:
+y = W x + w₀, x = V y + v₀. A pair is made of two complex or of two neighbouring real rates, so nothing is special where the two rates
+of a pair coincide. A guard is a sum over the pairs, and so is every derivative of it. The k-th derivative of a pair's part is bounded by
+
+    |z| ω^k e^{−αt}   (complex),      min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )   (real),
+
+where the second form of the real case stays small near a double rate. :mod:`lsvib.core.walk` isolates roots with these bounds.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.core import planar
+from lsvib.core.jit import kernel
+from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, ROUNDING
+
+ORDERS = 5  # derivatives 0 to 4
+
+
+class ModalFlow(NamedTuple):
+    """Flow tables of m modes with n states and p pairs."""
+
+    oscillators: np.ndarray  # (m, p, planar columns)
+    to_modal: np.ndarray  # (m, 2p, n + 1)
+    from_modal: np.ndarray  # (m, n, 2p + 1)
+    field: np.ndarray  # (m, n, n + 1), A and b
+
+
+@kernel
+def apply(table, vector, out):
+    """Write the affine image of ``vector`` under ``table`` (k, size + 1) to ``out`` (k)."""
+    last = vector.size
+    for i in range(out.size):
+        total = table[i, last]
+        for j in range(last):
+            total += table[i, j] * vector[j]
+        out[i] = total
+
+
+@kernel
+def flow_pairs(rows, start, t, out):
+    """Write the modal state (2p) a time t [s] after ``start`` to ``out``."""
+    for pair in range(rows.shape[0]):
+        planar.advance(rows, pair, start[2 * pair : 2 * pair + 2], t, out[2 * pair : 2 * pair + 2])
+
+
+@kernel
+def advance(flow, mode, state, t, out):
+    """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
+    modal = np.empty(flow.to_modal.shape[1])
+    apply(flow.to_modal[mode], state, modal)
+    flow_pairs(flow.oscillators[mode], modal, t, modal)
+    apply(flow.from_modal[mode], modal, out)
+
+
+@kernel
+def magnitudes(flow, mode, state, stay, scale):
+    """Write to ``scale`` (n) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
+    modal = np.empty(flow.to_modal.shape[1])
+    apply(flow.to_modal[mode], state, modal)
+    sizes = np.empty(modal.size)
+    for pair in range(modal.size // 2):
+        part = slice(2 * pair, 2 * pair + 2)
+        planar.magnitudes(flow.oscillators[mode], pair, modal[part], stay, sizes[part])
+    for i in range(state.size):
+        total = abs(flow.from_modal[mode, i, modal.size])
+        for j in range(modal.size):
+            total += abs(flow.from_modal[mode, i, j]) * sizes[j]
+        scale[i] = total
+
+
+@kernel
+def guard_at(flow, mode, state, scale, guard):
+    """Value, first and second derivative of a guard at a state, each with the size below which it is rounding only."""
+    n = state.size
+    field = flow.field[mode]
+    value, rate, bend = guard[n], 0.0, 0.0
+    size, rate_size, bend_size = abs(guard[n]), 0.0, 0.0
+    for i in range(n):
+        value += guard[i] * state[i]
+        size += abs(guard[i]) * scale[i]
+        weight, weight_size = 0.0, 0.0  # of x_i in the rate: (gᵀ A)_i
+        for j in range(n):
+            weight += guard[j] * field[j, i]
+            weight_size += abs(guard[j] * field[j, i])
+        speed, speed_size = field[i, n], abs(field[i, n])
+        for j in range(n):
+            speed += field[i, j] * state[j]
+            speed_size += abs(field[i, j]) * scale[j]
+        rate += guard[i] * speed
+        rate_size += abs(guard[i]) * speed_size
+        bend += weight * speed
+        bend_size += weight_size * speed_size
+    return value, ROUNDING * size, rate, ROUNDING * rate_size, bend, ROUNDING * bend_size
+
+
+@kernel
+def amplitudes(row, value, rate, out):
+    """Write the factors of the bounds of a pair's part, from its value and rate at time zero, to ``out`` (orders, 4)."""
+    if row[BETA] > 0.0:
+        across = (rate + row[ALPHA] * value) / row[BETA]
+        size = math.sqrt(value * value + across * across)
+        frequency = math.sqrt(row[A0])
+        for k in range(ORDERS):
+            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = size, 0.0, size, 0.0
+            size *= frequency
+        return
+    p, q = value, rate - row[R1] * value
+    spread = 2.0 * row[DELTA]
+    for k in range(ORDERS):
+        fast = abs(q) / spread if spread > 0.0 else math.inf
+        slow = abs(p + q / spread) if spread > 0.0 else math.inf
+        # p + q / spread loses digits to cancellation; what is lost is added, so that the bound stays a bound.
+        out[k, 0] = slow + 4.0 * EPS * (abs(p) + fast) if spread > 0.0 else math.inf
+        out[k, 1], out[k, 2], out[k, 3] = fast, abs(p), abs(q)
+        p, q = row[R1] * p + q, row[R2] * q
+
+
+@kernel
+def decays(row, t, out):
+    """Write the decay factors of a pair at time t to ``out`` (3): of the slow part, of the fast part, and h."""
+    if row[BETA] > 0.0:
+        out[0] = math.exp(-row[ALPHA] * t)
+        out[1], out[2] = 0.0, 0.0
+        return
+    out[0] = math.exp(row[R1] * t)
+    fast = math.expm1(-2.0 * row[DELTA] * t)
+    out[1] = out[0] * (1.0 + fast)
+    out[2] = -fast / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else t
+
+
+@kernel
+def bound(amplitudes, k, from_decays, to_decays):
+    """Bound of the k-th derivative of a guard between two nodes; ``amplitudes`` (p, orders, 4), decays (p, 3)."""
+    total = 0.0
+    for pair in range(amplitudes.shape[0]):
+        slow = max(from_decays[pair, 0], to_decays[pair, 0])
+        fast = max(from_decays[pair, 1], to_decays[pair, 1])
+        h = max(from_decays[pair, 2], to_decays[pair, 2])
+        factor = amplitudes[pair, k]
+        split = factor[0] * slow + (factor[1] * fast if factor[1] > 0.0 else 0.0)
+        joint = slow * (factor[2] + factor[3] * h)
+        total += joint if not split < joint else split
+    return total
+
+
+@kernel
+def derivatives(rows, modal, guard, out):
+    """Write value, first and second derivative of a guard in modal form (2p + 1) at a modal state to ``out`` (3)."""
+    value, rate, bend = guard[modal.size], 0.0, 0.0
+    for pair in range(rows.shape[0]):
+        row = rows[pair]
+        u, w = modal[2 * pair], modal[2 * pair + 1]
+        acceleration = row[planar.B] - row[A0] * u - row[A1] * w
+        g_u, g_w = guard[2 * pair], guard[2 * pair + 1]
+        value += g_u * u + g_w * w
+        rate += g_u * w + g_w * acceleration
+        bend += g_u * acceleration + g_w * (-row[A0] * w - row[A1] * acceleration)
+    out[0], out[1], out[2] = value, rate, bend
+
+
+@kernel
+def in_modal_form(flow, mode, guard, out):
+    """Write an affine function of the state (n + 1) as one of the modal coordinates (2p + 1) to ``out``."""
+    table = flow.from_modal[mode]
+    n = guard.size - 1
+    for j in range(out.size):
+        total = guard[n] if j == out.size - 1 else 0.0
+        for i in range(n):
+            total += guard[i] * table[i, j]
+        out[j] = total

@@ -1,0 +1,92 @@
+"""The coefficients that Sect. 8.5.1 prints, for both readings of the mass.
+
+The text states m = 1 kg, but the effective inertias that it prints are those of m = 8 kg; its dampings hold for any
+mass, and the thresholds of figure 8.6 belong to the stated one.
+"""
+
+from collections.abc import Sequence
+
+import xarray as xr
+
+from lsvib.analysis import chapter, thresholds
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import LeadScrew
+
+# Sect. 8.5.1 prints two digits: (law, value, unit of the last digit).
+_PRINTED_DAMPING = {-1: (1.0e-3, 1e-4), 1: (-1.1e-4, 1e-5)}  # C∓ [N m s/rad]
+_PRINTED_INERTIA = {-1: (9.9e-6, 1e-7), 1: (6.5e-7, 1e-8)}  # Γ∓ [kg m²]
+
+
+def variables(drives: Sequence[LeadScrew]) -> phase.Variables:
+    """Return effective coefficients under both laws, and the two upper thresholds, along ``reading`` of the mass."""
+    exact = [coefficients(d) for d in drives]
+    variables = {}
+    for law, sign, symbol in ((1, "plus", "+"), (-1, "minus", "-")):
+        variables[f"inertia_{sign}"] = (
+            "reading",
+            [float(c.gamma[law]) for c in exact],
+            phase.attributes("kg m2", f"effective inertia of law {symbol}", f"$\\Gamma_{symbol}$"),
+        )
+        variables[f"damping_{sign}"] = (
+            "reading",
+            [float(c.damping[law]) for c in exact],
+            phase.attributes("N m s rad-1", f"effective damping of law {symbol}", f"$C_{symbol}$"),
+        )
+    for name in ("stick_force", "detach_force"):
+        variables[f"{name}_of_reading"] = (
+            "reading",
+            [getattr(thresholds, name)(d) for d in drives],
+            phase.attributes("N", f"{name.replace('_', ' ')} for this mass", "$R$"),
+        )
+    return variables
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
+    result = []
+    stated = float(dataset.mass)
+    printed_for = float(dataset.reading.values[dataset.reading.values != stated][0])
+    ours, theirs = dataset.sel(reading=stated), dataset.sel(reading=printed_for)
+    reason = "printed with two digits: half a unit of the last one"
+    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
+        value, digit = _PRINTED_DAMPING[law]
+        tolerance = 0.5 * digit / abs(value)
+        result.append(
+            Check.within(
+                f"Effective damping C{symbol}, of any mass",
+                "Sect. 8.5.1",
+                value,
+                float(ours[f"damping_{sign}"]),
+                tolerance,
+                "N m s/rad",
+                reason,
+            )
+        )
+    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
+        value, digit = _PRINTED_INERTIA[law]
+        mine = float(ours[f"inertia_{sign}"])
+        result.append(
+            Check.within(
+                f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
+                f"(with the stated m = {stated:g} kg it is {mine:.3g} kg m2)",
+                "Sect. 8.5.1",
+                value,
+                float(theirs[f"inertia_{sign}"]),
+                0.5 * digit / value,
+                "kg m2",
+                reason,
+            )
+        )
+    stick = float(theirs.stick_force_of_reading), float(theirs.detach_force_of_reading)
+    printed = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
+    result.append(
+        Check.holds(
+            f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)",
+            "Sect. 8.5.1, Fig. 8.6",
+            f"m = {printed_for:g} kg gives {stick[0]:.2f} N and {stick[1]:.2f} N",
+            all(abs(s / p - 1) > 0.02 for s, p in zip(stick, printed, strict=True)),
+        )
+    )
+    return result

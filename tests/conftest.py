@@ -1,0 +1,7 @@
+"""Puts ``tests`` on the path (``from reference import ...``) and makes hypothesis reproducible."""
+
+from hypothesis import settings
+
+# The same examples in every run, on every machine; no limit in time, because the first example compiles the kernels.
+settings.register_profile("reproducible", derandomize=True, deadline=None)
+settings.load_profile("reproducible")

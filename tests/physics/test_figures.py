@@ -1,0 +1,217 @@
+"""The datasets of the figures: on draft settings every check passes, and each fails once its data are spoiled."""
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.impact import mean_load, seizure_impulses
+from lsvib.datasets import phase
+from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.errors import InputError
+from lsvib.models.motion import follow
+from lsvib.models.parameters import LeadScrew
+from lsvib.models.rigid import EventKind, rigid_drive
+
+CONFIG = Path(__file__).parents[2] / "config"
+SPRAG_DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
+
+
+def draft(figure: str) -> dict:
+    """The settings of a figure as the workflow merges them for a draft."""
+    full, changes = (yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", "draft"))
+
+    def merge(old: dict, new: dict) -> dict:
+        return {**old, **{k: merge(old[k], v) if isinstance(v, dict) else v for k, v in new.items()}}
+
+    return merge(full[figure], changes.get(figure, {}))
+
+
+@cache
+def dataset_of(figure: str) -> xr.Dataset:
+    return import_module(f"lsvib.datasets.{figure}").build(draft(figure))
+
+
+def set_to(name: str, value, *where: int) -> Callable[[xr.Dataset], xr.Dataset]:
+    """A spoiler that puts ``value`` into a variable, at an index or everywhere."""
+
+    def spoil(dataset: xr.Dataset) -> xr.Dataset:
+        values = dataset[name].values.copy()
+        values[where or ...] = value
+        return dataset.assign({name: (dataset[name].dims, values, dataset[name].attrs)})
+
+    return spoil
+
+
+def scale(name: str, factor: float, *where: int) -> Callable[[xr.Dataset], xr.Dataset]:
+    """A spoiler that multiplies a variable, at an index or everywhere."""
+
+    def spoil(dataset: xr.Dataset) -> xr.Dataset:
+        values = dataset[name].values.copy()
+        values[where or ...] *= factor
+        return dataset.assign({name: (dataset[name].dims, values, dataset[name].attrs)})
+
+    return spoil
+
+
+SPOILERS = {
+    "fig8_04": {
+        "three conditions": set_to("margin_force_with_motion", -1.0),
+        "unstable by its eigenvalues": set_to("growth_rate", -1.0),
+        "leaves it": scale("angle_deviation", 0.0, 0, 0, slice(500, None)),
+        "limit cycle attracts": scale("amplitude", 1 + 1e-9, 0, 0, 1),
+    },
+    "fig8_05": {
+        "only the second": set_to("margin_force_with_motion", 1.0),
+        "stable by its eigenvalues": set_to("growth_rate", 1.0),
+        "approaches the origin": set_to("angle_deviation", 1.0, 0, 1, slice(-5, None)),
+        "settles on the origin": set_to("attractor", Attractor.OTHER_CYCLE, 0, 1, 0),
+    },
+    "fig8_06": {
+        "sets in": scale("onset_force", 1.02),
+        "first touches rest": scale("stick_force", 1.03),
+        "no longer reaches": scale("detach_force", 1.05),
+        "amplitude is zero": set_to("vibration_amplitude", 1e-12, 3),
+        "straight line": scale("vibration_amplitude", 1 + 1e-6, 15),
+        "is constant": scale("vibration_amplitude", 1 + 1e-9, -1),
+        "changes kind": set_to("regime", 0, 20),
+        "line of rest": set_to("smallest_velocity", -40.0, 15),
+        "origin is stable": set_to("attractor", Attractor.OTHER_CYCLE, 0, 0, 0),
+        "pure-slip limit cycle": set_to("attractor", Attractor.STICK_SLIP_CYCLE, 1, 0, 0),
+        "stick-slip cycle attracts": set_to("attractor", Attractor.OTHER_CYCLE, 2, 0, 1),
+        "damping C₋": scale("damping_minus", 1.02),
+        "damping C₊": scale("damping_plus", 0.95),
+        "inertia Γ₋": scale("inertia_minus", 0.99),
+        "inertia Γ₊": scale("inertia_plus", 0.99),
+        "are not those of m = 8": set_to("stick_force_of_reading", 34.6),
+    },
+    "fig8_07": {
+        "existence analysis": set_to("existence", 1, 10, 10),
+        "seizes at once": set_to("event_sign", -1, 0, 0, 0),
+        "slips under law -1": set_to("mode", 4, 0, 2, 0),
+        "converges to u_0": scale("law_minus_angle", 1 + 1e-9, 0),
+        "beyond the line": scale("contact_line_angle", 100.0),
+    },
+    "fig8_09": {
+        "critical mass lies between": scale("effective_inertia", -1.0, 0),
+        "decays to the origin": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 0, 1, 0),
+        "one sprag-slip cycle": scale("amplitude", 1 + 1e-9, 1, 1, 1),
+        "axial force, which the text leaves out": scale("impact_speed", 0.9, 0),
+    },
+    "fig8_11": {
+        "sprag-slip cycle at each": set_to("attractor", Attractor.STEADY_SLIDING, 0, 0, 0),
+        "amplitude falls": scale("amplitude", 2.0, 2, 0, 0),
+        "starts on the line": scale("contact_line_angle", 1 + 1e-9),
+        "both rules": scale("amplitude", 1 + 1e-15, 1, 1, 0),
+    },
+    "fig8_12": {
+        "sprag-slip cycle for every": set_to("attractor", Attractor.STICK_SLIP_CYCLE, 1, 3),
+        "amplitude falls": scale("vibration_amplitude", 2.0, 1, -1),
+        "mean deflection": scale("mean_deflection", 0.5, 0, -1),
+        "mean of |N|": scale("mean_normal_force", 0.5, 0, -1),
+        "Without rest both rules": scale("vibration_amplitude", 1 + 1e-9, 1, -1),
+        "axial contact force": scale("mean_axial_force", 1 + 1e-9, 0, 5),
+        "contact torque": scale("mean_contact_torque", 1 + 1e-9, 0, 5),
+    },
+    "fig8_14": {
+        "printed mass has": scale("effective_inertia", -1.0, 0),
+        "(a) m = 10 kg": set_to("event_kind", EventKind.STICK, 0, 0),
+        "(a) m = 11 kg": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 1),
+        "(b) m = 10 kg": set_to("grid_attractor", Attractor.SPRAG_SLIP_CYCLE, 1, 0, 0),
+        "(b) m = 11 kg": scale("amplitude", 1 + 1e-9, 3, 1, 0),
+        "threshold of global stability lies": scale("global_stability_force", 2.0),
+        "leaves rest changes": set_to("bracket_attractor", Attractor.STEADY_SLIDING, 0, 1),
+    },
+}
+EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
+
+
+@pytest.mark.parametrize("figure", SPOILERS)
+def test_every_check_passes(figure):
+    checks = import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))
+    assert [check.sentence() for check in checks if not check.passed] == []
+
+
+@pytest.mark.parametrize("figure", SPOILERS)
+def test_every_check_has_a_spoiler(figure):
+    claims = [check.claim for check in import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))]
+    hits = {words: [claim for claim in claims if words in claim] for words in SPOILERS[figure]}
+    assert {words: len(found) for words, found in hits.items()} == dict.fromkeys(hits, 1)
+    assert {claim for found in hits.values() for claim in found} == set(claims)
+
+
+@pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
+def test_check_fails_on_spoiled_data(figure, words):
+    spoiled = SPOILERS[figure][words](dataset_of(figure))
+    checks = import_module(f"lsvib.datasets.{figure}").checks(spoiled)
+    assert [check.passed for check in checks if words in check.claim] == [False]
+
+
+@pytest.mark.parametrize("figure", SPOILERS)
+def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
+    write_dataset(dataset_of(figure), tmp_path / "a.nc")
+    drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(tmp_path / "a.nc"))
+    drawn.draw_without_rendering()
+    assert drawn.axes[0].lines
+    names = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
+    assert names
+    assert len(names) == len(set(names))
+
+
+def test_samples_hold_every_event_before_and_after():
+    motion = follow(rigid_drive(LeadScrew.of(SPRAG_DRIVE)), [-0.25, 60.0], 0.1)
+    times, states, modes = phase.sample(motion, 500)
+    assert times.size == 500
+    assert (np.diff(times) >= 0).all()
+    assert (times[0], times[-1]) == (0.0, 0.1)
+    assert modes.dtype == np.int8
+    for time, before, after in zip(motion.time, motion.before, motion.after, strict=True):
+        at = states[times == time]
+        assert (at[0] == before).all()
+        assert (at[-1] == after).all()
+    exact, _ = motion.at(times)
+    smooth = ~np.isin(times, motion.time)
+    np.testing.assert_array_equal(states[smooth][:-1], exact[smooth][:-1])
+
+
+def test_too_few_samples_are_refused():
+    motion = follow(rigid_drive(LeadScrew.of(SPRAG_DRIVE)), [-0.25, 60.0], 1.0)
+    with pytest.raises(InputError, match="samples = 100 is outside the allowed range samples >= "):
+        phase.sample(motion, 100)
+
+
+@pytest.mark.parametrize("speed", [80.0, -25.0])
+def test_seizure_impulses_stop_screw_and_nut(speed):
+    drive = LeadScrew.of(SPRAG_DRIVE)
+    impulses = seizure_impulses(drive, speed)
+    sine, cosine = np.sin(drive.lead_angle), np.cos(drive.lead_angle)
+    tangential = (float(impulses.axial) - float(impulses.normal) * cosine) / sine
+    # m Δx′ and I Δθ′ of the stop, from the two impulses of the contact
+    assert float(impulses.normal) * cosine + tangential * sine == pytest.approx(
+        drive.mass * drive.pitch_radius * np.tan(drive.lead_angle) * speed, rel=1e-12
+    )
+    assert drive.pitch_radius * (tangential * cosine - float(impulses.normal) * sine) == pytest.approx(
+        drive.screw_inertia * speed, rel=1e-10
+    )
+    # beyond the critical mass friction is strong enough to lock the contact, and the impulse has the sign of θ′
+    assert abs(tangential / float(impulses.normal)) < drive.friction_coefficient
+    assert np.sign(impulses.normal) == np.sign(speed)
+
+
+@pytest.mark.parametrize("force", [-10.0, 50.0])
+@pytest.mark.parametrize("damping", [1e-5, 1e-3])
+def test_mean_load_balances_the_momenta(force, damping):
+    drive = LeadScrew.of(mass=11, axial_force=force, support_damping=damping)
+    steady = steady_state(rigid_drive(drive), [0.1, 0.0])
+    load = mean_load(drive, steady.orbit)
+    assert load.axial == pytest.approx(force, rel=1e-12)
+    assert load.torque == pytest.approx(
+        -drive.coupling_stiffness * load.deflection - damping * drive.input_speed, rel=1e-12
+    )
+    assert 0 < load.impulsive < load.normal
