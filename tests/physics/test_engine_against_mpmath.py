@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.drives import RULES, compare, drives, starts
+from reference.rigid import simulate, state_at
 
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
-from reference.drives import RULES, compare, drives, starts
-from reference.rigid import simulate, state_at
 
 TOLERANCE = 1e-12
 LONG = LeadScrew.of(mass=1.0, translation_damping=1e3, axial_force=40.0)

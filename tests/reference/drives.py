@@ -21,7 +21,7 @@ def signed(low: float, high: float):
 
 
 @st.composite
-def drives(draw, masses=st.floats(0.5, 9.5) | st.floats(10.3, 30.0), friction=st.floats(0.05, 0.5)) -> LeadScrew:
+def drives(draw) -> LeadScrew:
     """Drives on both sides of Γ₊ = 0, damped in at least one place, loaded, turning either way.
 
     Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
@@ -30,8 +30,8 @@ def drives(draw, masses=st.floats(0.5, 9.5) | st.floats(10.3, 30.0), friction=st
     """
     damping = draw(st.sampled_from(["support", "translation", "both"]))
     return LeadScrew.of(
-        mass=draw(masses),
-        friction_coefficient=draw(friction),
+        mass=draw(st.floats(0.5, 9.5) | st.floats(10.3, 30.0)),
+        friction_coefficient=draw(st.floats(0.05, 0.5)),
         axial_force=draw(signed(1.0, 200.0)),
         input_speed=draw(signed(5.0, 80.0)),
         support_damping=0.0 if damping == "translation" else draw(st.floats(2e-5, 1e-2)),
@@ -58,7 +58,7 @@ class Comparison:
 
 
 def compare(drive: LeadScrew, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
-    """Follow a motion in both ways; the size of the motion is the largest |u|, |w| at its start, its events and its end."""
+    """Follow a motion both ways; its size is the largest |u| and |w| at its start, its events and its end."""
     expected = simulate(dict(drive), *start, t_end, resume_rule=rule, max_events=max_events)
     motion = follow(rigid_drive(drive, resume=rule), start, t_end, max_events=max_events)
     visited = [[s.u, s.w] for s in expected.segments] + [[e.u_before, e.w_before] for e in expected.events]
@@ -71,3 +71,21 @@ def compare(drive: LeadScrew, start, t_end: float, rule: str = "contact_sign", m
     pairs = zip(motion.time[ours], expected.events, strict=False)
     late = max((abs(float(event.time - time)) for time, event in pairs), default=0.0)
     return Comparison(motion, expected, error, late if kinds == theirs else math.nan, kinds, theirs)
+
+
+def random_drive(rng: np.random.Generator) -> LeadScrew:
+    """As :func:`drives`, but uniformly random, and with masses next to the critical one as well."""
+    support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
+    return LeadScrew.of(
+        mass=rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2),
+        friction_coefficient=rng.uniform(0.05, 0.5),
+        axial_force=rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 2.3),
+        input_speed=rng.choice([-1, 1]) * rng.uniform(5.0, 80.0),
+        support_damping=support * 10 ** rng.uniform(-4.5, -2.0),
+        translation_damping=translation * rng.uniform(50.0, 2000.0),
+    )
+
+
+def random_start(rng: np.random.Generator) -> tuple[float, float]:
+    """As :func:`starts`, uniformly random."""
+    return rng.uniform(-0.4, 0.4), rng.uniform(-200.0, 200.0)

@@ -1,6 +1,7 @@
 """The search for the first root of a guard: roots against mpmath, grazing, near misses, re-arming, growth.
 
-Tolerance of a root: rounding of the guard's terms over the slope of the guard there, ``32 eps``, plus 4 eps of the time.
+Tolerance of a root: rounding of the guard's terms over the slope of the guard there, ``32 eps``, and 4 eps of the
+time.
 """
 
 import math
@@ -10,13 +11,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from reference.cases import CASES, EPS, STARTS, advanced, rate_of
+from reference.oscillator import flow
 
 from lsvib.core import loop, planar
 from lsvib.core.status import Found, Status
 from lsvib.core.status import Test as Sign
 from lsvib.models.automaton import Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from reference.oscillator import flow
-from reference.cases import CASES, EPS, STARTS, advanced, rate_of
 
 INF = math.inf
 
@@ -53,7 +54,7 @@ def test_first_root_against_mpmath(name, state, part_u, part_w, level, angle):
     assert values.min() >= -rounding
     if found == Found.CROSSING:
         step = (abs(t) + 1 / rate_of(row)) * 1e-9
-        slope = float((value(CASES[name], state, guard, t + step) - value(CASES[name], state, guard, t - step))) / (
+        slope = float(value(CASES[name], state, guard, t + step) - value(CASES[name], state, guard, t - step)) / (
             2 * step
         )
         residual = abs(float(value(CASES[name], state, guard, t)))
@@ -177,7 +178,7 @@ def test_infinitely_many_bounces_in_finite_time(beyond):
 
 @pytest.mark.parametrize("turns", [1, 10, 1000, 100_000])
 def test_growing_oscillation_crosses_after_many_turns(turns):
-    """u = e^{at} cos-like, growing by e² over the turns: the first minimum below the guard is found at once, and right."""
+    """u = e^{at} cos-like, growing by e² over the turns: the first minimum that is deep enough is found at once."""
     growth = 2.0 / (2 * math.pi * turns)
     coefficients = (1.0, -2 * growth, 1.0, 0.0)
     row = oscillator(*coefficients)

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from reference.cases import CASES, EPS, STARTS, advanced, rate_of
+from reference.oscillator import flow, number
 
 from lsvib.core import planar
 from lsvib.models.automaton import oscillator
-from reference.cases import CASES, EPS, STARTS, advanced, rate_of
-from reference.oscillator import flow, number
 
 ANGLES = [1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 40.0]  # rate · t
 

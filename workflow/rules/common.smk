@@ -2,10 +2,12 @@
 
 import importlib.metadata
 import importlib.util
+import json
 from functools import cache
 from pathlib import Path
 
 import grimp
+from lsvib.datasets.checks import Check, terminal_table
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import validate
 
@@ -83,7 +85,8 @@ def remove_leftovers():
 
 def print_results(started):
     """Print where the figures are and the table of checks, unless the table is older than this run."""
-    table = Path("results/checks.md")
-    if table.exists() and table.stat().st_mtime >= started:
-        print(f"\n{table.read_text()}")
+    records = Path("results/checks.json")
+    if records.exists() and records.stat().st_mtime >= started:
+        checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
+        print(f"\n{terminal_table(checks)}\n")
         print("Figures: results/figures   datasets: results/datasets   checks: results/checks.md, results/checks.json")

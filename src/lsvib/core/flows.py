@@ -1,7 +1,7 @@
 """One name for each kernel that depends on the kind of flow; the choice is made by type when a kernel is compiled.
 
-A flow is either a plain table of oscillators (two states, :mod:`lsvib.core.planar`) or a ``ModalFlow`` (:mod:`lsvib.core.modal`). Since the
-choice is by type, a planar model compiles none of the modal kernels.
+A flow is either a plain table of oscillators (two states, :mod:`lsvib.core.planar`) or a ``ModalFlow``
+(:mod:`lsvib.core.modal`). Since the choice is by type, a planar model compiles none of the modal kernels.
 """
 
 import numpy as np

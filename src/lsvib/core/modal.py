@@ -1,12 +1,15 @@
 """Closed-form flow of a mode with any number of states, as a sum of oscillators, and bounds of its derivatives.
 
 A linear mode x′ = A x + b splits into pairs of modal coordinates, each an oscillator of :mod:`lsvib.core.planar`:
-y = W x + w₀, x = V y + v₀. A pair is made of two complex or of two neighbouring real rates, so nothing is special where the two rates
-of a pair coincide. A guard is a sum over the pairs, and so is every derivative of it. The k-th derivative of a pair's part is bounded by
+y = W x + w₀, x = V y + v₀. A pair is made of two complex or of two neighbouring real rates, so nothing is special where
+the two rates of a pair coincide. A guard is a sum over the pairs, and so is every derivative of it. The k-th derivative
+of a pair's part is bounded by
 
-    |z| ω^k e^{−αt}   (complex),      min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )   (real),
+    complex:  |z| ω^k e^{−αt}
+    real:     min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )
 
-where the second form of the real case stays small near a double rate. :mod:`lsvib.core.walk` isolates roots with these bounds.
+where the second form of the real case stays small near a double rate. :mod:`lsvib.core.walk` isolates roots with these
+bounds.
 """
 
 import math
@@ -100,7 +103,7 @@ def guard_at(flow, mode, state, scale, guard):
 
 @kernel
 def amplitudes(row, value, rate, out):
-    """Write the factors of the bounds of a pair's part, from its value and rate at time zero, to ``out`` (orders, 4)."""
+    """Write the factors of the bounds of a pair's part, given its value and rate at time zero, to ``out``."""
     if row[BETA] > 0.0:
         across = (rate + row[ALPHA] * value) / row[BETA]
         size = math.sqrt(value * value + across * across)

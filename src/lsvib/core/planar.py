@@ -198,6 +198,8 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
     if not on_surface and bottom > _TWO_PI:
         bottom -= _TWO_PI
         top -= _TWO_PI
+    if top >= limit * beta or (limit * beta <= bottom and _value(row, shape, limit)[0] > 0.0):
+        return _NONE, limit
     swing = beta * math.sqrt(p * p + across * across) / row[A0]
     middle = bend / row[A0] if far else constant
     t_bottom = bottom / beta

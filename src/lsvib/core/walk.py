@@ -8,8 +8,9 @@ With M_k a bound of the k-th derivative of a guard g over [a, b] (:func:`lsvib.c
     max(g′_a, g′_b) < −M₃ h²/8     g falls: one root if g_b ≤ 0, else none;
     min(g″_a, g″_b) > M₄ h²/8      g is convex: no root if it also starts without falling.
 
-A step on which a guard is undecided is halved, so no root is passed over. Where halving ends because the whole step is below the rounding of the
-guard, the guard grazes. With infinite time the walk ends when the bounds of all parts together are below the guards' constants.
+A step on which a guard is undecided is halved, so no root is passed over. Where halving ends because the whole step is
+below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
+together are below the guards' constants.
 """
 
 import math
@@ -32,8 +33,8 @@ _STEPS = 1_000_000
 def first_crossing(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
-    Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g) – zero and
-    not falling. Returns (``Found``, index of the guard, time [s]).
+    Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
+    – zero and not falling. Returns (``Found``, index of the guard, time [s]).
     """
     rows = flow.oscillators[mode]
     pairs, count, size = rows.shape[0], guards.shape[0], flow.to_modal.shape[1]

@@ -1,6 +1,8 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
 
+import itertools
 import math
+import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Self
@@ -8,6 +10,7 @@ from typing import Any, Self
 from lsvib.errors import InputError
 
 _COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
+_WIDTHS = (7, 45, 12, 22, 9, 9, 7)  # of the columns in a terminal
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ class Check:
 
 def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
     """Return the checks, pairs (figure, check), as a Markdown table that also reads well in a terminal."""
-    rows = [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]
+    rows = [list(_COLUMNS)] + [[cell.replace("|", "\\|") for cell in _row(*pair)] for pair in checks]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
     lines = [
         "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
@@ -94,17 +97,27 @@ def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def terminal_table(checks: Iterable[tuple[str, Check]]) -> str:
+    """Return the checks, pairs (figure, check), as a table of at most 120 columns; long cells continue below."""
+    lines = []
+    for row in [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]:
+        cells = [textwrap.wrap(cell, width) or [""] for cell, width in zip(row, _WIDTHS, strict=True)]
+        for parts in itertools.zip_longest(*cells, fillvalue=""):
+            lines.append("  ".join(part.ljust(width) for part, width in zip(parts, _WIDTHS, strict=True)).rstrip())
+    return "\n".join(lines)
+
+
 def _row(figure: str, check: Check) -> list[str]:
     cells = [
         figure,
         f"{check.claim} [{check.source}]",
         _quantity(check.expected, check.unit),
         _quantity(check.computed, check.unit),
-        _text(check.error),
+        "-" if check.error is None else f"{check.error:.3g}",
         _text(check.tolerance),
         "pass" if check.passed else "FAIL",
     ]
-    return [cell.replace("|", "\\|").replace("\n", " ") for cell in cells]
+    return [cell.replace("\n", " ") for cell in cells]
 
 
 def _quantity(value: float | str, unit: str | None) -> str:

@@ -12,7 +12,7 @@ from typing import Any, get_args
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets.trajectory import flags, quantity
+from lsvib.datasets.variables import flags, quantity
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import Motion, follow

@@ -6,7 +6,7 @@ import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
-_LIBRARIES = ("numpy", "scipy", "numba", "xarray", "netCDF4")
+_LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 
 def provenance() -> dict[str, str]:

@@ -9,32 +9,10 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
+from lsvib.datasets.variables import flags, quantity
 from lsvib.models.motion import Motion, follow
 from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
 from lsvib.models.scene import Scene, read_yaml
-
-_LONG_NAMES = {
-    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
-    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "normal_force": ("normal force of the threads", "N", "$N$"),
-    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
-    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
-    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
-}
-
-
-def flags(kinds) -> dict[str, Any]:
-    """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
-    return {
-        "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
-        "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
-    }
-
-
-def quantity(name: str) -> dict[str, str]:
-    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of the rigid drive."""
-    long_name, units, symbol = _LONG_NAMES[name]
-    return {"long_name": long_name, "units": units, "symbol": symbol}
 
 
 def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, **changes: Any) -> xr.Dataset:

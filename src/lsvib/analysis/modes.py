@@ -1,0 +1,80 @@
+"""Stability of two-coordinate models by their generalised eigenvalues, whole grids at once."""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.analysis import stability
+from lsvib.models.linear import LinearModel
+
+
+class Mode(IntEnum):
+    """Class of the steady sliding of a model with two coordinates; the values are the ``int8`` flags of datasets."""
+
+    STABLE = 0  # no eigenvalue in the right half plane; without damping, all frequencies real
+    DIVERGENCE = 1  # a growing motion without oscillation, although the mass matrix has a positive determinant
+    FLUTTER = 2  # growing oscillation; without damping, mode coupling
+    KINEMATIC = 3  # det M ≤ 0: the kinematic constraint turns an inertia negative (Painlevé's paradoxes)
+
+
+def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
+    """Return 1/ω² of det(K − ω² M) = 0 [s²], both roots along a new last axis; damping plays no part.
+
+    They are the eigenvalues of K⁻¹ M. As det K > 0 in every model here, 1/ω² stays finite where an inertia vanishes and ω²
+    passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
+    """
+    a_4, _, minus_a_2, _, a_0 = LinearModel(model.mass, ((0, 0), (0, 0)), model.stiffness).polynomial()
+    return stability.eigenvalues(a_0, -minus_a_2, a_4)
+
+
+def undamped_class(model: LinearModel) -> NDArray[np.int8]:
+    """Class (:class:`Mode`) of M q″ + K q = 0 by its eigenvalues 1/ω², one for each place of the grid; K positive."""
+    return _undamped_class(reciprocal_squares(model))
+
+
+def _undamped_class(squares: NDArray[np.complex128]) -> NDArray[np.int8]:
+    # det K > 0, so the product of both 1/ω² has the sign of det M: it is negative for exactly one negative 1/ω².
+    complex_pair = squares[..., 0].imag != 0
+    lower, upper = squares[..., 0].real, squares[..., 1].real
+    kinds = [Mode.FLUTTER, Mode.STABLE, Mode.DIVERGENCE]
+    return np.select([complex_pair, lower > 0, upper < 0], kinds, Mode.KINEMATIC).astype(np.int8)
+
+
+def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
+    """Eigenvalues [1/s] of M q″ + C q′ + K q = 0, shape (..., 4), by LAPACK on the balanced state matrix.
+
+    In ascending real part; they are those of :meth:`LinearModel.jacobian`. det M must not vanish.
+    """
+    values = np.linalg.eigvals(model.jacobian()).astype(complex)
+    return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
+
+
+def growth_rate(model: LinearModel) -> NDArray[np.float64]:
+    """Largest real part [1/s] of the eigenvalues; positive where steady sliding is unstable."""
+    return eigenvalues(model)[..., -1].real
+
+
+def damped_class(model: LinearModel) -> NDArray[np.int8]:
+    """Class (:class:`Mode`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
+
+    The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
+    """
+    fastest = eigenvalues(model)[..., -1]
+    kinds = [Mode.KINEMATIC, Mode.STABLE, Mode.DIVERGENCE]
+    negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
+    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, Mode.FLUTTER).astype(np.int8)
+
+
+def routh_hurwitz(polynomial: tuple) -> bool:
+    """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; with decimals the answer is certain."""
+    p_4, p_3, p_2, p_1, p_0 = polynomial
+    return bool(min(p_3, p_2, p_1, p_0) > 0 and (p_3 * p_2 - p_4 * p_1) * p_1 > p_3**2 * p_0)
+
+
+def flag_attributes() -> dict[str, object]:
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of a variable that holds :class:`Mode`."""
+    return {
+        "flag_values": np.array([flag.value for flag in Mode], dtype=np.int8),
+        "flag_meanings": " ".join(flag.name.lower() for flag in Mode),
+    }
