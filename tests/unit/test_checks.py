@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.datasets.checks import Check, markdown_table
+from lsvib.datasets.checks import Check, markdown_table, terminal_table
 from lsvib.errors import InputError
 
 
@@ -58,10 +58,19 @@ def test_table_has_a_line_for_each_check():
     assert [cell.strip() for cell in first.strip("|").split("|")][2:] == [
         "10.1 kg",
         "10.107 kg",
-        "0.000693069",
+        "0.000693",
         "0.02",
         "pass",
     ]
     assert "mean of \\|N\\| grows" in second
     assert second.endswith("| FAIL    |")
     assert len({len(head), len(rule), len(first), len(second)}) == 1
+
+
+def test_terminal_table_fits_a_terminal_and_loses_no_word():
+    claim = "a claim that is much too long for one line of the table of checks, with |N| in it, so that it must go on below"
+    table = terminal_table([("fig8_12", Check.holds(claim, "Fig. 8.12", "word " * 20, False))])
+    assert max(map(len, table.splitlines())) <= 120
+    assert table.split().count("word") == 20
+    assert all(word in table for word in claim.split())
+    assert "FAIL" in table

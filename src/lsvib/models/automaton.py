@@ -3,9 +3,10 @@
 Every number may be a ``Decimal``; it is rounded to double once, here.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
+from typing import Any
 
 import numpy as np
 
@@ -36,10 +37,13 @@ class Guard:
 
 @dataclass(frozen=True)
 class Mode:
-    """A linear flow (a row made by :func:`oscillator`) and the guards around it; ``code`` names it in datasets."""
+    """A linear flow and the guards around it; ``code`` names the mode in datasets.
+
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more).
+    """
 
     code: int
-    flow: np.ndarray
+    flow: Any
     guards: tuple[Guard, ...]
     beyond_accumulation: str | None = None
 
@@ -113,6 +117,7 @@ def assemble(
     transitions: dict[str, Transition],
     observables: dict[str, dict[str, Row]],
     shortest_stay: float,
+    stack: Callable = np.array,
 ) -> Automaton:
     """Lay a model out as tables.
 
@@ -130,7 +135,7 @@ def assemble(
     reset_index = iter(range(len(resets)))
     n = len(states)
     tables = Tables(
-        flow=np.array([mode.flow for mode in modes.values()]),
+        flow=stack([mode.flow for mode in modes.values()]),
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),

@@ -86,7 +86,7 @@ def threads_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: b
     to arrays that broadcast; law s = ±1; ``exact``: entries in 50-digit decimals (of a drive). Units of the first
     equation [N m], of the second [N].
     """
-    p = _parameters(drive, law, exact)
+    p = values_of(drive, law, exact)
     with localcontext(prec=PLACES):
         lead = p.pitch_radius * p.tan_lead
         b = p.cos_lead * (1 + law * p.friction_coefficient * p.tan_lead)
@@ -114,7 +114,7 @@ def support_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: b
     Arguments as :func:`threads_model`, with ``screw_mass`` m_1 [kg], ``support_stiffness`` k_1 [N/m] and
     ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
     """
-    p = _parameters(drive, law, exact)
+    p = values_of(drive, law, exact)
     with localcontext(prec=PLACES):
         lead, lever = p.pitch_radius * p.tan_lead, p.factor * p.pitch_radius
         return LinearModel(
@@ -137,7 +137,7 @@ def nut_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool 
     Arguments as :func:`threads_model`, with ``nut_inertia`` I_2 [kg m²], ``nut_stiffness`` k_2 [N m/rad] and
     ``nut_damping`` c_2 [N m s/rad].
     """
-    p = _parameters(drive, law, exact)
+    p = values_of(drive, law, exact)
     with localcontext(prec=PLACES):
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         mass, damping = lever * p.mass, lever * p.translation_damping
@@ -166,8 +166,13 @@ def _solved(a: Matrix, b: Matrix) -> Matrix:
     return first, second
 
 
-def _parameters(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool) -> SimpleNamespace | ExactDrive:
-    """Parameters as attributes, with sin λ, cos λ, tan λ and the friction factor ξ_s of the law."""
+def values_of(
+    drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False
+) -> SimpleNamespace | ExactDrive:
+    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
+
+    Arrays of floats, or with ``exact`` decimals of 50 digits, for which ``drive`` must be a drive.
+    """
     if exact:
         p = drive.exact()
     else:

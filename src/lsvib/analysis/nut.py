@@ -1,0 +1,42 @@
+"""Rotating nut: the kinematic condition (8.33) and what it does to the critical mass (Remarks 8.5 and 8.6)."""
+
+from collections.abc import Mapping
+from decimal import localcontext
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from lsvib.models import friction
+from lsvib.models.linear import values_of
+from lsvib.models.parameters import PLACES, NutDrive
+
+
+def effective_screw_inertia(drive: NutDrive | Mapping[str, ArrayLike], exact: bool = False) -> Any:
+    """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); it is smaller than I, so the nut's rotation destabilises."""
+    p = values_of(drive, 1, exact)
+    with localcontext(prec=PLACES):
+        return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
+
+
+def kinematic_inertia(drive: NutDrive | Mapping[str, ArrayLike], law: int, exact: bool = False) -> Any:
+    """Return I_eff − ξ_s tan λ m r_m² [kg m²]; steady sliding under law s = ±1 is unstable where it is negative (8.33).
+
+    It equals det M_0 / (I + I_2). M_0 and K are symmetric and K is positive, so without it steady sliding can be lost
+    neither by flutter nor – as det K > 0 – by divergence.
+    """
+    p = values_of(drive, law, exact)
+    with localcontext(prec=PLACES):
+        inertia = effective_screw_inertia(drive, exact)
+        return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+
+
+def critical_mass(drive: NutDrive) -> float | None:
+    """Mass [kg] at which (8.33) begins to hold under law +, I_eff / (ξ₊ tan λ r_m²); None if μ ≤ tan λ.
+
+    It is smaller than that of the rigid drive by the factor I_2 / (I + I_2).
+    """
+    p = values_of(drive, 1, exact=True)
+    with localcontext(prec=PLACES):
+        if p.factor <= 0:
+            return None
+        return float(effective_screw_inertia(drive, exact=True) / (p.factor * p.tan_lead * p.pitch_radius**2))

@@ -1,0 +1,105 @@
+"""Axial support: the printed polynomial (8.23), conditions (8.24)–(8.28), and boundaries (8.29)–(8.32) in closed form.
+
+Functions take a :class:`SupportDrive`, or a mapping of its keys to arrays that broadcast, and the law s = ±1. With
+χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
+"""
+
+from collections.abc import Mapping
+from decimal import localcontext
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lsvib.analysis.modes import Mode, reciprocal_squares
+from lsvib.models.linear import support_model, values_of
+from lsvib.models.parameters import PLACES, SupportDrive
+
+Grid = SupportDrive | Mapping[str, ArrayLike]
+
+
+def characteristic_polynomial(drive: Grid, law: int, exact: bool = False) -> tuple[Any, Any, Any]:
+    """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units).
+
+    With ``exact`` in 50-digit decimals, for which ``drive`` must be a drive.
+    """
+    p = values_of(drive, law, exact)
+    with localcontext(prec=PLACES):
+        lever = p.factor * p.pitch_radius**2 * p.tan_lead
+        total = p.mass + p.screw_mass
+        return (
+            p.screw_inertia * total - p.mass * p.screw_mass * lever,
+            -p.coupling_stiffness * total - p.support_stiffness * (p.screw_inertia - lever * p.mass),
+            p.coupling_stiffness * p.support_stiffness,
+        )
+
+
+def printed_class(drive: Grid, law: int) -> NDArray[np.int8]:
+    """Class (:class:`Mode`) by the printed conditions: a_4 < 0 (8.24), a_4 > 0 and a_2 > 0 (8.25), a_2² < 4 a_0 a_4 (8.26).
+
+    Kinematic, divergence and flutter, in this order; where (8.25) and (8.26) both hold it is flutter.
+    """
+    a_4, a_2, a_0 = characteristic_polynomial(drive, law)
+    conditions = [a_4 < 0, a_2**2 - 4 * a_0 * a_4 < 0, (a_4 > 0) & (a_2 > 0)]
+    kinds = [Mode.KINEMATIC, Mode.FLUTTER, Mode.DIVERGENCE]
+    return np.select(np.broadcast_arrays(*conditions), kinds, Mode.STABLE).astype(np.int8)
+
+
+def reduced_inertia(drive: Grid, law: int, exact: bool = False) -> Any:
+    """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²], m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)."""
+    p = values_of(drive, law, exact)
+    with localcontext(prec=PLACES):
+        mass = p.mass * p.screw_mass / (p.mass + p.screw_mass)
+        return p.screw_inertia - p.factor * p.tan_lead * mass * p.pitch_radius**2
+
+
+def boundary_coefficients(drive: Grid, law: int) -> tuple[Any, Any, Any]:
+    """Return b_1, b_2, b_3 of the flutter boundary b_1 k_1² + b_2 k k_1 + b_3 k² = 0 as printed (eq. 8.29)."""
+    p = values_of(drive, law)
+    turned = p.factor * p.mass * p.pitch_radius**2 * p.tan_lead
+    return (
+        (p.screw_inertia - turned) ** 2,
+        2 * (p.screw_mass * (turned - p.screw_inertia) - p.mass * (turned + p.screw_inertia)),
+        (p.mass + p.screw_mass) ** 2,
+    )
+
+
+def flutter_boundaries(drive: Grid, law: int) -> NDArray[np.float64]:
+    """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
+
+    With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and
+    S Γ_0 = A² − B², so the branches are perfect squares,
+
+        k_1 = k [S / (A + B)]²   and   k_1 = k [(A + B) / Γ_0]²,
+
+    without any subtraction but that inside Γ_0 and Γ̃_0. They are real and positive exactly if ξ_0 ≥ 0 and Γ̃_0 ≥ 0 (8.32),
+    NaN elsewhere; the upper one is infinite where Γ_0 = 0. They meet at μ = tan λ in k_1 = k S / I and on the kinematic
+    boundary Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I).
+    """
+    p = values_of(drive, law)
+    total = p.mass + p.screw_mass
+    lever = p.factor * p.pitch_radius**2 * p.tan_lead
+    with np.errstate(invalid="ignore", divide="ignore"):
+        both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
+        branches = (total / both, both / (p.screw_inertia - p.mass * lever))
+        return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
+
+
+def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
+    """Friction coefficient μ_kc at which an eigenvalue of K⁻¹ M passes through zero, by bisection to the last bit.
+
+    That 1/ω² belongs to the undamped model (8.23) under law +; it has a simple root where ω² has a pole, and it
+    decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of the closed
+    form :func:`lsvib.analysis.conditions.critical_friction`.
+    """
+    stable, kinematic = 0.0, float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
+
+    def turned(friction: float) -> bool:
+        model = support_model({**dict(drive), "friction_coefficient": friction}, 1)
+        return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
+
+    if not turned(kinematic):
+        return None
+    while (middle := (stable + kinematic) / 2) not in (stable, kinematic):
+        stable, kinematic = (stable, middle) if turned(middle) else (middle, kinematic)
+    return kinematic

@@ -1,0 +1,50 @@
+"""Compliant threads: when the stiff contact is unstable (Lemma 8.1), and when it is not; see ``docs/lemmas.md``.
+
+With Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin λ), the characteristic polynomial of the model of
+Sect. 5.5 (:func:`lsvib.models.linear.threads_model`) has the coefficients
+
+    p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
+    p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
+"""
+
+from decimal import Decimal, localcontext
+
+from lsvib.models.coefficients import coefficients
+from lsvib.models.linear import steady_law
+from lsvib.models.parameters import PLACES, ThreadsDrive
+
+
+def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
+    """Contact stiffness k_c [N/m] beyond which p_2 < 0, so that steady sliding is unstable (Lemma 8.1).
+
+    k_c = max[0, (c c_x + m k + β c_c C_0) / (β |Γ_0|)]: sufficient, whatever the contact damping. None unless Γ_0 < 0.
+    """
+    d = drive.exact()
+    with localcontext(prec=PLACES):
+        gamma, damping, beta = _effective(drive)
+        if gamma >= 0:
+            return None
+        rest = d.support_damping * d.translation_damping + d.mass * d.coupling_stiffness
+        return float(max(Decimal(0), (rest + beta * d.contact_damping * damping) / (beta * -gamma)))
+
+
+def least_contact_damping(drive: ThreadsDrive) -> float | None:
+    """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
+
+    c_c = max[0, (c m (I − Γ_0) − I² c_x) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is left in
+    the limit. Below it the contact itself flutters, although the rigid drive (8.13) is stable.
+    """
+    d = drive.exact()
+    with localcontext(prec=PLACES):
+        gamma, damping, beta = _effective(drive)
+        if gamma <= 0 or damping <= 0:
+            return None
+        excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
+        return float(max(Decimal(0), excess / (beta * gamma**2)))
+
+
+def _effective(drive: ThreadsDrive) -> tuple[Decimal, Decimal, Decimal]:
+    """Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of the steady law."""
+    d, c, law = drive.exact(), coefficients(drive), steady_law(drive)
+    beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
+    return c.gamma[law], c.damping[law], beta

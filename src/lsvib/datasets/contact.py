@@ -1,0 +1,214 @@
+"""Phase portraits of the contact force (Sect. 8.2) as datasets: what figures 8.1 and 8.2 share.
+
+The abscissa is the chapter's χ = N b_s / W (8.8). The ordinate is its rate, scaled by the time and force scale of law −
+on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.analysis.contact_force`.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis import contact_force
+from lsvib.analysis.contact_force import Arc, Flow, Outcome, Paradox
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import ThreadsDrive
+
+_LAWS = (1, -1)
+_ASSUMED = "assumed: not stated in the text"
+_UNIT = "kg-1 m-2"
+_VIEWS = 3.0  # a motion is followed until it is so many times the half width of the map away
+_SETTLING = 12.0  # times the decay time for which a motion that ends in the focus is followed
+
+
+def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
+    """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
+
+    ``settings``: ``drive`` (Γ₊ < 0); ``contact_stiffness`` [N/m]; ``contact_dampings`` [N s/m], a panel each; ``force``
+    and ``rate`` [1/(kg m²)] of the grid with ``start``, ``stop``, ``count``; ``starts``, each with ``force`` and
+    ``rate``; ``samples`` of a motion. Raises ``InputError``.
+    """
+    base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
+    drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
+    cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
+    force, rate = (np.linspace(s["start"], s["stop"], s["count"]) for s in (settings["force"], settings["rate"]))
+    limit = _VIEWS * max(np.ptp(force), np.ptp(rate)) / 2
+    scale, side = contact_force.force_scale(base), int(paradox)
+    starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
+    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
+    motions = np.array([[sample(arcs, settings["samples"], limit) for arcs, _ in case] for case in followed])
+    grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
+    outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
+    c = coefficients(base)
+    eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
+    motion = ("case", "start", "sample")
+    return xr.Dataset(
+        {
+            "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
+            "force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
+            "start_outcome": (
+                ("case", "start"),
+                np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
+                _outcomes("what becomes of the contact force of a motion"),
+            ),
+            "outcome": (
+                ("case", "force", "rate"),
+                np.array(outcomes, dtype=np.int8).reshape(len(cases), force.size, rate.size),
+                _outcomes("what becomes of the contact force"),
+            ),
+            "equilibrium": (
+                "law",
+                np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
+                _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
+            ),
+            "eigenvalue_real": (
+                ("case", "law", "eigenvalue"),
+                eigenvalues.real,
+                _attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
+            ),
+            "eigenvalue_imaginary": (
+                ("case", "law", "eigenvalue"),
+                eigenvalues.imag,
+                _attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
+            ),
+        }
+        | (_manifolds(cases, settings["samples"], limit, scale) if paradox is Paradox.INDETERMINATE else {}),
+        coords={
+            "force": ("force", force, _force("contact force of the grid")),
+            "rate": ("rate", rate, _rate("rate of the grid")),
+            "law": ("law", np.array(_LAWS), _attributes("1", "friction law", "$s$")),
+            "law_side": (
+                "law",
+                [flow.side for flow in cases[0].values()],
+                _attributes("1", "sign where the law holds"),
+            ),
+            "effective_inertia": (
+                "law",
+                [float(c.gamma[law]) for law in _LAWS],
+                _attributes("kg m2", "effective inertia", r"$\Gamma_s$"),
+            ),
+            "contact_damping": (
+                "case",
+                [drive.contact_damping for drive in drives],
+                _attributes("N s m-1", "damping of the thread contact", "$c_c$", comment=_ASSUMED),
+            ),
+            "damping_ratio": (
+                "case",
+                [flows[-1].damping for flows in cases],
+                _attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
+            ),
+            "force_scale": ((), scale, _attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
+            "mass": ((), base.mass, _attributes("kg", "translating mass", "$m$", comment=_ASSUMED)),
+        },
+    )
+
+
+def sample(arcs: Sequence[Arc], count: int, limit: float) -> np.ndarray:
+    """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
+
+    Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
+    one turn, in a focus a fixed number of decay times. Raises ``InputError`` if the samples are too few for the arcs.
+    """
+    if count < 2 * len(arcs):
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
+    durations = [arc.duration if math.isfinite(arc.duration) else _shown(arc, limit) for arc in arcs]
+    ends = np.concatenate([[0.0], np.cumsum(durations)])
+    shares = np.maximum(2, np.floor(np.array(durations) / ends[-1] * (count - 2 * len(arcs))).astype(int) + 2)
+    shares[-1] += count - shares.sum()
+    return np.array(
+        [
+            arc.flow.at(arc.start, time)
+            for arc, duration, share in zip(arcs, durations, shares, strict=True)
+            for time in np.linspace(0, duration, share)
+        ]
+    )
+
+
+def _shown(arc: Arc, limit: float) -> float:
+    """Scaled time for which an arc without end is shown."""
+    first, _ = arc.flow.rates()
+    growing = abs(arc.flow.amplitudes(arc.start)[0])
+    if first.real > 0 and growing > 0:
+        return max(math.log(limit / growing), 0.0) / first.real
+    return 2 * math.pi / abs(first.imag) if first.real == 0 else _SETTLING / abs(first.real)
+
+
+def _manifolds(cases: Sequence[dict[int, Flow]], count: int, limit: float, scale: float) -> dict[str, tuple]:
+    """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
+
+    All are followed away from the saddle, the stable ones backwards in time, until they have come back to its side.
+    """
+    lines = [
+        sample(contact_force.follow(laws, _beside(laws[1], outwards))[0][:3], count, limit) * [1, direction]
+        for flows in cases
+        for direction, laws in ((1, flows), (-1, contact_force.reversed_in_time(flows)))
+        for outwards in (laws[1].side, -laws[1].side)
+    ]
+    lines = np.array(lines).reshape(len(cases), 4, count, 2)
+    branch = ("case", "branch", "sample")
+    return {
+        "manifold_force": (branch, _scaled(lines[..., 0], scale, int(Paradox.INDETERMINATE)), _force("manifold")),
+        "manifold_rate": (branch, lines[..., 1], _rate("rate on a manifold of the saddle")),
+    }
+
+
+def _beside(saddle: Flow, outwards: int) -> tuple[float, float]:
+    """State on the unstable manifold, a straight line, so close to the saddle that a picture cannot tell."""
+    near = 1e-6 * abs(saddle.equilibrium) * outwards
+    return saddle.equilibrium + near, saddle.rates()[0].real * near
+
+
+def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.DataArray:
+    """Energy integral of (8.11) without contact damping at χ and its rate, in the scales of law −; zero at the origin."""
+    return _potential(case, force) + rate**2 / 2
+
+
+def saddle_energy(case: xr.Dataset) -> float:
+    """Energy integral at the saddle."""
+    return float(_potential(case, case.equilibrium.sel(law=1)))
+
+
+def energy_spread(case: xr.Dataset) -> float:
+    """Largest spread of the energy along a motion, relative to the largest of its two parts on the way."""
+    parts = _potential(case, case.contact_force), case.force_rate**2 / 2
+    total = sum(parts)
+    size = xr.concat([abs(part) for part in parts], "part").max(["part", "sample"])
+    return float(((total.max("sample") - total.min("sample")) / size).max())
+
+
+def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
+    """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
+    plus, minus = (case.effective_inertia.sel(law=law, drop=True) for law in _LAWS)
+    x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
+    stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
+    return stiffness * x**2 / 2 - x / minus
+
+
+def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
+    """χ from x: equal on the side of law −, scaled on that of law +."""
+    return np.where(x * side > 0, x * scale, x)
+
+
+def _unscaled(force: float, scale: float, side: int) -> float:
+    """Turn χ into x."""
+    return float(force) / (scale if force * side > 0 else 1.0)
+
+
+def _outcomes(long_name: str) -> dict[str, Any]:
+    values = np.array(list(Outcome), dtype=np.int8)
+    return _attributes("1", long_name, flag_values=values, flag_meanings=" ".join(o.name.lower() for o in Outcome))
+
+
+def _force(long_name: str) -> dict[str, Any]:
+    return _attributes(_UNIT, long_name, r"$\chi$")
+
+
+def _rate(long_name: str) -> dict[str, Any]:
+    return _attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
+
+
+def _attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
+    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}

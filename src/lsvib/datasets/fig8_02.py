@@ -1,0 +1,69 @@
+"""Figure 8.2: phase portrait of the contact force in the inconsistent case, without and with contact damping."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.contact_force import Outcome, Paradox
+from lsvib.datasets import contact
+from lsvib.datasets.checks import Check
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the portrait; settings as :func:`lsvib.datasets.contact.portrait`, contact dampings 0 and > 0."""
+    return contact.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
+        title="Figure 8.2: phase portrait of the contact force, inconsistent case",
+        source="lsvib, closed-form flow of the contact force (8.12) with exact changes of the law",
+        references="doi:10.1007/978-1-4419-1752-2_8, Sect. 8.2, Fig. 8.2",
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that nothing is in equilibrium and that every contact force ends growing in the first quadrant."""
+    inertia = dataset.effective_inertia
+    growing = dataset.outcome == Outcome.PLUS_INFINITY
+    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.force_rate)]
+    rising = [(x[..., 1] > x[..., 0]) & (x[..., 0] > 0) for x in last]
+    drawn = rising[0] & rising[1] & (dataset.start_outcome.values == Outcome.PLUS_INFINITY)
+    spread = contact.energy_spread(dataset.isel(case=0))
+    rate = dataset.eigenvalue_real.sel(law=1).max("eigenvalue")
+    slope = last[1][..., 1] / (last[0][..., 1] / float(dataset.force_scale))
+    # far out the motion follows the unstable manifold of the saddle, up to the saddle's own distance
+    gap = np.abs(slope / rate.values[:, None] - 1).max()
+    near = 2 * float(np.abs(dataset.equilibrium).max()) / float(last[0].min())
+    return [
+        Check.holds(
+            "The equilibria 1/Γ₊ and 1/Γ₋ both lie on the side of the other law: there is no solution",
+            "Sect. 8.2, Fig. 8.2",
+            f"relative difference {float(np.abs(dataset.equilibrium * inertia - 1).max()):.1e}, signs of the sides "
+            f"{dataset.law_side.values.tolist()}",
+            bool((dataset.equilibrium * dataset.law_side < 0).all())
+            and bool((np.abs(dataset.equilibrium * inertia - 1) < 1e-12).all()),
+        ),
+        Check.holds(
+            "Every start ends growing in the first quadrant, without contact damping and with it",
+            "Sect. 8.2, Fig. 8.2",
+            f"{int(growing.sum())} of {growing.size} starts",
+            bool(growing.all()),
+        ),
+        Check.holds(
+            "The drawn motions end in the first quadrant, force and rate both rising",
+            "Sect. 8.2, Fig. 8.2",
+            f"{int(drawn.sum())} of {drawn.size} motions",
+            bool(drawn.all()),
+        ),
+        Check.holds(
+            "The growth becomes exponential, at the positive eigenvalue of law +",
+            "eq. 8.12",
+            f"rate over force deviates by {gap:.2g} of the eigenvalue; allowed is {near:.2g}, the share of the saddle",
+            bool(gap < near),
+        ),
+        Check.holds(
+            "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
+            "eqs 8.11, 8.12",
+            f"largest spread {spread:.1e} of the larger of potential and kinetic part",
+            spread < 1e-12,
+        ),
+    ]

@@ -1,0 +1,253 @@
+"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.core.modal`, in 60-digit arithmetic.
+
+The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or two neighbouring real ones,
+s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
+subspace of a factor, where m is the inverse of P modulo the factor. Nothing of this is sensitive where the two rates of
+a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of the factor, so (q, q′) is an
+oscillator.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import combinations
+
+import mpmath
+import numpy as np
+
+from lsvib.core import planar
+from lsvib.core.modal import ModalFlow
+
+_DIGITS = 60
+_TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
+_WORST_CONDITION = 1e12
+
+
+@dataclass(frozen=True)
+class ModalMode:
+    """One mode in modal form: oscillator rows (p), W and w₀ (2p, n + 1), V and v₀ (n, 2p + 1), A and b (n, n + 1).
+
+    ``condition`` is the largest amplification of rounding, max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
+    """
+
+    oscillators: np.ndarray
+    to_modal: np.ndarray
+    from_modal: np.ndarray
+    field: np.ndarray
+    condition: float
+
+
+def modal_mode(
+    field: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None
+) -> ModalMode:
+    """Decompose a field.
+
+    Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);
+    ``frozen``: coordinates that keep a value in this mode, with that value. Raises ``ArithmeticError`` if rates of
+    different factors coincide, so that double precision cannot carry the modal form (condition above 1e12), or if a
+    zero rate comes with a chain.
+    """
+    with mpmath.workdps(_DIGITS):
+        full = mpmath.matrix([[_exact(x) for x in row] for row in field])
+        n = full.rows
+        kept = {i: _exact(value) for i, value in (frozen or {}).items()}
+        alive = [i for i in range(n) if i not in kept]
+        matrix = mpmath.matrix([[full[i, j] for j in alive] for i in alive])
+        constant = mpmath.matrix([full[i, n] + sum(full[i, j] * value for j, value in kept.items()) for i in alive])
+        scale = [mpmath.mpf(sizes[i]) for i in alive]
+        pieces = [
+            piece
+            for factor, projector in _subspaces(matrix)
+            for piece in _pieces(matrix, constant, factor, projector, scale)
+        ]
+        return _tables(full, kept, alive, pieces, sizes)
+
+
+def _exact(number):
+    return mpmath.mpf(number) if isinstance(number, (int, float)) else mpmath.mpf(str(number))
+
+
+def _factors(rates) -> list[list]:
+    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros."""
+    largest = max(abs(rate) for rate in rates)
+    if largest == 0:
+        return [[mpmath.mpf(1), mpmath.mpf(0)]]
+    zeros = [rate for rate in rates if abs(rate) <= _TINY * largest]
+    moving = [rate for rate in rates if abs(rate) > _TINY * largest]
+    upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
+    real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
+    factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
+    factors += [[mpmath.mpf(1), -(a + b), a * b] for a, b in zip(real[::2], real[1::2], strict=False)]
+    factors += [[mpmath.mpf(1), -real[-1]]] if len(real) % 2 else []
+    return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
+
+
+def _subspaces(matrix) -> list[tuple[list, mpmath.matrix]]:
+    """Factors of the characteristic polynomial, each with the projector on its subspace."""
+    rates = mpmath.eig(matrix, left=False, right=False)
+    factors = _factors(rates)
+    found = []
+    for k, factor in enumerate(factors):
+        others = mpmath.eye(matrix.rows)
+        remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
+        for j, other in enumerate(factors):
+            if j != k:
+                others = others * _polynomial(other, matrix)
+                remainder = _modulo(_product(remainder, other), factor)
+        found.append((factor, _polynomial(_inverse(remainder, factor), matrix) * others))
+    return found
+
+
+def _polynomial(coefficients, matrix):
+    result = mpmath.zeros(matrix.rows)
+    for coefficient in coefficients:
+        result = result * matrix + coefficient * mpmath.eye(matrix.rows)
+    return result
+
+
+def _product(left, right):
+    result = [mpmath.mpf(0)] * (len(left) + len(right) - 1)
+    for i, x in enumerate(left):
+        for j, y in enumerate(right):
+            result[i + j] += x * y
+    return result
+
+
+def _modulo(polynomial, factor):
+    polynomial = list(polynomial)
+    while len(polynomial) >= len(factor):
+        lead = polynomial.pop(0)
+        for i, coefficient in enumerate(factor[1:]):
+            polynomial[i] -= lead * coefficient
+    return polynomial
+
+
+def _inverse(remainder, factor):
+    """Inverse of a polynomial of lower degree modulo the factor."""
+    remainder = [mpmath.mpf(0)] * (len(factor) - 1 - len(remainder)) + list(remainder)
+    if len(factor) == 2:
+        return [1 / remainder[0]]
+    a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
+    _, a1, a0 = factor
+    norm = b * b - a * b * a1 + a * a * a0
+    return [-a / norm, (b - a * a1) / norm]
+
+
+@dataclass(frozen=True)
+class _Piece:
+    row: np.ndarray  # of the oscillator table
+    into: mpmath.matrix  # (2, n + 1)
+    out: mpmath.matrix  # (n, 3), the constant last
+
+
+def _pieces(matrix, constant, factor, projector, scale) -> list[_Piece]:
+    """The oscillators of one subspace: one for a pair of rates or a single rate, one for each dimension of zeros."""
+    if len(factor) == 3:
+        return [_pair(matrix, constant, factor, projector, scale)]
+    rate = -factor[1]
+    if rate == 0 and mpmath.mnorm(matrix * projector) > _TINY * mpmath.mnorm(matrix) * mpmath.mnorm(projector):
+        raise ArithmeticError("a zero rate of the mode comes with a chain, which the modal form does not carry")
+    rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+    rows = max(
+        combinations(range(projector.rows), rank),
+        key=lambda chosen: abs(mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))),
+    )  # fmt: skip
+    block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
+    pieces = []
+    for k, i in enumerate(rows):
+        # Coordinates q = Π x at the chosen rows; the vectors that give them back are dual to these rows.
+        vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
+        covector = projector[i, :]
+        push = (covector * constant)[0]
+        shift = push / rate if rate else mpmath.mpf(0)
+        into = mpmath.matrix([[*covector, shift], [*(rate * x for x in covector), push]])
+        out = mpmath.matrix([[x, 0, -x * shift] for x in vector])
+        pieces.append(_Piece(_row(rate * rate, -2 * rate), into, out))
+    return pieces
+
+
+def _pair(matrix, constant, factor, projector, scale) -> _Piece:
+    _, a1, a0 = factor
+    unit = mpmath.sqrt(abs(a0))
+    rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
+    candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
+
+    def spread(candidate) -> mpmath.mpf:
+        covector = mpmath.matrix([candidate]) * projector
+        first = [x * s for x, s in zip(covector, scale, strict=True)]
+        second = [x * s / unit for x, s in zip(covector * matrix, scale, strict=True)]
+        product = sum(x * y for x, y in zip(first, second, strict=True))
+        squares = sum(x * x for x in first) * sum(x * x for x in second)
+        return squares - product * product if not squares else 1 - product * product / squares
+
+    covector = mpmath.matrix([max(candidates, key=spread)]) * projector
+    rows2 = mpmath.matrix([list(covector), list(covector * matrix)])
+    weights = mpmath.diag([s * s for s in scale])
+    vectors = projector * weights * rows2.T * (rows2 * weights * rows2.T) ** -1
+    push = (covector * constant)[0]
+    rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
+    into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
+    out = mpmath.matrix(
+        [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
+    )
+    return _Piece(_row(a0, a1), into, out)
+
+
+def _row(a0, a1) -> np.ndarray:
+    """Row of the oscillator table for s² + a₁ s + a₀, without force."""
+    row = np.zeros(planar.COLUMNS)
+    alpha, discriminant = a1 / 2, a1 * a1 / 4 - a0
+    row[planar.A0], row[planar.A1], row[planar.ALPHA] = float(a0), float(a1), float(alpha)
+    if discriminant < 0:
+        row[planar.BETA] = float(mpmath.sqrt(-discriminant))
+    else:
+        delta = mpmath.sqrt(discriminant)
+        large = -(alpha + delta) if alpha >= 0 else -alpha + delta
+        small = a0 / large if large else mpmath.mpf(0)
+        row[planar.DELTA] = float(delta)
+        row[planar.R1], row[planar.R2] = float(max(large, small)), float(min(large, small))
+    row[planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0))) if a0 else 0.0
+    return row
+
+
+def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Sequence[float]) -> ModalMode:
+    n, count = full.rows, len(pieces)
+    to_modal, from_modal = np.zeros((2 * count, n + 1)), np.zeros((n, 2 * count + 1))
+    offset = mpmath.zeros(n, 1)
+    for i, value in kept.items():
+        offset[i] = value
+    for k, piece in enumerate(pieces):
+        for half in (0, 1):
+            for j, i in enumerate(alive):
+                to_modal[2 * k + half, i] = float(piece.into[half, j])
+                from_modal[i, 2 * k + half] = float(piece.out[j, half])
+            to_modal[2 * k + half, n] = float(piece.into[half, len(alive)])
+        for j, i in enumerate(alive):
+            offset[i] += piece.out[j, 2]
+    from_modal[:, -1] = [float(x) for x in offset]
+    size = np.asarray(sizes, dtype=float)
+    spread = np.abs(from_modal[:, :-1]) @ (np.abs(to_modal[:, :-1]) @ size)
+    condition = float(np.max(spread[alive] / size[alive]))
+    if not condition < _WORST_CONDITION:
+        raise ArithmeticError(f"rates of different pairs coincide in a mode (condition number {condition:.1e})")
+    field = np.array([[float(full[i, j]) for j in range(n + 1)] for i in range(n)])
+    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field, condition)
+
+
+def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
+    """Put modes together in one table; modes with fewer pairs are filled up with pairs that stay zero."""
+    pairs = max(len(mode.oscillators) for mode in modes)
+    n = modes[0].field.shape[0]
+    flow = ModalFlow(
+        np.zeros((len(modes), pairs, planar.COLUMNS)),
+        np.zeros((len(modes), 2 * pairs, n + 1)),
+        np.zeros((len(modes), n, 2 * pairs + 1)),
+        np.array([mode.field for mode in modes]),
+    )
+    for k, mode in enumerate(modes):
+        own = 2 * len(mode.oscillators)
+        flow.oscillators[k, : len(mode.oscillators)] = mode.oscillators
+        flow.to_modal[k, :own] = mode.to_modal
+        flow.from_modal[k, :, :own] = mode.from_modal[:, :-1]
+        flow.from_modal[k, :, -1] = mode.from_modal[:, -1]
+    return flow

@@ -1,0 +1,184 @@
+r"""The drive with compliant threads: screw and nut joined by a spring and damper in the contact (Sect. 5.5, eqs 8.6, 8.7).
+
+State (u, w, e, v): u = z − z_0 [rad] and w = u′ as in the rigid drive, e = x − r_m tan λ θ [m] the mismatch of nut and
+screw, v = e′. The contact is compressed by δ = e cos λ, and
+
+    N = cos λ (k_c e + c_c v),      s = sgn(θ′) sgn(N),                                                          (8.6
+    with damping) I θ″ = −k z − c θ′ − r_m N (s μ cos λ − sin λ),      m x″ = R − c_x x′ − N (cos λ + s μ sin λ).
+
+The motion is linear for each combination of signs of θ′ and N. At rest θ′ = 0, and friction F takes what the torque
+asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|; then m x″ = R − c_x x′ − N cos λ − F sin λ.
+Nothing is imposed in the Painlevé region: a seizure is the growth of N under law s = +1, and what follows it comes out.
+"""
+
+from decimal import Decimal, localcontext
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
+from lsvib.models.coefficients import coefficients
+from lsvib.models.modes import ModalMode, modal_flow, modal_mode
+from lsvib.models.parameters import PLACES, ThreadsDrive
+
+STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
+
+
+class ThreadsEvent(IntEnum):
+    """What happens at an event."""
+
+    GRAZE = GRAZE_KIND
+    ACCUMULATION = ACCUMULATION_KIND
+    CONTACT_REVERSAL = FIRST_MODEL_KIND  # N changes sign
+    STICK = FIRST_MODEL_KIND + 1  # θ′ = 0, and static friction holds
+    REVERSAL = FIRST_MODEL_KIND + 2  # θ′ = 0, and the screw turns back
+    RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
+
+
+class ThreadsMode(IntEnum):
+    """Modes: direction of the screw, and sign of N."""
+
+    SLIP_FORWARD_POSITIVE = 0
+    SLIP_FORWARD_NEGATIVE = 1
+    SLIP_BACKWARD_POSITIVE = 2
+    SLIP_BACKWARD_NEGATIVE = 3
+    REST_POSITIVE = 4
+    REST_NEGATIVE = 5
+
+
+_SIGNS = {1: "positive", -1: "negative"}
+_DIRECTIONS = {1: "forward", -1: "backward"}
+
+
+def threads_drive(drive: ThreadsDrive) -> Automaton:
+    """Build the automaton of the drive with compliant threads.
+
+    Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
+    ``ArithmeticError`` if the rates of a mode cannot be separated in double precision.
+    """
+    with localcontext(prec=PLACES):
+        build = _Build(drive)
+        modes: dict[str, Mode] = {}
+        for direction, where in _DIRECTIONS.items():
+            for sign, contact in _SIGNS.items():
+                name = f"slip_{where}_{contact}"
+                guards = (
+                    Guard("contact", sign, f"contact_reversal_{name}"),
+                    Guard("screw_speed", direction, "stop"),
+                )
+                modes[name] = Mode(ThreadsMode[name.upper()], build.slip(direction * sign), guards)
+        for sign, contact in _SIGNS.items():
+            name = f"rest_{contact}"
+            guards = (Guard(f"hold_{contact}", 1, f"release_forward_{contact}"),)
+            guards += (Guard(f"hold_back_{contact}", 1, f"release_backward_{contact}"),)
+            modes[name] = Mode(ThreadsMode[name.upper()], build.rest(), guards)
+        normal = dict.fromkeys(modes, build.normal)
+        return assemble(
+            states=STATES,
+            surfaces=build.surfaces(),
+            modes=modes,
+            transitions=build.transitions(),
+            observables={
+                "normal_force": normal,
+                "coupling_torque": dict.fromkeys(modes, scaled(build.deflection, -build.d.coupling_stiffness)),
+                "coupling_deflection": dict.fromkeys(modes, build.deflection),
+                "screw_speed": dict.fromkeys(modes, build.speed),
+            },
+            shortest_stay=0.0,
+            stack=modal_flow,
+        )
+
+
+class _Build:
+    """Rows over (u, w, e, v, 1) that the model is made of."""
+
+    def __init__(self, drive: ThreadsDrive) -> None:
+        self.d = d = drive.exact()
+        self.reach = d.pitch_radius * d.tan_lead
+        self.deflection = (1, 0, 0, 0, coefficients(drive).deflection)
+        self.speed = (0, 1, 0, 0, d.input_speed)
+        self.normal = (0, 0, d.cos_lead * d.contact_stiffness, d.cos_lead * d.contact_damping, 0)
+        # Friction that holds the screw at rest.
+        pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
+        self.friction = _sum(pull, scaled(self.normal, d.tan_lead))
+        steady_normal = abs(float(d.axial_force)) + 1.0
+        mismatch = steady_normal / float(d.contact_stiffness)
+        rate = steady_normal / float(d.contact_damping) if d.contact_damping else mismatch * 1e3
+        self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
+
+    def slip(self, law: int) -> ModalMode:
+        """Field of slip under law s."""
+        d = self.d
+        torque = _sum(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
+        lever = d.pitch_radius * (law * d.friction_coefficient * d.cos_lead - d.sin_lead)
+        acceleration = scaled(_sum(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
+        return self._field(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
+
+    def rest(self) -> ModalMode:
+        """Field of rest: w stays −Ω, the nut moves on."""
+        axial = _sum(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
+        return self._field((0, 0, 0, 0, 0), axial, {1: -self.d.input_speed})
+
+    def _field(self, acceleration: tuple, axial: tuple, frozen: dict | None = None) -> ModalMode:
+        d = self.d
+        travel = _sum((0, 0, 0, 1, 0), scaled(self.speed, self.reach))  # x′
+        nut = scaled(
+            _sum((0, 0, 0, 0, d.axial_force), scaled(travel, -d.translation_damping), scaled(axial, -1)), 1 / d.mass
+        )
+        mismatch = _sum(nut, scaled(acceleration, -self.reach))
+        return modal_mode([(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), mismatch], self.sizes, frozen)
+
+    def surfaces(self) -> dict[str, Surface]:
+        """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
+        found = {
+            "contact": Surface(self.normal, 2 if not self.d.contact_damping else 3),
+            "screw_speed": Surface(self.speed, 1),
+        }
+        for sign, contact in _SIGNS.items():
+            limit = scaled(self.normal, sign * self.d.friction_coefficient)
+            found[f"hold_{contact}"] = Surface(_sum(limit, scaled(self.friction, -1)), 0)
+            found[f"hold_back_{contact}"] = Surface(_sum(limit, self.friction), 0)
+        return found
+
+    def transitions(self) -> dict[str, Transition]:
+        """Entry and stop choose by the signs of θ′ and N and by static friction; N = 0 changes the law."""
+        standing = tuple(self._standing())
+        found = {"entry": Transition((*self._moving(), *standing)), "stop": Transition(standing)}
+        for direction, where in _DIRECTIONS.items():
+            for sign, contact in _SIGNS.items():
+                there = f"slip_{where}_{_SIGNS[-sign]}"
+                reversal = Branch(there, ThreadsEvent.CONTACT_REVERSAL, sign=-sign)
+                found[f"contact_reversal_slip_{where}_{contact}"] = Transition((reversal,))
+                found[f"release_{where}_{contact}"] = Transition(
+                    (Branch(f"slip_{where}_{contact}", ThreadsEvent.RELEASE),)
+                )
+        return found
+
+    def _moving(self):
+        for direction, where in _DIRECTIONS.items():
+            for sign, contact in _SIGNS.items():
+                test = Test.POSITIVE if sign > 0 else Test.NOT_NEGATIVE
+                conditions = ((scaled(self.speed, direction), Test.POSITIVE), (scaled(self.normal, sign), test))
+                yield Branch(f"slip_{where}_{contact}", ThreadsEvent.RELEASE, conditions)
+
+    def _standing(self):
+        """At θ′ = 0, for N ≥ 0 and N ≤ 0: too much friction asked for starts slip, else rest."""
+        for sign, contact in _SIGNS.items():
+            here = (scaled(self.normal, sign), Test.NOT_NEGATIVE)
+            limit = scaled(self.normal, -sign * self.d.friction_coefficient)
+            for direction, where in _DIRECTIONS.items():
+                excess = (_sum(scaled(self.friction, direction), limit), Test.POSITIVE)
+                yield Branch(f"slip_{where}_{contact}", ThreadsEvent.REVERSAL, (here, excess))
+            yield Branch(f"rest_{contact}", ThreadsEvent.STICK, (here,))
+
+
+def _sum(*rows: tuple) -> tuple:
+    return tuple(sum((Decimal(x) for x in column), Decimal(0)) for column in zip(*rows, strict=True))
+
+
+def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
+    """State with the contact compressed as in steady sliding, N = N_0 and v = 0; u [rad], w [rad/s] (eq. 8.15)."""
+    c, d = coefficients(drive), drive.exact()
+    normal = c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)
+    return np.array([u, w, float(normal / (d.cos_lead * d.contact_stiffness)), 0.0])
