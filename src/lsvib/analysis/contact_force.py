@@ -100,7 +100,7 @@ class Flow:
         if first.imag != 0:
             half_turn = math.pi / first.imag
             return [cmath.phase(ratio) % (2 * math.pi) / (2 * first.imag) + n * half_turn for n in range(3)]
-        turn = math.log(ratio.real) / (first - second).real if ratio.real > 0 else 0.0
+        turn = max(math.log(ratio.real) / (first - second).real, 0.0) if ratio.real > 0 else 0.0
         times = [turn] if turn > 0 else []
         limit = a.real if first.real > 0 else self.equilibrium
         if self.side * limit < 0:

@@ -19,7 +19,7 @@ import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.jit import kernel
-from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, ROUNDING
+from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, ROUNDING, responses
 
 ORDERS = 5  # derivatives 0 to 4
 
@@ -46,9 +46,35 @@ def apply(table, vector, out):
 
 @kernel
 def flow_pairs(rows, start, t, out):
-    """Write the modal state (2p) a time t [s] after ``start`` to ``out``."""
+    """Write the modal state (2p) a time t [s] after ``start`` to ``out``; the pairs carry no force."""
     for pair in range(rows.shape[0]):
-        planar.advance(rows, pair, start[2 * pair : 2 * pair + 2], t, out[2 * pair : 2 * pair + 2])
+        c, s, s_rate = responses(rows[pair], t)
+        u, w = start[2 * pair], start[2 * pair + 1]
+        out[2 * pair] = u * c + w * s
+        out[2 * pair + 1] = w * s_rate - rows[pair, A0] * u * s
+
+
+@kernel
+def flow_with_decays(rows, start, t, out, decays):
+    """As :func:`flow_pairs`, and write the decay factors (p, 3) of each pair: of the slow part, of the fast part, and h."""
+    for pair in range(rows.shape[0]):
+        u, w = start[2 * pair], start[2 * pair + 1]
+        if rows[pair, BETA] > 0.0:
+            alpha, beta = rows[pair, ALPHA], rows[pair, BETA]
+            decay = math.exp(-alpha * t)
+            s = decay * math.sin(beta * t) / beta
+            c = decay * math.cos(beta * t)
+            out[2 * pair] = u * (c + alpha * s) + w * s
+            out[2 * pair + 1] = w * (c - alpha * s) - rows[pair, A0] * u * s
+            decays[pair, 0], decays[pair, 1], decays[pair, 2] = decay, 0.0, 0.0
+        else:
+            slow_rate, spread = rows[pair, R1], 2.0 * rows[pair, DELTA]
+            slow = math.exp(slow_rate * t)
+            fast = math.expm1(-spread * t)
+            h = -fast / spread if spread > 0.0 else t
+            out[2 * pair] = slow * (u * (1.0 - slow_rate * h) + w * h)
+            out[2 * pair + 1] = slow * (w * (1.0 + fast + slow_rate * h) - rows[pair, A0] * u * h)
+            decays[pair, 0], decays[pair, 1], decays[pair, 2] = slow, slow * (1.0 + fast), h
 
 
 @kernel
@@ -124,46 +150,31 @@ def amplitudes(row, value, rate, out):
 
 
 @kernel
-def decays(row, t, out):
-    """Write the decay factors of a pair at time t to ``out`` (3): of the slow part, of the fast part, and h."""
-    if row[BETA] > 0.0:
-        out[0] = math.exp(-row[ALPHA] * t)
-        out[1], out[2] = 0.0, 0.0
-        return
-    out[0] = math.exp(row[R1] * t)
-    fast = math.expm1(-2.0 * row[DELTA] * t)
-    out[1] = out[0] * (1.0 + fast)
-    out[2] = -fast / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else t
-
-
-@kernel
-def bound(amplitudes, k, from_decays, to_decays):
-    """Bound of the k-th derivative of a guard between two nodes; ``amplitudes`` (p, orders, 4), decays (p, 3)."""
+def bound(amplitudes, guard, k, largest):
+    """Bound of the k-th derivative of a guard; ``amplitudes`` (g, p, orders, 4), ``largest`` decay factors (p, 3)."""
     total = 0.0
-    for pair in range(amplitudes.shape[0]):
-        slow = max(from_decays[pair, 0], to_decays[pair, 0])
-        fast = max(from_decays[pair, 1], to_decays[pair, 1])
-        h = max(from_decays[pair, 2], to_decays[pair, 2])
-        factor = amplitudes[pair, k]
-        split = factor[0] * slow + (factor[1] * fast if factor[1] > 0.0 else 0.0)
-        joint = slow * (factor[2] + factor[3] * h)
+    for pair in range(largest.shape[0]):
+        slow = largest[pair, 0]
+        joint = slow * (amplitudes[guard, pair, k, 2] + amplitudes[guard, pair, k, 3] * largest[pair, 2])
+        fast = amplitudes[guard, pair, k, 1]
+        split = amplitudes[guard, pair, k, 0] * slow + (fast * largest[pair, 1] if fast > 0.0 else 0.0)
         total += joint if not split < joint else split
     return total
 
 
 @kernel
-def derivatives(rows, modal, guard, out):
-    """Write value, first and second derivative of a guard in modal form (2p + 1) at a modal state to ``out`` (3)."""
-    value, rate, bend = guard[modal.size], 0.0, 0.0
+def derivatives(rows, modal, forms, guard, out):
+    """Write value, first and second derivative of a guard (row of ``forms``, (g, 2p + 1)) to its row of ``out`` (g, 3)."""
+    value, rate, bend = forms[guard, modal.size], 0.0, 0.0
     for pair in range(rows.shape[0]):
-        row = rows[pair]
         u, w = modal[2 * pair], modal[2 * pair + 1]
-        acceleration = row[planar.B] - row[A0] * u - row[A1] * w
-        g_u, g_w = guard[2 * pair], guard[2 * pair + 1]
+        a0, a1 = rows[pair, A0], rows[pair, A1]
+        acceleration = -a0 * u - a1 * w
+        g_u, g_w = forms[guard, 2 * pair], forms[guard, 2 * pair + 1]
         value += g_u * u + g_w * w
         rate += g_u * w + g_w * acceleration
-        bend += g_u * acceleration + g_w * (-row[A0] * w - row[A1] * acceleration)
-    out[0], out[1], out[2] = value, rate, bend
+        bend += g_u * acceleration - g_w * (a0 * w + a1 * acceleration)
+    out[guard, 0], out[guard, 1], out[guard, 2] = value, rate, bend
 
 
 @kernel

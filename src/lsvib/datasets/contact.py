@@ -20,7 +20,7 @@ from lsvib.models.parameters import ThreadsDrive
 _LAWS = (1, -1)
 _ASSUMED = "assumed: not stated in the text"
 _UNIT = "kg-1 m-2"
-_VIEWS = 3.0  # a motion is followed until it is so many times the half width of the map away
+_VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
 _SETTLING = 12.0  # times the decay time for which a motion that ends in the focus is followed
 
 
@@ -139,10 +139,10 @@ def _shown(arc: Arc, limit: float) -> float:
 def _manifolds(cases: Sequence[dict[int, Flow]], count: int, limit: float, scale: float) -> dict[str, tuple]:
     """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
 
-    All are followed away from the saddle, the stable ones backwards in time, until they have come back to its side.
+    All are followed away from the saddle, the stable ones backwards in time.
     """
     lines = [
-        sample(contact_force.follow(laws, _beside(laws[1], outwards))[0][:3], count, limit) * [1, direction]
+        sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
         for flows in cases
         for direction, laws in ((1, flows), (-1, contact_force.reversed_in_time(flows)))
         for outwards in (laws[1].side, -laws[1].side)
@@ -155,10 +155,17 @@ def _manifolds(cases: Sequence[dict[int, Flow]], count: int, limit: float, scale
     }
 
 
-def _beside(saddle: Flow, outwards: int) -> tuple[float, float]:
-    """State on the unstable manifold, a straight line, so close to the saddle that a picture cannot tell."""
-    near = 1e-6 * abs(saddle.equilibrium) * outwards
-    return saddle.equilibrium + near, saddle.rates()[0].real * near
+def _there_and_back(laws: dict[int, Flow], outwards: int) -> list[Arc]:
+    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
+
+    Without damping it returns to the saddle, by symmetry in the time that it took to leave.
+    """
+    saddle = laws[1]
+    near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
+    arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
+    if len(arcs) > 2 and saddle.damping == 0:
+        return [*arcs[:2], Arc(saddle, arcs[2].start, arcs[0].duration)]
+    return arcs[:3]
 
 
 def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.DataArray:
