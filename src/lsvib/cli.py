@@ -83,11 +83,11 @@ def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
 def simulate(
     *,
     out: Path,
-    model: str = "rigid",
+    model: str | None = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     changes: Changes = None,
     initial: Annotated[
-        list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **_ONE_VALUE)
+        list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S ...", **_ONE_VALUE)
     ] = None,
     t_end: Annotated[float | None, Parameter(help="End time [s].")] = None,
     samples: Annotated[int | None, Parameter(help="Number of output times, both ends included.")] = None,
@@ -108,7 +108,7 @@ def simulate(
     out:
         netCDF file to write.
     model:
-        Model of the drive: rigid.
+        Model of the drive, rigid (the default) or threads.
     """
     from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
     from lsvib.datasets.writer import write_dataset
@@ -117,7 +117,7 @@ def simulate(
     given = {key: value for key, value in given.items() if value is not None}
     if initial:
         given["initial"] = _pairs(initial)
-    if scene is None or model != "rigid":
+    if model is not None:
         given["model"] = model
     checked = as_scene(scene, **given, **_pairs(changes))
     motion = run(checked)
@@ -128,7 +128,8 @@ def simulate(
         return
     print(f"wrote {out}")
     final = result["final_state"]
-    print(f"final state: u = {final['u']:.15g} rad, w = {final['w']:.15g} rad/s, {final['mode'].replace('_', ' ')}")
+    numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
+    print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
     print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
     print(f"attractor: {result['attractor'].replace('_', ' ')}")
     print(f"peak normal force: {result['peak_normal_force']:.10g} N")

@@ -13,16 +13,16 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.core import planar
+from lsvib.core import flows, planar
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.errors import EngineError
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import Motion, follow
-from lsvib.models.rigid import EventKind, MotionMode
 
 _CHUNK = 64
 _PERIODS = 8  # longest cycle, in returns to the section, that is looked for
 _ROUNDING = 16 * planar.EPS
+_REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
 _ENCLOSURE = 1e-9  # half width, in scales of the motion, of the first interval tried around a fixed point
 _SLOPE_STEP = 1e-5  # half step of the central difference for the slope of the return map
 _CORNER = (
@@ -85,7 +85,7 @@ def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
     modes, starts, _, durations = orbit.arcs()
     for mode, start, duration in zip(modes, starts, durations, strict=True):
         functional = row if row.ndim == 1 else row[mode]
-        a, b = planar.extremes(orbit.automaton.tables.flow, mode, start, functional, duration)
+        a, b = flows.extremes(orbit.automaton.tables.flow, mode, start, functional, duration)
         low, high = min(low, a), max(high, b)
     return low, high
 
@@ -138,7 +138,10 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 
 
 def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
-    row = automaton.tables.flow[motion.end_mode]
+    flow = automaton.tables.flow
+    if not isinstance(flow, np.ndarray):
+        return SteadyState(Attractor.STEADY_SLIDING, flow.from_modal[motion.end_mode, :, -1].copy())
+    row = flow[motion.end_mode]
     equilibrium = np.array([row[planar.EQUILIBRIUM], 0.0])
     if row[planar.ALPHA] > 0 or np.array_equal(motion.end_state, equilibrium):
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
@@ -152,7 +155,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])]
     size = np.abs(motion.after).max(axis=0)
     for returns in range(1, min(_PERIODS, len(points) - 1) + 1):
-        if (np.abs(points[-1] - points[-1 - returns]) <= 4 * planar.EPS * size).all():
+        if (np.abs(points[-1] - points[-1 - returns]) <= _REPEATS[size.size > 2] * size).all():
             section = _Section(automaton, key, returns, points[-1], size)
             return section.cycle(0.0, 0.0)
     if len(points) < 4:
@@ -172,7 +175,8 @@ class _Section:
     """A line of states that events of one kind (``key``: kind, mode after) enter on, and the return map along it.
 
     A point is ``origin`` + s · ``direction``; s counts in scales of the motion. Where two surfaces meet, as on release
-    from rest, the section is a single point and ``direction`` is zero.
+    from rest, the section is a single point and ``direction`` is zero; so it is where the state has more than two
+    coordinates, and a cycle must then show by itself.
     """
 
     def __init__(
@@ -182,7 +186,8 @@ class _Section:
         rows = automaton.tables.surfaces
         values = rows[:, :-1] @ origin + rows[:, -1]
         met = rows[np.abs(values) <= _ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1]))]
-        tangent = np.array([-met[0, 1], met[0, 0]]) if len(met) == 1 else np.zeros(2)
+        line = origin.size == 2 and len(met) == 1
+        tangent = np.array([-met[0, 1], met[0, 0]]) if line else np.zeros(origin.size)
         largest = np.abs(tangent / size).max()
         self.direction = tangent / largest if largest > 0 else tangent
         self.axis = int(np.argmax(np.abs(self.direction / size)))
@@ -217,14 +222,14 @@ class _Section:
         if orbit is None:
             return None
         modes = self.automaton.codes[orbit.arcs()[0]]
-        if (orbit.kind == EventKind.SEIZURE).any():
+        if np.isin(orbit.kind, self.automaton.sprag_kinds).any() or np.isin(modes, self.automaton.sprag_codes).any():
             label = Attractor.SPRAG_SLIP_CYCLE
-        elif (modes == MotionMode.REST).any():
+        elif np.isin(modes, self.automaton.rest_codes).any():
             label = Attractor.STICK_SLIP_CYCLE
         else:
             label = Attractor.OTHER_CYCLE
         residual = float(np.max(np.abs(orbit.end_state - point) / self.size))
-        multiplier = 0.0
+        multiplier = 0.0 if point.size == 2 else math.nan
         if self.direction.any():
             multiplier = 1 + (self.excess(s + _SLOPE_STEP) - self.excess(s - _SLOPE_STEP)) / (2 * _SLOPE_STEP)
         return SteadyState(label, point, orbit, self.returns, residual, enclosure, multiplier)

@@ -30,10 +30,7 @@ def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
 
 def undamped_class(model: LinearModel) -> NDArray[np.int8]:
     """Class (:class:`Mode`) of M q″ + K q = 0 by its eigenvalues 1/ω², one for each place of the grid; K positive."""
-    return _undamped_class(reciprocal_squares(model))
-
-
-def _undamped_class(squares: NDArray[np.complex128]) -> NDArray[np.int8]:
+    squares = reciprocal_squares(model)
     # det K > 0, so the product of both 1/ω² has the sign of det M: it is negative for exactly one negative 1/ω².
     complex_pair = squares[..., 0].imag != 0
     lower, upper = squares[..., 0].real, squares[..., 1].real
@@ -70,11 +67,3 @@ def routh_hurwitz(polynomial: tuple) -> bool:
     """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; with decimals the answer is certain."""
     p_4, p_3, p_2, p_1, p_0 = polynomial
     return bool(min(p_3, p_2, p_1, p_0) > 0 and (p_3 * p_2 - p_4 * p_1) * p_1 > p_3**2 * p_0)
-
-
-def flag_attributes() -> dict[str, object]:
-    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of a variable that holds :class:`Mode`."""
-    return {
-        "flag_values": np.array([flag.value for flag in Mode], dtype=np.int8),
-        "flag_meanings": " ".join(flag.name.lower() for flag in Mode),
-    }

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.analysis.modes import Mode, reciprocal_squares
+from lsvib.models import friction
 from lsvib.models.linear import support_model, values_of
 from lsvib.models.parameters import PLACES, SupportDrive
 
@@ -50,7 +51,13 @@ def reduced_inertia(drive: Grid, law: int, exact: bool = False) -> Any:
     p = values_of(drive, law, exact)
     with localcontext(prec=PLACES):
         mass = p.mass * p.screw_mass / (p.mass + p.screw_mass)
-        return p.screw_inertia - p.factor * p.tan_lead * mass * p.pitch_radius**2
+        return friction.effective_inertia(p.screw_inertia, mass, p.pitch_radius, p.tan_lead, p.factor)
+
+
+def rigid_inertia(drive: Grid, law: int) -> Any:
+    """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
+    p = values_of(drive, law)
+    return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: Grid, law: int) -> tuple[Any, Any, Any]:
@@ -81,7 +88,7 @@ def flutter_boundaries(drive: Grid, law: int) -> NDArray[np.float64]:
     lever = p.factor * p.pitch_radius**2 * p.tan_lead
     with np.errstate(invalid="ignore", divide="ignore"):
         both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
-        branches = (total / both, both / (p.screw_inertia - p.mass * lever))
+        branches = (total / both, both / rigid_inertia(drive, law))
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
@@ -94,8 +101,8 @@ def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
     """
     stable, kinematic = 0.0, float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
 
-    def turned(friction: float) -> bool:
-        model = support_model({**dict(drive), "friction_coefficient": friction}, 1)
+    def turned(coefficient: float) -> bool:
+        model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)
         return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
 
     if not turned(kinematic):

@@ -56,7 +56,7 @@ def flow_pairs(rows, start, t, out):
 
 @kernel
 def flow_with_decays(rows, start, t, out, decays):
-    """As :func:`flow_pairs`, and write the decay factors (p, 3) of each pair: of the slow part, of the fast part, and h."""
+    """As :func:`flow_pairs`, and write each pair's decay factors (p, 3): of the slow part, of the fast part, and h."""
     for pair in range(rows.shape[0]):
         u, w = start[2 * pair], start[2 * pair + 1]
         if rows[pair, BETA] > 0.0:
@@ -164,7 +164,7 @@ def bound(amplitudes, guard, k, largest):
 
 @kernel
 def derivatives(rows, modal, forms, guard, out):
-    """Write value, first and second derivative of a guard (row of ``forms``, (g, 2p + 1)) to its row of ``out`` (g, 3)."""
+    """Write a guard (row of ``forms``, (g, 2p + 1)) and its first two derivatives to its row of ``out`` (g, 3)."""
     value, rate, bend = forms[guard, modal.size], 0.0, 0.0
     for pair in range(rows.shape[0]):
         u, w = modal[2 * pair], modal[2 * pair + 1]

@@ -207,3 +207,45 @@ def _root(rows, start, forms, guard, low, high, scratch, out):
                 return new
         t = new
     return t
+
+
+@kernel
+def extremes(flow, mode, state, functional, duration):
+    """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
+
+    The rate of the function is affine in the state as well; its roots are isolated one after the other.
+    Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest).
+    """
+    n = state.size
+    guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
+    rate, here = np.zeros(n + 1), state.copy()
+    for i in range(n):
+        for j in range(n + 1):
+            rate[j] += functional[i] * flow.field[mode, i, j]
+    low = high = _at(functional, here)
+    passed, sign = 0.0, 0.0
+    for _ in range(_STEPS):
+        value, size, slope, _, _, _ = modal.guard_at(flow, mode, here, np.abs(here), rate)
+        on_surface[0] = sign != 0.0 or abs(value) <= size
+        if sign == 0.0:
+            sign = math.copysign(1.0, slope if on_surface[0] else value)
+        guards[0] = sign * rate
+        found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
+        if found == _NONE:
+            break
+        passed += stay
+        modal.advance(flow, mode, here, stay, here)
+        low, high = min(low, _at(functional, here)), max(high, _at(functional, here))
+        if found == _CROSSING:
+            sign = -sign
+    modal.advance(flow, mode, state, duration, here)
+    return min(low, _at(functional, here)), max(high, _at(functional, here))
+
+
+@kernel
+def _at(functional, state):
+    """Value of an affine function of the state."""
+    value = functional[state.size]
+    for i in range(state.size):
+        value += functional[i] * state[i]
+    return value

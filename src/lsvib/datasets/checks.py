@@ -10,7 +10,7 @@ from typing import Any, Self
 from lsvib.errors import InputError
 
 _COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
-_WIDTHS = (7, 45, 12, 22, 9, 9, 7)  # of the columns in a terminal
+_WIDTHS = (7, 42, 12, 22, 9, 9, 7)  # of the columns in a terminal
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import xarray as xr
 
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Arc, Flow, Outcome, Paradox
+from lsvib.datasets.variables import flags
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import ThreadsDrive
@@ -21,7 +22,7 @@ _LAWS = (1, -1)
 _ASSUMED = "assumed: not stated in the text"
 _UNIT = "kg-1 m-2"
 _VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
-_SETTLING = 12.0  # times the decay time for which a motion that ends in the focus is followed
+_SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
 
 
 def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
@@ -205,8 +206,7 @@ def _unscaled(force: float, scale: float, side: int) -> float:
 
 
 def _outcomes(long_name: str) -> dict[str, Any]:
-    values = np.array(list(Outcome), dtype=np.int8)
-    return _attributes("1", long_name, flag_values=values, flag_meanings=" ".join(o.name.lower() for o in Outcome))
+    return _attributes("1", long_name, **flags(Outcome))
 
 
 def _force(long_name: str) -> dict[str, Any]:

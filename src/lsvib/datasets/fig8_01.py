@@ -10,7 +10,7 @@ from lsvib.analysis.contact_force import Outcome, Paradox
 from lsvib.datasets import contact
 from lsvib.datasets.checks import Check
 
-_ENDS = 0.01  # after e⁻¹² of a start is left, relative to 1/Γ₋
+_ENDS = 0.01  # of 1/Γ₋; e⁻⁸ of a start is left where the motions end
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
+from lsvib.analysis.cycles import orbit_extremes, steady_state
+from lsvib.analysis.impact import seizure_impulses, seizure_speeds
 from lsvib.datasets.variables import flags, quantity
 from lsvib.models.motion import Motion, follow
-from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
 from lsvib.models.scene import Scene, read_yaml
 
 
@@ -53,8 +53,9 @@ def as_scene(scene: Scene | Mapping[str, Any] | str | Path | None = None, **chan
 
 def run(scene: Scene) -> Motion:
     """Follow the motion of a scene to its end."""
-    automaton = rigid_drive(scene.drive, rest="rest" in scene.terms, resume=scene.resume)
-    return follow(automaton, [scene.initial["u"], scene.initial["w"]], scene.t_end)
+    kind = scene.kind
+    automaton = kind.build(scene.drive, scene.terms, scene.resume)
+    return follow(automaton, kind.initial_state(scene.drive, scene.initial), scene.t_end)
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
@@ -62,14 +63,11 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     times = np.linspace(0.0, scene.t_end, scene.samples)
     states, modes = motion.at(times)
     codes = motion.automaton.codes
-    data = {
-        "angle_deviation": ("time", states[:, 0], quantity("angle_deviation")),
-        "velocity_deviation": ("time", states[:, 1], quantity("velocity_deviation")),
-        "mode": ("time", codes[modes], {"long_name": "mode of motion", "units": "1", **flags(MotionMode)}),
-    }
+    data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
+    data["mode"] = ("time", codes[modes], {"long_name": "mode of motion", "units": "1", **flags(scene.kind.modes)})
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
-    data |= _events(motion)
+    data |= _events(scene, motion)
     return xr.Dataset(
         data,
         coords={
@@ -79,7 +77,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
         attrs={
             "title": f"Motion of the {scene.model} lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, eqs 8.13-8.17",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.kind.equations}",
             "model": scene.model,
             "parameters": json.dumps(scene.parameters()),
             "physics": " ".join(scene.terms),
@@ -89,10 +87,10 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     )
 
 
-def _events(motion: Motion) -> dict[str, tuple]:
+def _events(scene: Scene, motion: Motion) -> dict[str, tuple]:
     events = {
         "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
-        "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(EventKind)}),
+        "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(scene.kind.events)}),
         "event_sign": (
             motion.sign,
             {
@@ -104,11 +102,11 @@ def _events(motion: Motion) -> dict[str, tuple]:
         ),
         "event_mode": (
             motion.automaton.codes[motion.mode],
-            {"long_name": "mode of motion after the event", "units": "1", **flags(MotionMode)},
+            {"long_name": "mode of motion after the event", "units": "1", **flags(scene.kind.modes)},
         ),
     }
     for when, states in (("before", motion.before), ("after", motion.after)):
-        for column, name in enumerate(("angle_deviation", "velocity_deviation")):
+        for column, name in enumerate(motion.automaton.states):
             attributes = quantity(name)
             attributes["long_name"] += f", {when} the event"
             events[f"event_{name}_{when}"] = (states[:, column], attributes)
@@ -118,24 +116,26 @@ def _events(motion: Motion) -> dict[str, tuple]:
 def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
     """Summarise a motion for JSON.
 
-    ``final_state`` (u [rad], w [rad/s], mode), ``events`` (count by kind), ``attractor`` (where the motion goes on to,
-    decided by the return map), ``peak_normal_force`` (largest finite |N| [N] along the motion; the impulses of seizures
-    are counted apart), ``status``.
+    ``final_state`` (the keys of the initial state, and the mode), ``events`` (count by kind), ``attractor`` (where the
+    motion goes on to, decided by the return map), ``peak_normal_force`` (largest |N| [N] along the motion, without the
+    impulses of seizures), ``peak_normal_impulse`` (of the seizures of a rigid drive [N s]), ``status``.
     """
-    automaton = motion.automaton
-    low, high = orbit_extremes(motion, automaton.observables["normal_force"])
-    attractor = steady_state(automaton, motion.end_state, mode=motion.end_mode).label
-    counts = np.bincount(motion.kind, minlength=len(EventKind))
-    return {
+    kind, automaton = scene.kind, motion.automaton
+    counts = np.bincount(motion.kind, minlength=len(kind.events))
+    keys = (*kind.required, *kind.optional)
+    result = {
         "model": scene.model,
         "t_end": scene.t_end,
         "final_state": {
-            "u": float(motion.end_state[0]),
-            "w": float(motion.end_state[1]),
-            "mode": MotionMode(int(automaton.codes[motion.end_mode])).name.lower(),
+            **dict(zip(keys, motion.end_state.tolist(), strict=True)),
+            "mode": kind.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
-        "events": {kind.name.lower(): int(counts[kind]) for kind in EventKind if counts[kind]},
-        "attractor": Attractor(attractor).name.lower(),
-        "peak_normal_force": max(-low, high),
+        "events": {event.name.lower(): int(counts[event]) for event in kind.events if counts[event]},
+        "attractor": steady_state(automaton, motion.end_state, mode=motion.end_mode).label.name.lower(),
+        "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
         "status": motion.status.name.lower(),
     }
+    if scene.model == "rigid":
+        impulses = seizure_impulses(scene.drive, seizure_speeds(scene.drive, motion)).normal
+        result["peak_normal_impulse"] = float(np.max(np.abs(impulses), initial=0.0))
+    return result

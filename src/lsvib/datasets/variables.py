@@ -7,6 +7,8 @@ import numpy as np
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
+    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
     "normal_force": ("normal force of the threads", "N", "$N$"),
     "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
     "coupling_deflection": ("coupling deflection", "rad", "$z$"),
@@ -23,6 +25,6 @@ def flags(kinds) -> dict[str, Any]:
 
 
 def quantity(name: str) -> dict[str, str]:
-    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of the rigid drive."""
+    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive."""
     long_name, units, symbol = _LONG_NAMES[name]
     return {"long_name": long_name, "units": units, "symbol": symbol}

@@ -5,12 +5,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures import style
+from lsvib.figures import phase, style
 
 _BASIN = "#DCEBF7"
 _PATCH = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 _STAY, _GROW = style.BLUE, style.VERMILION
-_UNSTABLE = slice(0, 2)  # branches of the saddle's manifolds: unstable ones first, each to the own and to the other side
+_UNSTABLE = slice(
+    0, 2
+)  # branches of the saddle's manifolds: unstable ones first, each to the own and to the other side
 _STABLE_OWN, _STABLE_OTHER = 2, 3
 
 
@@ -33,11 +35,7 @@ def portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) ->
             place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
             axes.text(*place, text, ha=align, va="bottom", bbox=_PATCH, zorder=4)
     panels[0].set_ylabel(style.label(dataset.force_rate, "rate"))
-    entries = {}
-    for axes in panels:
-        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True):
-            entries.setdefault(name, handle)
-    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=columns)
+    phase.legend(figure, panels, columns)
     return figure
 
 
@@ -64,7 +62,9 @@ def _motion(axes: Axes, motion: xr.Dataset, limits: list[np.ndarray]) -> None:
     stays = style.flag_names(motion.start_outcome)[int(motion.start_outcome)] == "bounded"
     colour, name = (_STAY, "bounded") if stays else (_GROW, "growing without bound")
     axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
-    axes.plot(x[0], y[0], "o", color=colour, markerfacecolor="white", markersize=3.2, label="start", zorder=3, clip_on=False)
+    axes.plot(
+        x[0], y[0], "o", color=colour, markerfacecolor="white", markersize=3.2, label="start", zorder=3, clip_on=False
+    )
     seen = [(z > low) & (z < high) for z, (low, high) in zip((x, y), limits, strict=True)]
     inside = np.flatnonzero(seen[0] & seen[1])
     length = np.cumsum(np.hypot(np.diff(x) / np.ptp(limits[0]), np.diff(y) / np.ptp(limits[1])))

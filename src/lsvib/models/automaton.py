@@ -4,7 +4,7 @@ Every number may be a ``Decimal``; it is rounded to double once, here.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from typing import Any
 
@@ -71,13 +71,17 @@ class Automaton:
     """A model ready to run: the engine's tables, the code of each mode and the observables.
 
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
-    mode.
+    mode. ``rest_codes`` are the codes of the modes at rest; a motion sprags in modes of ``sprag_codes`` and at events
+    of ``sprag_kinds``.
     """
 
     tables: Tables
     codes: np.ndarray
     states: tuple[str, ...]
-    observables: dict[str, np.ndarray] = field(default_factory=dict)
+    observables: dict[str, np.ndarray]
+    rest_codes: tuple[int, ...] = ()
+    sprag_codes: tuple[int, ...] = ()
+    sprag_kinds: tuple[int, ...] = ()
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
@@ -118,6 +122,7 @@ def assemble(
     observables: dict[str, dict[str, Row]],
     shortest_stay: float,
     stack: Callable = np.array,
+    **kinds: tuple[int, ...],
 ) -> Automaton:
     """Lay a model out as tables.
 
@@ -159,6 +164,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+        **kinds,
     )
 
 

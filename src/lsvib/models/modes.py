@@ -148,10 +148,7 @@ def _pieces(matrix, constant, factor, projector, scale) -> list[_Piece]:
     if rate == 0 and mpmath.mnorm(matrix * projector) > _TINY * mpmath.mnorm(matrix) * mpmath.mnorm(projector):
         raise ArithmeticError("a zero rate of the mode comes with a chain, which the modal form does not carry")
     rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
-    rows = max(
-        combinations(range(projector.rows), rank),
-        key=lambda chosen: abs(mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))),
-    )  # fmt: skip
+    rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
     pieces = []
     for k, i in enumerate(rows):
@@ -164,6 +161,11 @@ def _pieces(matrix, constant, factor, projector, scale) -> list[_Piece]:
         out = mpmath.matrix([[x, 0, -x * shift] for x in vector])
         pieces.append(_Piece(_row(rate * rate, -2 * rate), into, out))
     return pieces
+
+
+def _minor(projector, chosen, scale):
+    """Determinant of the chosen rows and columns of a projector, in scaled coordinates."""
+    return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
 def _pair(matrix, constant, factor, projector, scale) -> _Piece:

@@ -32,6 +32,7 @@ from lsvib.core import planar
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator, scaled
 from lsvib.models.coefficients import Coefficients, coefficients
+from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, LeadScrew
 
 
@@ -101,6 +102,8 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
             transitions=transitions,
             observables=_observables(c, d, modes),
             shortest_stay=1e-13 * min(float(flow[planar.TIME_SCALE]) for flow in flows.values()),
+            rest_codes=(MotionMode.REST,),
+            sprag_kinds=(EventKind.SEIZURE,),
         )
 
 
@@ -258,6 +261,16 @@ def _observables(c: Coefficients, d, modes) -> dict[str, dict[str, tuple]]:
     }
 
 
-def initial_state(u: float, w: float) -> np.ndarray:
-    """Return the state vector (u [rad], w [rad/s])."""
-    return np.array([u, w], dtype=float)
+MODEL = Model(
+    drive=LeadScrew,
+    build=lambda drive, physics, resume: rigid_drive(drive, rest="rest" in physics, resume=resume),
+    start=lambda drive, values: np.array([values["u"], values["w"]], dtype=float),
+    modes=MotionMode,
+    events=EventKind,
+    required=("u", "w"),
+    optional=(),
+    terms=("support_damping", "translation_damping", "axial_force"),
+    options=("rest",),
+    outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
+    equations="eqs 8.13-8.17",
+)

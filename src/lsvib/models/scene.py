@@ -5,63 +5,71 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
 from lsvib.errors import InputError
+from lsvib.models.model import Model, find_model
 from lsvib.models.parameters import LeadScrew, Number, validated
-
-Term = Literal["support_damping", "translation_damping", "axial_force", "rest"]
-Output = Literal["normal_force", "coupling_torque", "coupling_deflection", "screw_speed"]
-_TERMS = ("support_damping", "translation_damping", "axial_force")
 
 
 class Scene(BaseModel):
     """One simulation, immutable and checked.
 
-    ``drive``: the parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
-    must be zero in the drive, and without ``rest`` the motion is taken never to reach θ′ = 0, so reversal, rest and
-    seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on after a seizure, see
-    :mod:`lsvib.models.rigid`. ``initial``: u [rad] and w [rad/s]. ``t_end`` [s]. ``samples``: number of equidistant
-    output times, both ends included. ``outputs``: observables to store besides the state, the mode and the events.
+    ``model``: a name of :data:`lsvib.models.model.MODELS`; ``drive``: its parameters. ``physics``: the terms that the
+    scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
+    a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
+    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.models.rigid`. ``initial``: u [rad],
+    w [rad/s], and what else the model has. ``t_end`` [s]. ``samples``: number of equidistant output times, both ends
+    included. ``outputs``: observables to store besides the state, the mode and the events.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    model: Literal["rigid"] = "rigid"
-    drive: LeadScrew = Field(default_factory=LeadScrew)
-    physics: tuple[Term, ...] | None = None
+    model: str = "rigid"
+    drive: SerializeAsAny[LeadScrew]
+    physics: tuple[str, ...] | None = None
     resume: Literal["contact_sign", "at_once"] = "contact_sign"
     initial: dict[str, Number]
     t_end: Number = Field(gt=0, le=1e9)
     samples: int = Field(default=1001, ge=2, le=100_000_000)
-    outputs: tuple[Output, ...] = ("normal_force", "coupling_torque")
+    outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
 
-    @field_validator("drive", mode="before")
+    @model_validator(mode="before")
     @classmethod
-    def _drive(cls, value: Any) -> Any:
-        return LeadScrew.of(value) if isinstance(value, Mapping) else value
+    def _drive_of_the_model(cls, values: Any) -> Any:
+        drive = values.get("drive") or {}
+        if isinstance(drive, Mapping):
+            drive = find_model(values.get("model", "rigid")).drive.of(drive)
+        return {**values, "drive": drive}
 
     def model_post_init(self, context: Any) -> None:
-        """Check what couples two keys: a complete initial state, no term in the drive that the physics leaves out."""
-        if set(self.initial) != {"u", "w"}:
-            raise InputError(
-                f"initial has the keys {', '.join(self.initial) or 'none'}; it needs u [rad] and w [rad/s]."
-            )
-        for term in _TERMS:
+        """Check what couples two keys: initial state, words of physics and outputs, no term that physics omits."""
+        kind = self.kind
+        kind.initial_state(self.drive, self.initial)
+        for key, words in (("physics", (*kind.terms, *kind.options)), ("outputs", kind.outputs)):
+            for word in getattr(self, key) or ():
+                if word not in words:
+                    raise InputError(f"{key} has the word {word!r}; the model {self.model} knows {', '.join(words)}.")
+        for term in kind.terms:
             value = getattr(self.drive, term)
             if self.physics is not None and term not in self.physics and value != 0:
                 raise InputError(f"{term} = {value:g} although physics does not list {term}; set it to 0 or list it.")
+
+    @property
+    def kind(self) -> Model:
+        """The model by its name."""
+        return find_model(self.model)
 
     @property
     def terms(self) -> tuple[str, ...]:
         """The physics of the scene, spelled out."""
         if self.physics is not None:
             return self.physics
-        return (*(term for term in _TERMS if getattr(self.drive, term) != 0), "rest")
+        return (*(term for term in self.kind.terms if getattr(self.drive, term) != 0), *self.kind.options)
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
-        return {key: value for key, value in self.drive if key not in _TERMS or key in self.terms}
+        return {key: value for key, value in self.drive if key not in self.kind.terms or key in self.terms}
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:

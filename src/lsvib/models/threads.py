@@ -1,4 +1,4 @@
-r"""The drive with compliant threads: screw and nut joined by a spring and damper in the contact (Sect. 5.5, eqs 8.6, 8.7).
+r"""Compliant threads: screw and nut are joined by a spring and a damper in the contact (Sect. 5.5, eqs 8.6, 8.7).
 
 State (u, w, e, v): u = z − z_0 [rad] and w = u′ as in the rigid drive, e = x − r_m tan λ θ [m] the mismatch of nut and
 screw, v = e′. The contact is compressed by δ = e cos λ, and
@@ -19,6 +19,7 @@ import numpy as np
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.models.coefficients import coefficients
+from lsvib.models.model import Model
 from lsvib.models.modes import ModalMode, modal_flow, modal_mode
 from lsvib.models.parameters import PLACES, ThreadsDrive
 
@@ -47,6 +48,7 @@ class ThreadsMode(IntEnum):
     REST_NEGATIVE = 5
 
 
+_UNDER_LAW_PLUS = (ThreadsMode.SLIP_FORWARD_POSITIVE, ThreadsMode.SLIP_BACKWARD_NEGATIVE)
 _SIGNS = {1: "positive", -1: "negative"}
 _DIRECTIONS = {1: "forward", -1: "backward"}
 
@@ -59,6 +61,7 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
     """
     with localcontext(prec=PLACES):
         build = _Build(drive)
+        slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
         modes: dict[str, Mode] = {}
         for direction, where in _DIRECTIONS.items():
             for sign, contact in _SIGNS.items():
@@ -67,12 +70,12 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
                     Guard("contact", sign, f"contact_reversal_{name}"),
                     Guard("screw_speed", direction, "stop"),
                 )
-                modes[name] = Mode(ThreadsMode[name.upper()], build.slip(direction * sign), guards)
-        for sign, contact in _SIGNS.items():
+                modes[name] = Mode(ThreadsMode[name.upper()], slip[direction * sign], guards)
+        for contact in _SIGNS.values():
             name = f"rest_{contact}"
             guards = (Guard(f"hold_{contact}", 1, f"release_forward_{contact}"),)
             guards += (Guard(f"hold_back_{contact}", 1, f"release_backward_{contact}"),)
-            modes[name] = Mode(ThreadsMode[name.upper()], build.rest(), guards)
+            modes[name] = Mode(ThreadsMode[name.upper()], rest, guards)
         normal = dict.fromkeys(modes, build.normal)
         return assemble(
             states=STATES,
@@ -87,6 +90,8 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
             },
             shortest_stay=0.0,
             stack=modal_flow,
+            rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            sprag_codes=_UNDER_LAW_PLUS if coefficients(drive).paradox else (),
         )
 
 
@@ -145,7 +150,7 @@ class _Build:
         """Entry and stop choose by the signs of θ′ and N and by static friction; N = 0 changes the law."""
         standing = tuple(self._standing())
         found = {"entry": Transition((*self._moving(), *standing)), "stop": Transition(standing)}
-        for direction, where in _DIRECTIONS.items():
+        for where in _DIRECTIONS.values():
             for sign, contact in _SIGNS.items():
                 there = f"slip_{where}_{_SIGNS[-sign]}"
                 reversal = Branch(there, ThreadsEvent.CONTACT_REVERSAL, sign=-sign)
@@ -182,3 +187,24 @@ def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
     c, d = coefficients(drive), drive.exact()
     normal = c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)
     return np.array([u, w, float(normal / (d.cos_lead * d.contact_stiffness)), 0.0])
+
+
+def _start(drive: ThreadsDrive, values) -> np.ndarray:
+    state = seated_state(drive, values["u"], values["w"])
+    state[2:] = values.get("e", state[2]), values.get("v", state[3])
+    return state
+
+
+MODEL = Model(
+    drive=ThreadsDrive,
+    build=lambda drive, physics, resume: threads_drive(drive),
+    start=_start,
+    modes=ThreadsMode,
+    events=ThreadsEvent,
+    required=("u", "w"),
+    optional=("e", "v"),
+    terms=("support_damping", "translation_damping", "axial_force", "contact_damping"),
+    options=(),
+    outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
+    equations="eqs 8.6, 8.7",
+)
