@@ -197,7 +197,7 @@ def test_dip_of_microseconds_against_mpmath():
     assert result.kinds == result.reference_kinds
     assert result.kinds.count("seizure") >= 10
     # Q falls through zero with 1e-4 of its usual slope, so that the rounding of the coefficients alone, eps, moves each
-    # of the 12 seizures by 1e4 eps of a period: 3e-11 of the motion in all (2.2e-11 was seen; 1e-6 short of the threshold
-    # it is 1e-12, 1e-4 short 5e-15).
+    # of the 12 seizures by 1e4 eps of a period: 3e-11 of the motion in all (2.2e-11 was seen; 1e-6 short
+    # of the threshold it is 1e-12, 1e-4 short 5e-15).
     assert result.time_error <= 1e-12
     assert result.state_error <= 5e-11

@@ -1,13 +1,13 @@
 """Contact force while the threads are stiff: the limit process of Sect. 8.2 (8.6)–(8.12) in closed form.
 
-For the short time of a contact transient θ′, T and P are constant. With N = k_c δ + c_c δ′ Newton's laws give, for the law
-s = sgn(θ′) sgn(N), b_s = cos λ + s μ sin λ and W = I P − m r_m tan λ T,
+For the short time of a contact transient θ′, T and P are constant. With N = k_c δ + c_c δ′ Newton's laws give, for
+the law s = sgn(θ′) sgn(N), b_s = cos λ + s μ sin λ and W = I P − m r_m tan λ T,
 
     N″ = cos λ / (m I) [k_c (W − b_s Γ_s N) − c_c b_s Γ_s N′].
 
-W and both N, N′ are continuous where N changes its sign, so the motion is unique. The chapter's χ = N b_s / W and its time
-ω̄_s t, ω̄_s² = k_c cos λ b_s |Γ_s| / (m I), (8.8) and (8.9), depend on the law: χ′ would jump where the law changes. Here
-the rate and the time are scaled by law − on both sides,
+N and N′ are continuous where N changes its sign, so the motion is unique. The chapter's χ = N b_s / W (8.8) and time
+ω̄_s t, ω̄_s² = k_c cos λ b_s |Γ_s| / (m I) (8.9), depend on the law: χ′ would jump where the law changes. Here the rate
+and the time are scaled by law − on both sides,
 
     x = N b_- / W,   τ = ω̄_- t:    law −:  x″ + ζ x′ + x = 1/Γ_-            ζ = c_c ω̄_- / k_c   (Remark 8.1)
                                     law +:  x″ = ρ² (x + ζ x′) + 1/Γ_-        ρ² = b_+ |Γ_+| / (b_- Γ_-)
@@ -155,8 +155,8 @@ def _lever(drive: ThreadsDrive, law: int) -> float:
 def follow(flows: dict[int, Flow], start: State) -> tuple[list[Arc], Outcome]:
     """Follow a motion of (x, x′) from arc to arc; return them and the outcome, read off the last arc's closed form.
 
-    On x = 0 the sign of x′ decides which law follows; with x′ = 0 it is the right side, as x″ = 1/Γ_- > 0 there. A motion
-    that crosses x = 0 again as it did two arcs before repeats itself; the arcs end there.
+    On x = 0 the sign of x′ decides which law follows; with x′ = 0 it is the right side, as x″ = 1/Γ_- > 0 there. A
+    motion that crosses x = 0 again as it did two arcs before repeats itself; the arcs end there.
     """
     arcs: list[Arc] = []
     while len(arcs) < _ARCS:
@@ -176,5 +176,5 @@ def follow(flows: dict[int, Flow], start: State) -> tuple[list[Arc], Outcome]:
 
 
 def reversed_in_time(flows: dict[int, Flow]) -> dict[int, Flow]:
-    """Return the flows of (x, −x′) as time runs backwards, in which a stable manifold of the saddle is an unstable one."""
+    """Return the flows of (x, −x′) as time runs backwards: the saddle's stable manifold is an unstable one there."""
     return {law: Flow(flow.side, flow.equilibrium, -flow.damping, flow.stiffness) for law, flow in flows.items()}

@@ -25,9 +25,7 @@ _ROUNDING = 16 * planar.EPS
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
 _ENCLOSURE = 1e-9  # half width, in scales of the motion, of the first interval tried around a fixed point
 _SLOPE_STEP = 1e-5  # half step of the central difference for the slope of the return map
-_CORNER = (
-    1e-9  # section states smaller than this, in scales of the motion, belong to a motion that shrinks into a corner
-)
+_CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
 
 
 class Attractor(IntEnum):
@@ -117,8 +115,8 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 
     Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one, a slip cycle unless it is
     at rest there); section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle,
-    named sprag–slip if it has a seizure, stick–slip if it has a rest, else other; the motion grows without bound →
-    unbounded; else ``max_events`` → unresolved.
+    named sprag–slip if it has a seizure, stick–slip if it has a rest, else other (if the fixed point is the origin, on
+    Q = 0: steady sliding); the motion grows without bound → unbounded; else ``max_events`` → unresolved.
     """
     state = np.array(state, dtype=float)
     used = 0
@@ -215,6 +213,10 @@ class _Section:
             return math.nan
         return (motion.end_state[self.axis] - self.origin[self.axis]) / self.direction[self.axis] - s
 
+    def slope(self, s: float) -> float:
+        """P′(s), by a central difference."""
+        return 1 + (self.excess(s + _SLOPE_STEP) - self.excess(s - _SLOPE_STEP)) / (2 * _SLOPE_STEP)
+
     def cycle(self, s: float, enclosure: float) -> SteadyState | None:
         """The cycle through the fixed point s."""
         point = self.origin + s * self.direction
@@ -231,7 +233,7 @@ class _Section:
         residual = float(np.max(np.abs(orbit.end_state - point) / self.size))
         multiplier = 0.0 if point.size == 2 else math.nan
         if self.direction.any():
-            multiplier = 1 + (self.excess(s + _SLOPE_STEP) - self.excess(s - _SLOPE_STEP)) / (2 * _SLOPE_STEP)
+            multiplier = self.slope(s)
         return SteadyState(label, point, orbit, self.returns, residual, enclosure, multiplier)
 
 
@@ -251,12 +253,14 @@ def _fixed_point(section: _Section, last_step: np.ndarray) -> SteadyState | None
         older, f_older, old, f_old = old, f_old, new, f_new
         if abs(old - older) <= planar.EPS:
             break
-    point = section.origin + old * section.direction
-    if not abs(f_old) <= _ROUNDING or np.abs(point / section.size).max() < _CORNER:
-        return None  # not converged, or shrinking into a corner: the caller goes on
     width = _ENCLOSURE
-    if not section.excess(old - width) > 0 > section.excess(old + width):
+    if not abs(f_old) <= _ROUNDING or not section.excess(old - width) > 0 > section.excess(old + width):
         return None
+    if not abs(section.slope(old)) < 1:
+        return None
+    point = section.origin + old * section.direction
+    if np.abs(point / section.size).max() < _CORNER:
+        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(point))
     while width > _ROUNDING and section.excess(old - width / 4) > 0 > section.excess(old + width / 4):
         width /= 4
     return section.cycle(old, width)

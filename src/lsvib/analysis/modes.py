@@ -21,8 +21,8 @@ class Mode(IntEnum):
 def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
     """Return 1/ω² of det(K − ω² M) = 0 [s²], both roots along a new last axis; damping plays no part.
 
-    They are the eigenvalues of K⁻¹ M. As det K > 0 in every model here, 1/ω² stays finite where an inertia vanishes and ω²
-    passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
+    They are the eigenvalues of K⁻¹ M. As det K > 0 in every model here, 1/ω² stays finite where an inertia vanishes and
+    ω² passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
     """
     a_4, _, minus_a_2, _, a_0 = LinearModel(model.mass, ((0, 0), (0, 0)), model.stiffness).polynomial()
     return stability.eigenvalues(a_0, -minus_a_2, a_4)

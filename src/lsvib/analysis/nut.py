@@ -12,7 +12,7 @@ from lsvib.models.parameters import PLACES, NutDrive
 
 
 def effective_screw_inertia(drive: NutDrive | Mapping[str, ArrayLike], exact: bool = False) -> Any:
-    """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); it is smaller than I, so the nut's rotation destabilises."""
+    """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
     p = values_of(drive, 1, exact)
     with localcontext(prec=PLACES):
         return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)

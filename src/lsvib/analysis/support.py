@@ -36,9 +36,9 @@ def characteristic_polynomial(drive: Grid, law: int, exact: bool = False) -> tup
 
 
 def printed_class(drive: Grid, law: int) -> NDArray[np.int8]:
-    """Class (:class:`Mode`) by the printed conditions: a_4 < 0 (8.24), a_4 > 0 and a_2 > 0 (8.25), a_2² < 4 a_0 a_4 (8.26).
+    """Class (:class:`Mode`) by the printed conditions (8.24) to (8.26).
 
-    Kinematic, divergence and flutter, in this order; where (8.25) and (8.26) both hold it is flutter.
+    a_4 < 0 is kinematic, a_2² < 4 a_0 a_4 flutter, a_4 > 0 with a_2 > 0 divergence; flutter where the last two hold.
     """
     a_4, a_2, a_0 = characteristic_polynomial(drive, law)
     conditions = [a_4 < 0, a_2**2 - 4 * a_0 * a_4 < 0, (a_4 > 0) & (a_2 > 0)]
@@ -79,9 +79,10 @@ def flutter_boundaries(drive: Grid, law: int) -> NDArray[np.float64]:
 
         k_1 = k [S / (A + B)]²   and   k_1 = k [(A + B) / Γ_0]²,
 
-    without any subtraction but that inside Γ_0 and Γ̃_0. They are real and positive exactly if ξ_0 ≥ 0 and Γ̃_0 ≥ 0 (8.32),
-    NaN elsewhere; the upper one is infinite where Γ_0 = 0. They meet at μ = tan λ in k_1 = k S / I and on the kinematic
-    boundary Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I).
+    without any subtraction but that inside Γ_0 and Γ̃_0. They are real and positive exactly if ξ_0 ≥ 0 and Γ̃_0 ≥ 0
+    (8.32), NaN elsewhere; the upper one is infinite where Γ_0 = 0. They meet at μ = tan λ in k_1 = k S / I and on the
+    kinematic boundary Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I). The upper one is a boundary of stability only where Γ_0 > 0:
+    beyond it, where Γ_0 < 0, both modes diverge (8.25).
     """
     p = values_of(drive, law)
     total = p.mass + p.screw_mass

@@ -50,6 +50,12 @@ def responses(row, t):
 
 
 @kernel
+def _integrated_exponential(rate, t):
+    """Return ∫₀ᵗ e^{rate t}."""
+    return math.expm1(rate * t) / rate if rate != 0.0 else t
+
+
+@kernel
 def _integrated_response(row, t):
     """Return J = ∫₀ᵗ S, by its Taylor series where the closed form would cancel."""
     if abs(row[A1]) * t < 0.5 and abs(row[A0]) * t * t < 0.25:
@@ -58,7 +64,7 @@ def _integrated_response(row, t):
         for n in range(20):
             older, newer = newer, -(row[A1] * t * (n + 1) * newer + row[A0] * t * t * older) / ((n + 1) * (n + 2))
             total += newer * t / (n + 3)
-            if abs(newer) * t < 0.1 * EPS * total:
+            if (abs(older) + abs(newer)) * t < 0.1 * EPS * total:  # either may vanish on its own
                 break
         return total
     if row[BETA] > 0.0:
@@ -68,8 +74,7 @@ def _integrated_response(row, t):
         one_less_cos = s * s / (1.0 + c) if c > 0.0 else 1.0 - c
         return (-less + (1.0 + less) * (one_less_cos - row[ALPHA] * s / row[BETA])) / row[A0]
     if 2.0 * row[DELTA] * t > 0.25:
-        slow = math.expm1(row[R1] * t) / row[R1] if row[R1] != 0.0 else t
-        return (slow - math.expm1(row[R2] * t) / row[R2]) / (2.0 * row[DELTA])
+        return (_integrated_exponential(row[R1], t) - _integrated_exponential(row[R2], t)) / (2.0 * row[DELTA])
     h = -math.expm1(-2.0 * row[DELTA] * t) / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else t
     return (math.exp(row[R1] * t) * row[R1] * h - math.expm1(row[R1] * t)) / row[A0]
 

@@ -170,7 +170,7 @@ def _there_and_back(laws: dict[int, Flow], outwards: int) -> list[Arc]:
 
 
 def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.DataArray:
-    """Energy integral of (8.11) without contact damping at χ and its rate, in the scales of law −; zero at the origin."""
+    """Energy integral of (8.11) at χ and its rate, without contact damping, in the scales of law −; 0 at the origin."""
     return _potential(case, force) + rate**2 / 2
 
 

@@ -105,8 +105,8 @@ def threads_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: b
 def support_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
     """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
 
-    The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1, m_1 x_1″ = b N − k_1 x_1 − c_1
-    x_1′. With b N = R − c_x x′ − m x″ from the nut and a/b = −r_m ξ_s,
+    The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
+    m_1 x_1″ = b N − k_1 x_1 − c_1 x_1′. With b N = R − c_x x′ − m x″ from the nut and a/b = −r_m ξ_s,
 
         (I − ξ_s m r_m² tan λ) θ″ − ξ_s r_m m x_1″ + (c − ξ_s c_x r_m² tan λ) θ′ − ξ_s r_m c_x x_1′ + k θ = 0
         m r_m tan λ θ″ + (m + m_1) x_1″ + c_x r_m tan λ θ′ + (c_x + c_1) x_1′ + k_1 x_1 = 0

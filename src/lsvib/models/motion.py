@@ -97,8 +97,10 @@ def follow(
     """
     if not t_end >= 0:
         raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
-    entered, state = enter(automaton, state)
-    mode = entered if mode is None else mode
+    if mode is None:
+        mode, state = enter(automaton, state)
+    else:
+        state = np.array(state, dtype=float)
     start_mode, start_state = mode, state.copy()
     clock = np.zeros(2)
     pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, max_events)

@@ -1,0 +1,213 @@
+"""The command line: JSON keys, exit codes, one sentence for bad input, no file then; the dataset of ``simulate``."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lsvib
+from lsvib import cli
+from lsvib.models.motion import follow
+from lsvib.models.parameters import LeadScrew
+from lsvib.models.rigid import rigid_drive
+
+# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
+pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
+DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
+MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
+UNITS = {
+    "time": "s",
+    "angle_deviation": "rad",
+    "velocity_deviation": "rad s-1",
+    "normal_force": "N",
+    "coupling_torque": "N m",
+    "mode": "1",
+    "event_time": "s",
+    "event_kind": "1",
+    "event_sign": "1",
+    "event_mode": "1",
+    "event_angle_deviation_before": "rad",
+    "event_angle_deviation_after": "rad",
+    "event_velocity_deviation_before": "rad s-1",
+    "event_velocity_deviation_after": "rad s-1",
+}
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty folder; returns exit code, standard output, error output."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = end.code or 0
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def refused(run, *arguments: str) -> str:
+    """Assert that a command ends with code 2, one sentence, nothing on standard output and no file; the sentence."""
+    before = sorted(Path().rglob("*"))
+    code, out, error = run(*arguments)
+    assert (code, out) == (2, "")
+    assert error.startswith("lsvib: ")
+    assert error.count("\n") == 1
+    assert error.endswith(".\n")
+    assert sorted(Path().rglob("*")) == before
+    return error
+
+
+def test_thresholds_json(run):
+    code, out, error = run("thresholds", "--json")
+    assert (code, error) == (0, "")
+    table = json.loads(out)
+    assert set(table) == {"critical_mass", "critical_friction", "onset_force", "stick_force", "detach_force"}
+    for entry in table.values():
+        assert {"value", "unit", "expected", "tolerance", "relative_error", "passed"} <= set(entry)
+        assert entry["passed"] is True
+        assert entry["relative_error"] == abs(entry["value"] - entry["expected"]) / entry["expected"]
+    assert {name: entry["unit"] for name, entry in table.items()} == {
+        "critical_mass": "kg", "critical_friction": "1", "onset_force": "N", "stick_force": "N", "detach_force": "N",
+    }  # fmt: skip
+
+
+def test_thresholds_away_from_the_chapter(run):
+    table = json.loads(run("thresholds", "--set", "translation_damping=2000", "--json")[1])
+    for name in ("onset_force", "stick_force", "detach_force"):
+        assert all(table[name][key] is None for key in ("expected", "tolerance", "relative_error", "passed"))
+    assert table["onset_force"]["value"] == pytest.approx(40.413221118359644, rel=1e-14)  # twice that of c_x = 1000
+    table = json.loads(run("thresholds", "--set", "support_damping=1", "--json")[1])
+    assert table["stick_force"]["value"] is None
+    assert table["stick_force"]["reason"].endswith(".")
+
+
+def test_text_output(run):
+    code, out, _ = run("thresholds")
+    assert code == 0
+    assert len(out.splitlines()) == 5
+    assert out.count("pass") == 5
+    assert "unstable" in run("stability", "--set", "mass=11")[1]
+    assert len(run("config")[1].splitlines()) == len(LeadScrew.model_fields)
+
+
+def test_stability_json(run):
+    table = json.loads(run("stability", *DRIVE[:2], "--json")[1])
+    assert table["paradox_region"] is True
+    assert table["stable"] is False
+    assert table["conditions"]["paradox"]["hold"] is True
+    assert [set(pair) for pair in table["eigenvalues"]] == [{"real", "imaginary"}] * 2
+    assert table["effective_inertia"]["plus"] < 0
+
+
+def test_config_json(run):
+    table = json.loads(run("config", "--set", "lead_angle_deg=4", "--json")[1])
+    assert list(table) == list(LeadScrew.model_fields)
+    assert table["lead_angle"]["value"] == np.radians(4)
+    assert table["mass"] == {"value": 1.0, "unit": "kg", "symbol": "m", "allowed": "0 < mass <= 1e+09"}
+
+
+def test_simulate(run, tmp_path):
+    code, out, error = run("simulate", "--model", "rigid", *MOTION, "--samples", "21", "--out", "m.nc", "--json")
+    assert (code, error) == (0, "")
+    summary = json.loads(out)
+    assert {"final_state", "events", "attractor", "peak_normal_force", "status"} <= set(summary)
+    motion = follow(rigid_drive(LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
+    assert [summary["final_state"][key] for key in ("u", "w")] == motion.end_state.tolist()
+    assert summary["attractor"] == "sprag_slip_cycle"
+    assert summary["status"] == "time_reached"
+    assert sum(summary["events"].values()) == len(motion.time)
+    with xr.open_dataset(tmp_path / "m.nc") as data:
+        assert set(UNITS) <= set(data.variables)
+        assert {name: data[name].attrs["units"] for name in UNITS if name != "time"} == {
+            name: unit for name, unit in UNITS.items() if name != "time"
+        }
+        assert data["angle_deviation"].dims == ("time",)
+        assert data.sizes["time"] == 21
+        assert data["event_time"].dims == ("event",)
+        assert data.sizes["event"] == len(motion.time)
+        np.testing.assert_array_equal(data["event_time"], motion.time)
+        np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
+        assert json.loads(data.attrs["parameters"])["mass"] == 11
+        kinds = dict(
+            zip(data["event_kind"].attrs["flag_meanings"].split(), data["event_kind"].attrs["flag_values"], strict=True)
+        )
+        counted = {name: int(np.sum(data["event_kind"] == value)) for name, value in kinds.items()}
+    assert {name: n for name, n in counted.items() if n} == summary["events"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
+
+
+def test_simulate_from_python_is_the_same():
+    data = lsvib.simulate(
+        mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1, samples=21
+    )
+    motion = follow(rigid_drive(LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
+    np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
+
+
+def test_simulate_from_a_scene_file(run, tmp_path):
+    (tmp_path / "scene.yaml").write_text(
+        "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\ninitial: {u: 0.1, w: 0}\nt_end: 9\n"
+    )
+    direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
+    assert (
+        json.loads(run("simulate", "--scene", "scene.yaml", "--t-end", "0.1", "--out", "b.nc", "--json")[1]) == direct
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["thresholds", "--set", "masss=1"], "masss is not a known key"),
+        (["thresholds", "--set", "mass=5kg"], "mass = '5kg' is outside the allowed range 0 < mass <= 1e+09"),
+        (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
+        (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
+        (["stability", "--set", "axial_force=0"], "axial_force"),
+        (["config", "--set", "mass=nan"], "mass = 'nan' is outside"),
+        (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
+        (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),
+        (["simulate", *MOTION, "--out", "none/x.nc"], "none"),
+        (["simulate", *DRIVE, "--initial", "u=0.1", "--t-end", "1", "--out", "x.nc"], "initial"),
+        (["simulate", *DRIVE, "--initial", "u=1e300", "w=0", "--t-end", "1", "--out", "x.nc"], "1e+300"),
+        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "-1", "--out", "x.nc"], "t_end = -1"),
+        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "soon", "--out", "x.nc"], "soon"),
+        (["simulate", *MOTION, "--samples", "1", "--out", "x.nc"], "samples = 1"),
+        (["simulate", *MOTION, "--resume", "never", "--out", "x.nc"], "resume = 'never'"),
+        (["simulate", *MOTION, "--model", "elastic", "--out", "x.nc"], "model = 'elastic'"),
+        (["simulate", *MOTION], "--out"),
+        (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
+        (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
+        (["nonsense"], "nonsense"),
+        (["thresholds", "--nonsense"], "--nonsense"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
+    assert words in refused(run, *arguments)
+
+
+@pytest.mark.parametrize(
+    "text", ["drive: {mass: [1\n", "- 1\n", "drive: {mass: 11, weight: 2}\ninitial: {u: 0, w: 0}\nt_end: 1\n"]
+)
+def test_corrupt_scene_is_refused(run, tmp_path, text):
+    (tmp_path / "scene.yaml").write_text(text)
+    refused(run, "simulate", "--scene", "scene.yaml", "--out", "x.nc")
+
+
+def test_installed_command_and_help():
+    """In a process of its own: exit code and streams, not only what ``main`` raises."""
+    command = [sys.executable, "-c", "from lsvib.cli import main; main()"]
+    bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr == "lsvib: mass = '-1' is outside the allowed range 0 < mass <= 1e+09.\n"
+    for name in ("thresholds", "stability", "simulate", "figure", "config"):
+        shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
+        assert f"lsvib {name}" in shown
+        assert "Example" in shown
