@@ -260,6 +260,9 @@ def _fixed_point(section: _Section, last_step: np.ndarray) -> SteadyState | None
         return None
     point = section.origin + old * section.direction
     if np.abs(point / section.size).max() < _CORNER:
+        here = section.origin / section.size
+        if not np.abs(here).max() < np.abs(here + last_step).max():
+            return None  # it grows away from the corner
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(point))
     while width > _ROUNDING and section.excess(old - width / 4) > 0 > section.excess(old + width / 4):
         width /= 4
