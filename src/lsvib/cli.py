@@ -1,6 +1,7 @@
 """The ``lsvib`` command."""
 
 import json
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -30,7 +31,7 @@ AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one J
 def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
     """Compute the chapter's thresholds: critical mass, critical friction, and the forces of Fig. 8.6.
 
-    Examples:
+    Examples of use:
 
         lsvib thresholds
 
@@ -57,7 +58,7 @@ def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
 def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
     """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
 
-    Examples:
+    Examples of use:
 
         lsvib stability --set mass=11
 
@@ -96,7 +97,7 @@ def simulate(
 ) -> None:
     """Simulate a drive exactly and write its motion and events as netCDF.
 
-    Examples:
+    Examples of use:
 
         lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --initial u=0.1 w=0
         --t-end 0.5 --out motion.nc
@@ -148,7 +149,7 @@ def figure(
 
     Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
 
-    Examples:
+    Examples of use:
 
         lsvib figure 8.6
 
@@ -205,7 +206,7 @@ def config(
 ) -> None:
     """Show the effective parameters of a drive, with units and allowed ranges.
 
-    Examples:
+    Examples of use:
 
         lsvib config
 
@@ -251,6 +252,9 @@ def main() -> None:
     """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
     try:
         app(exit_on_error=False, print_error=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader of our output, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (CycloptsError, LsvibError) as error:
         print(f"lsvib: {' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(2)

@@ -121,6 +121,13 @@ def test_unbounded(mass, translation_damping):
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 
+@pytest.mark.parametrize(("mass", "translation_damping"), [(5.0, 10_000.0), (10.0, 3000.0)])
+def test_unbounded_without_an_event(mass, translation_damping):
+    """C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again."""
+    drive = LeadScrew.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
+    assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
+
+
 @pytest.mark.parametrize("start", [(0.05, 5.0), (0.0, -40.0), (-0.2, 100.0)])
 def test_without_net_force(start):
     """R̃ = 0 (R = c_x = 0): the contact carries no steady force, and the damped drive comes to its equilibrium u = 0."""

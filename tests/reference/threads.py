@@ -116,18 +116,30 @@ class Function:
                 return k, mp.sign(self(mpf(0), k))
         raise ArithmeticError("a guard rests on zero")
 
-    def first_fall(self, side, end):
-        """First t in (0, end] where side*f falls to zero; None if it does not.  It must be positive, or zero and rising."""
-        size = sum(self.sizes[0]) + abs(self.c0)
-        start = mpf(0)
-        if abs(self(start)) <= mpf(10) ** -(mp.dps // 2 + 5) * size:
-            k, sign = self.sign_after_zero([sum(power) + abs(self.c1) for power in self.sizes])
-            assert sign == side, "a guard leaves zero on the wrong side"
-            start = min(end, 1 / self.arc.fastest)
-            while not abs(self(mpf(0), k)) > self.bound(k + 1, mpf(0), start) * start:
-                start /= 2
-        assert side * self(start) > 0
-        return next(self.roots(start, end), None)
+    def clear_start(self, side):
+        """Time up to which side*f, positive or zero and rising at t = 0, has no root after t = 0."""
+        if abs(self(mpf(0))) > mpf(10) ** -(mp.dps // 2 + 5) * (sum(self.sizes[0]) + abs(self.c0)):
+            assert side * self(mpf(0)) > 0, "a guard is negative at the start"
+            return mpf(0)
+        k, sign = self.sign_after_zero([sum(power) + abs(self.c1) for power in self.sizes])
+        assert sign == side, "a guard leaves zero on the wrong side"
+        t = 1 / self.arc.fastest
+        while not abs(self(mpf(0), k)) > self.bound(k + 1, mpf(0), t) * t:
+            t /= 2
+        return t
+
+
+def first_root(functions, sides, end):
+    """(time, index) of the first root in (0, end] of any of several functions, or (end, None); in growing windows."""
+    starts = [f.clear_start(side) for f, side in zip(functions, sides)]
+    left, right = mpf(0), 1 / functions[0].arc.fastest
+    while left < end:
+        right = min(right, end)
+        roots = [next(f.roots(max(left, a), right), None) if a < right else None for f, a in zip(functions, starts)]
+        if any(root is not None for root in roots):
+            return min((root, k) for k, root in enumerate(roots) if root is not None)
+        left, right = right, 4 * right
+    return end, None
 
 
 class Arc:
@@ -247,11 +259,12 @@ class Drive:
         return Arc(rates, columns, c0, c1, lambda t: _by_matrix_exponential(A, b, x, t))
 
     def mode_at(self, x):
-        """Mode at a state: N = 0 is judged by N', the same under both laws; theta' = 0 by static friction."""
+        """Mode at a state: N = 0 is judged by its first derivative, the same for all laws; theta' = 0 by static friction."""
         speed, N = x[1] + self.Omega, self.N(x)
-        if N == 0:
-            field = self.slip(1, x) if speed else self.rest(x)
-            N = self.N((0, 0, field[2], field[3]))
+        A, b = self.matrix((lambda y: self.slip(1, y)) if speed else self.rest)
+        rate = A * mp.matrix(x) + b
+        while N == 0:
+            N, rate = self.N(rate), A * rate
         contact = int(mp.sign(N))
         if speed:
             return int(mp.sign(speed)), contact
@@ -283,11 +296,8 @@ def simulate(parameters, state, t_end, *, dps=40, max_events=10000):
         mode = drive.mode_at(x)
         while len(events) <= max_events:
             arc, left = drive.arc(mode, x), t_end - t
-            stay, fired = left, None
-            for k, (row, side) in enumerate(drive.guards(mode)):
-                when = Function(arc, row).first_fall(side, stay)
-                if when is not None:
-                    stay, fired = when, k
+            rows, sides = zip(*drive.guards(mode))
+            stay, fired = first_root([Function(arc, row) for row in rows], sides, left)
             arcs.append((t, name(mode), arc, stay))
             x = arc.state(stay)
             t += stay

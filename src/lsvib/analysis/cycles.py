@@ -113,8 +113,8 @@ def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
 def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:
     """Find the attractor of the motion from ``state`` (n).
 
-    Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one, a slip cycle unless it is
-    at rest there); section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle,
+    Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one a slip cycle, in one that
+    grows unbounded, unless it is at rest there); section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle,
     named sprag–slip if it has a seizure, stick–slip if it has a rest, else other (if the fixed point is the origin, on
     Q = 0: steady sliding); the motion grows without bound → unbounded; else ``max_events`` → unresolved.
     """
@@ -143,6 +143,8 @@ def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
     equilibrium = np.array([row[planar.EQUILIBRIUM], 0.0])
     if row[planar.ALPHA] > 0 or np.array_equal(motion.end_state, equilibrium):
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
+    if row[planar.ALPHA] < 0:
+        return SteadyState(Attractor.UNBOUNDED, motion.end_state)
     orbit = follow(automaton, motion.end_state, 2 * math.pi / row[planar.BETA], mode=motion.end_mode)
     return SteadyState(Attractor.OTHER_CYCLE, motion.end_state, orbit, 1, 0.0, 0.0, 1.0)
 
