@@ -200,6 +200,7 @@ def figure(
 @app.command
 def config(
     *,
+    model: Annotated[str, Parameter(help="Model of the drive.")] = "rigid",
     changes: Changes = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     as_json: AsJson = False,
@@ -211,18 +212,22 @@ def config(
         lsvib config
 
         lsvib config --set lead_angle_deg=4 --json
+
+        lsvib config --model threads
     """
-    from lsvib.models.parameters import LeadScrew, allowed_range
+    from lsvib.models.model import find_model
+    from lsvib.models.parameters import allowed_range
     from lsvib.models.scene import read_yaml
 
-    base = read_yaml(scene).get("drive", {}) if scene else {}
-    drive = LeadScrew.of(base).replace(**_pairs(changes))
+    start = read_yaml(scene) if scene else {}
+    kind = find_model(start.get("model", model)).drive
+    drive = kind.of(start.get("drive") or {}).replace(**_pairs(changes))
     fields = {
         key: {
             "value": value,
-            "unit": LeadScrew.model_fields[key].json_schema_extra["unit"],
-            "symbol": LeadScrew.model_fields[key].json_schema_extra["symbol"],
-            "allowed": allowed_range(LeadScrew, key),
+            "unit": kind.model_fields[key].json_schema_extra["unit"],
+            "symbol": kind.model_fields[key].json_schema_extra["symbol"],
+            "allowed": allowed_range(kind, key),
         }
         for key, value in drive
     }

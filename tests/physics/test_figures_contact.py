@@ -49,7 +49,7 @@ SPOILERS = {
         "vertical line": set_to("stability", Mode.STABLE, -1, 3),
         "printed conditions": set_to("stability", Mode.DIVERGENCE, 3, 3),
         "LAPACK": set_to("stability", Mode.FLUTTER, 0, 0),
-        "do not overlap": set_to("stability", Mode.STABLE),
+        "do not overlap": set_to("stability", Mode.FLUTTER, -1, 3),
         "both closed branches": scale("lower_boundary", 1.1),
         "printed quadratic equation": scale("upper_boundary", 1 + 1e-6),
     },

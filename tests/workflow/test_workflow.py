@@ -85,7 +85,7 @@ def test_draft_configuration_reruns_both_figures(built):
 
 
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
-    """All but the figures of eigenvalues, of existence and of the contact force (8.1–8.3, 8.7, 8.8, 8.15) wait for the compiled engine."""
+    """All but the figures of contact force, eigenvalues and existence (8.1–8.3, 8.7, 8.8, 8.15) wait for the engine."""
     lines = (ROOT / "config" / "config.yaml").read_text(encoding="utf-8").splitlines()
     figures = re.findall(r"fig8_\d\d", next(line for line in lines if line.startswith("figures:")))
     assert len(figures) == 13

@@ -2,16 +2,24 @@
 
 import numpy as np
 
-from lsvib.core import loop, planar
+from lsvib.core import flows, loop, planar
+from lsvib.core.modal import ModalFlow
 from lsvib.core.status import Test
 from lsvib.core.tables import Tables
 
 
 def compile_engine() -> None:
-    """Compile and cache each entry point of the engine by running it on an oscillator that bounces off a surface."""
-    flow = np.zeros((1, planar.COLUMNS))
-    flow[0, [planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
-    none, one = np.array([-1]), np.array([0])
+    """Compile and cache each entry point for either kind of flow, on an oscillator that bounces off a surface."""
+    row = np.zeros(planar.COLUMNS)
+    row[[planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
+    same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
+    for flow in (np.array([row]), ModalFlow(np.array([[row]]), same, same, field)):
+        _bounce(flow)
+
+
+def _bounce(flow) -> None:
+    one, state = np.array([0]), np.array([1.0, 0.0])
     tables = Tables(
         flow=flow,
         surfaces=np.array([[1.0, 0.0, 0.5]]),
@@ -29,10 +37,9 @@ def compile_engine() -> None:
         condition_start=np.array([0, 0, 1]),
         condition_row=np.array([[0.0, 1.0, 0.0]]),
         condition_test=np.array([int(Test.POSITIVE)]),
-        beyond_accumulation=none,
+        beyond_accumulation=np.array([-1]),
         shortest_stay=0.0,
     )
-    state = np.array([1.0, 0.0])
     events = tuple(
         np.zeros(shape, dtype)
         for shape, dtype in ((8, float), (8, np.int8), (8, np.int8), (8, np.int64), ((8, 2), float), ((8, 2), float))
@@ -45,8 +52,11 @@ def compile_engine() -> None:
     loop.states_at(
         tables, 0.0, 0, state, events[0], events[3], events[5], times, np.zeros((2, 2)), np.zeros(2, dtype=np.int64)
     )
-    planar.crossing(flow, 0, state, tables.surfaces[0], False, 1.0)
-    planar.extremes(flow, 0, state, tables.surfaces[0], 1.0)
-    planar.guard_at(flow, 0, state, np.abs(state), tables.surfaces[0])
-    planar.magnitudes(flow, 0, state, 1.0, np.zeros(2))
-    planar.advance(flow, 0, state, 1.0, state)
+    surface = tables.surfaces[0]
+    flows.extremes(flow, 0, state, surface, 1.0)
+    flows.guard_at(flow, 0, state, np.abs(state), surface)
+    flows.advance(flow, 0, state, 1.0, state)
+    if isinstance(flow, np.ndarray):
+        planar.crossing(flow, 0, state, surface, False, 1.0)
+    else:
+        flows.first_crossing(flow, 0, state, surface[None], np.array([False]), 1.0)

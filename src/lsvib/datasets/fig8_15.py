@@ -84,7 +84,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
     clear = (np.abs(discriminant) > _SAME * size) & (np.abs(a_4) > _SAME * inertia)
     wrong = int(np.sum(clear & (support.printed_class(grid, _LAW) != kinds)))
-    both = int(np.sum((discriminant < 0) & (a_4 < 0)))
+    both = int(np.sum((discriminant < 0) & (kinds == Mode.KINEMATIC)) + np.sum((a_4 < 0) & (kinds == Mode.FLUTTER)))
     critical = float(dataset.critical_friction)
     kinematic = kinds == Mode.KINEMATIC
     right = kinematic == (friction > critical)[:, None]
