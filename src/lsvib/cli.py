@@ -55,7 +55,12 @@ def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
 
 
 @app.command
-def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
+def stability(
+    *,
+    model: Annotated[str, Parameter(help="rigid, threads, support or nut.")] = "rigid",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
     """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
 
     Examples of use:
@@ -63,17 +68,22 @@ def stability(*, changes: Changes = None, as_json: AsJson = False) -> None:
         lsvib stability --set mass=11
 
         lsvib stability --set mass=1 --set translation_damping=1000 --set axial_force=25 --json
+
+        lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
     from lsvib.analysis.summary import stability_table
 
-    table = stability_table(_pairs(changes))
+    table = stability_table(_pairs(changes), model)
     if as_json:
         _print_json(table)
         return
     print(f"steady sliding is {'stable' if table['stable'] else 'unstable'} ({table['class'].replace('_', ' ')})")
     for value in table["eigenvalues"]:
         print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    for quantity in ("effective_inertia", "effective_damping"):
+    for name, entry in table.get("quantities", {}).items():
+        value = "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+        print(f"  {name}: {value}")
+    for quantity in ("effective_inertia", "effective_damping") if model == "rigid" else ():
         entry = table[quantity]
         print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
     for name, condition in table["conditions"].items():

@@ -17,11 +17,9 @@ class Claim:
 
 _NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
 
-SUPPORT_SCREW_MASS = 11.6  # m_1 [kg] of the model with axial support, Fig. 8.15
-
 THRESHOLDS = {
     "critical_mass": Claim(10.10, "kg", "Sect. 8.6.1, eq. 8.20", {}),
-    "critical_friction": Claim(0.285, "1", "Fig. 8.15, eqs 8.27 and 8.28", {"mass": 15.0}),
+    "critical_friction": Claim(0.285, "1", "Fig. 8.15, eqs 8.27 and 8.28", {"mass": 15.0, "screw_mass": 11.6}),
     "onset_force": Claim(20.0, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
     "stick_force": Claim(34.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
     "detach_force": Claim(46.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),

@@ -113,10 +113,14 @@ def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
 def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:
     """Find the attractor of the motion from ``state`` (n).
 
-    Exits: SETTLED in a damped mode → steady sliding at its equilibrium (in an undamped one a slip cycle, in one that
-    grows unbounded, unless it is at rest there); section state repeated after 1 to 8 returns, or fixed point of the return map enclosed → cycle,
-    named sprag–slip if it has a seizure, stick–slip if it has a rest, else other (if the fixed point is the origin, on
-    Q = 0: steady sliding); the motion grows without bound → unbounded; else ``max_events`` → unresolved.
+    Exits:
+
+    * SETTLED: steady sliding in a damped mode, at its equilibrium; in an undamped one a slip cycle, in one that grows
+      unbounded, unless the motion is at rest there;
+    * the section state repeats after 1 to 8 returns, or a fixed point of the return map is enclosed: a cycle, named
+      sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed point is the origin;
+    * the motion grows without bound: unbounded;
+    * ``max_events``: unresolved.
     """
     state = np.array(state, dtype=float)
     used = 0

@@ -5,14 +5,16 @@ from typing import Any
 
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.conditions import conditions, critical_friction, critical_mass
+from lsvib.analysis.model_summary import model_stability_table
 from lsvib.analysis.stability import Stability, eigenvalues, stability_class
+from lsvib.analysis.support import critical_friction_by_eigenvalues
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
-from lsvib.models.parameters import LeadScrew
+from lsvib.models.parameters import LeadScrew, SupportDrive
 
-_COMPUTE: dict[str, Callable[[LeadScrew], float | None]] = {
+_COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
-    "critical_friction": lambda drive: critical_friction(drive, chapter.SUPPORT_SCREW_MASS),
+    "critical_friction": lambda drive: critical_friction(drive, drive.screw_mass),
     "onset_force": thresholds.onset_force,
     "stick_force": thresholds.stick_force,
     "detach_force": thresholds.detach_force,
@@ -26,14 +28,18 @@ _ABSENT = {
 def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
-    Returns by name: ``value`` and ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and
-    whether it ``passed`` – all four None if ``changes`` leave the chapter's parameters – and ``reason`` if there is no
-    such threshold (value None). Raises ``InputError`` for unacceptable parameters.
+    A change of ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial
+    support; there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
+    ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
+    four None if ``changes`` leave the chapter's parameters – and ``reason`` if there is no such threshold (value None).
+    Raises ``InputError`` for unacceptable parameters.
     """
     table = {}
     for name, claim in chapter.THRESHOLDS.items():
-        original = LeadScrew.of(claim.drive)
-        drive = original.replace(**(changes or {}))
+        kind = SupportDrive if name == "critical_friction" else LeadScrew
+        original = kind.of(claim.drive)
+        known = {key: value for key, value in (changes or {}).items() if key != "screw_mass" or kind is SupportDrive}
+        drive = original.replace(**known)
         reason = None
         try:
             value = _COMPUTE[name](drive)
@@ -52,19 +58,23 @@ def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[
             "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
             "source": claim.source,
         }
+        if kind is SupportDrive:
+            table[name]["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
         if reason:
             table[name]["reason"] = reason
     return table
 
 
-def stability_table(changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
     """Linear stability of steady sliding (eqs 8.18–8.21) of a drive, Table 8.1 with ``changes``.
 
-    Returns ``stable``, ``class``, ``eigenvalues`` [1/s], the ``steady_law`` s_0, the effective coefficients of both
-    laws, the steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of
-    :func:`conditions`. With a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its
-    eigenvalues.
+    For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_stability_table`. Returns
+    ``stable``, ``class``, ``eigenvalues`` [1/s], the ``steady_law`` s_0, the effective coefficients of both laws, the
+    steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of :func:`conditions`. With
+    a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.
     """
+    if model != "rigid":
+        return model_stability_table(model, changes)
     drive = LeadScrew.of(changes or {})
     c = coefficients(drive)
     law = c.steady_law

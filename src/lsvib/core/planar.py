@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from lsvib.core.jit import kernel
+from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
 # Columns of a mode's row in the flow table.
@@ -29,7 +30,6 @@ COLUMNS = 10
 EPS = float(np.finfo(np.float64).eps)
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 _TWO_PI = 2.0 * math.pi
-_PATIENCE = 8  # iterations before bisection takes turns
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
@@ -129,15 +129,10 @@ def _value(row, shape, t):
 
 @kernel
 def _descent(row, shape, low, high, guess):
-    """Root of a guard that falls from ``low`` to ``high``, where it is not positive: Halley's step, or bisection.
-
-    The error of a step is of the order of the cube of the step before, in units of the times g′/g″ and 1/rate of the
-    mode; a step below 10⁻⁶ of both is the last, so that rounding alone is left. If that takes long, every other step
-    halves the interval.
-    """
+    """Root of a guard that falls from ``low`` to ``high``, where it is not positive."""
     t = guess if low < guess < high else 0.5 * (low + high)
     rate = abs(row[ALPHA]) + row[BETA] + row[DELTA]
-    for k in range(300):
+    for count in range(300):
         value, slope, curvature = _value(row, shape, t)
         if value > 0.0:
             low = t
@@ -145,15 +140,9 @@ def _descent(row, shape, low, high, guess):
             return t
         else:  # negative, or overflown far beyond the root
             high = t
-        new = t - 2.0 * value * slope / (2.0 * slope * slope - value * curvature)
-        if low < new < high and (k < _PATIENCE or k % 2 == 0):
-            if abs(new - t) * max(rate, abs(curvature / slope)) < 1e-6:
-                return new
-        else:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        t = new
+        t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
+        if found:
+            return t
     return t
 
 

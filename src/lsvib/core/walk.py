@@ -20,6 +20,7 @@ import numpy as np
 from lsvib.core import modal
 from lsvib.core.jit import kernel
 from lsvib.core.planar import ALPHA, BETA, EPS, R1, R2
+from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
 _NONE = int(Found.NONE)
@@ -184,10 +185,10 @@ def _earliest(rows, start, forms, ahead, a, b, scratch):
 
 @kernel
 def _root(rows, start, forms, guard, low, high, scratch, out):
-    """Root of a guard that falls from positive at ``low`` to not positive at ``high``: Halley's step, or bisection."""
+    """Root of a guard that falls from positive at ``low`` to not positive at ``high``."""
     rate = _fastest(rows)
     t = 0.5 * (low + high)
-    for k in range(300):
+    for count in range(300):
         modal.flow_pairs(rows, start, t, scratch)
         modal.derivatives(rows, scratch, forms, guard, out)
         value, slope, curvature = out[guard, 0], out[guard, 1], out[guard, 2]
@@ -197,15 +198,9 @@ def _root(rows, start, forms, guard, low, high, scratch, out):
             return t
         else:  # negative, or overflown far beyond the root
             high = t
-        new = t - 2.0 * value * slope / (2.0 * slope * slope - value * curvature)
-        if low < new < high and (k < 8 or k % 2 == 0):
-            if abs(new - t) * max(rate, abs(curvature / slope)) < 1e-5:
-                return new
-        else:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        t = new
+        t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
+        if found:
+            return t
     return t
 
 

@@ -1,0 +1,21 @@
+"""The step that both searches polish a root with."""
+
+from lsvib.core.jit import kernel
+
+_PATIENCE = 8  # steps before bisection takes turns
+_LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
+
+
+@kernel
+def next_guess(t, value, slope, curvature, low, high, rate, count):
+    """Halley's step towards the root of a falling function between ``low`` and ``high``, or their middle.
+
+    Arguments: present guess t, value and two derivatives there, the bracket, fastest rate of the mode, number of steps
+    so far. The error of Halley's step is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step
+    below 10⁻⁶ of both is the last, so that rounding alone is left. Returns (new guess, whether it is the root).
+    """
+    new = t - 2.0 * value * slope / (2.0 * slope * slope - value * curvature)
+    if low < new < high and (count < _PATIENCE or count % 2 == 0):
+        return new, abs(new - t) * max(rate, abs(curvature / slope)) < _LAST_STEP
+    middle = 0.5 * (low + high)
+    return middle, middle in (low, high)
