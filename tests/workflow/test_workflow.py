@@ -24,15 +24,17 @@ def test_a_run_makes_everything_and_says_where(finished):
         assert (results / "figures" / f"{figure}.png").read_bytes().startswith(b"\x89PNG")
         assert (results / "figures" / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
         assert read_dataset(results / "datasets" / f"{figure}.nc").attrs["Conventions"] == "CF-1.11"
-    table = (results / "checks.md").read_text(encoding="utf-8")
-    assert table in printed
+    claims = [line.split("|")[2] for line in (results / "checks.md").read_text(encoding="utf-8").splitlines()[2:]]
+    words = printed.split()
+    assert len(claims) == 8
+    assert all(word in words for claim in claims for word in claim.split())
     assert "Figures: results/figures" in printed
     assert "Computing fig8_03" in printed
     assert "(100%) done" in printed
     checks = json.loads((results / "checks.json").read_text(encoding="utf-8"))
     assert {check["figure"] for check in checks} == set(FIGURES)
     assert all(check["passed"] for check in checks)
-    assert len(table.splitlines()) == len(checks) + 2
+    assert len(claims) == len(checks)
 
 
 def test_a_second_run_does_nothing(finished):
@@ -75,7 +77,7 @@ def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, file, jobs):
 
 
 def test_a_changed_parameter_reruns_its_figure_only(built):
-    built.edit("config/config.yaml", "dampings: [", "dampings: [5.0e-4, ")
+    built.edit("config/config.yaml", " dampings: [", " dampings: [5.0e-4, ")
     assert built.plan() == {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"}
 
 
@@ -99,7 +101,7 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     assert run.returncode == 1
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
     assert "is NOT <= 0.02" in run.stdout
-    assert "| FAIL " in run.stdout
+    assert "FAIL" in run.stdout.split()
     results = fresh.folder / "results"
     assert "| FAIL " in (results / "checks.md").read_text(encoding="utf-8")
     assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]
