@@ -1,6 +1,6 @@
 """From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.core.modal`, in 60-digit arithmetic.
 
-The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or two neighbouring real ones,
+The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
 subspace of a factor, where m is the inverse of P modulo the factor. Nothing of this is sensitive where the two rates of
 a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of the factor, so (q, q′) is an
@@ -10,7 +10,7 @@ oscillator.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import mpmath
 import numpy as np
@@ -21,6 +21,7 @@ from lsvib.core.modal import ModalFlow
 _DIGITS = 60
 _TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
 _WORST_CONDITION = 1e12
+_APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,14 @@ def _factors(rates) -> list[list]:
     upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
     real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
     factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
-    factors += [[mpmath.mpf(1), -(a + b), a * b] for a, b in zip(real[::2], real[1::2], strict=False)]
-    factors += [[mpmath.mpf(1), -real[-1]]] if len(real) % 2 else []
+    while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
+        gaps = [(a - b) / max(abs(a), abs(b)) for a, b in pairwise(real)]
+        k = gaps.index(min(gaps))
+        if gaps[k] > _APART:
+            break
+        a, b = real.pop(k), real.pop(k)
+        factors.append([mpmath.mpf(1), -(a + b), a * b])
+    factors += [[mpmath.mpf(1), -rate] for rate in real]
     return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
 
 
