@@ -173,13 +173,14 @@ def _first_below(ahead, b):
 
 @kernel
 def _earliest(rows, start, forms, ahead, a, b, scratch):
-    """Root of each guard that is not positive at the end of a decided step; the earliest is returned."""
-    first, when = -1, math.inf
+    """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
+    first, when = -1, b
     for guard in range(forms.shape[0]):
+        if first >= 0 and ahead[guard, 0] <= 0.0:
+            modal.flow_pairs(rows, start, when, scratch)
+            modal.derivatives(rows, scratch, forms, guard, ahead)
         if ahead[guard, 0] <= 0.0:
-            t = _root(rows, start, forms, guard, a, min(b, when), scratch, ahead)
-            if t < when:
-                first, when = guard, t
+            first, when = guard, _root(rows, start, forms, guard, a, when, scratch, ahead)
     return _CROSSING, first, when
 
 

@@ -181,15 +181,20 @@ def _pair(matrix, constant, factor, projector, scale) -> _Piece:
     rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
     candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
 
+    def length(candidate) -> mpmath.mpf:
+        return mpmath.norm([x * s for x, s in zip(mpmath.matrix([candidate]) * projector, scale, strict=True)])
+
     def spread(candidate) -> mpmath.mpf:
+        """Square of the sine between ℓΠ and ℓAΠ."""
         covector = mpmath.matrix([candidate]) * projector
         first = [x * s for x, s in zip(covector, scale, strict=True)]
         second = [x * s / unit for x, s in zip(covector * matrix, scale, strict=True)]
         product = sum(x * y for x, y in zip(first, second, strict=True))
-        squares = sum(x * x for x in first) * sum(x * x for x in second)
-        return squares - product * product if not squares else 1 - product * product / squares
+        return 1 - product * product / (sum(x * x for x in first) * sum(x * x for x in second))
 
-    covector = mpmath.matrix([max(candidates, key=spread)]) * projector
+    # Rows that the subspace hardly reaches hold rounding only.
+    longest = max(map(length, candidates))
+    covector = mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
     rows2 = mpmath.matrix([list(covector), list(covector * matrix)])
     weights = mpmath.diag([s * s for s in scale])
     vectors = projector * weights * rows2.T * (rows2 * weights * rows2.T) ** -1
