@@ -18,6 +18,7 @@ from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
+_LOST = int(Found.UNDECIDED)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
 _MANY = 24  # so many shortest stays in a row are an accumulation
@@ -125,6 +126,8 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     while True:
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros)
+        if found == _LOST:
+            return Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count

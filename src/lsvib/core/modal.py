@@ -5,11 +5,10 @@ y = W x + w₀, x = V y + v₀. A pair is made of two complex or of two neighbou
 the two rates of a pair coincide. A guard is a sum over the pairs, and so is every derivative of it. The k-th derivative
 of a pair's part is bounded by
 
-    complex:  |z| ω^k e^{−αt}
+    complex:  min( |z| ω^k e^{−αt},  e^{−αt} (|P_k| + |Q_k| t) )
     real:     min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )
 
-where the second form of the real case stays small near a double rate. :mod:`lsvib.core.walk` isolates roots with these
-bounds.
+where the second forms stay small near a double rate. :mod:`lsvib.core.walk` isolates roots with these bounds.
 """
 
 import math
@@ -66,7 +65,7 @@ def flow_with_decays(rows, start, t, out, decays):
             c = decay * math.cos(beta * t)
             out[2 * pair] = u * (c + alpha * s) + w * s
             out[2 * pair + 1] = w * (c - alpha * s) - rows[pair, A0] * u * s
-            decays[pair, 0], decays[pair, 1], decays[pair, 2] = decay, 0.0, 0.0
+            decays[pair, 0], decays[pair, 1], decays[pair, 2] = decay, 0.0, t
         else:
             slow_rate, spread = rows[pair, R1], 2.0 * rows[pair, DELTA]
             slow = math.exp(slow_rate * t)
@@ -133,10 +132,10 @@ def amplitudes(row, value, rate, out):
     if row[BETA] > 0.0:
         across = (rate + row[ALPHA] * value) / row[BETA]
         size = math.sqrt(value * value + across * across)
-        frequency = math.sqrt(row[A0])
         for k in range(ORDERS):
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = size, 0.0, size, 0.0
-            size *= frequency
+            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = size, 0.0, abs(value), abs(rate + row[ALPHA] * value)
+            size *= math.sqrt(row[A0])
+            value, rate = rate, -row[A0] * value - row[A1] * rate
         return
     p, q = value, rate - row[R1] * value
     spread = 2.0 * row[DELTA]
@@ -158,6 +157,23 @@ def bound(amplitudes, guard, k, largest):
         joint = slow * (amplitudes[guard, pair, k, 2] + amplitudes[guard, pair, k, 3] * largest[pair, 2])
         fast = amplitudes[guard, pair, k, 1]
         split = amplitudes[guard, pair, k, 0] * slow + (fast * largest[pair, 1] if fast > 0.0 else 0.0)
+        total += joint if not split < joint else split
+    return total
+
+
+@kernel
+def tail_bound(rows, amplitudes, guard, decays, t):
+    """Bound of a guard's moving part for all times from ``t`` on, in a mode whose pairs all decay.
+
+    With h(t) ≤ t, the joint form is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from t = 1/r on.
+    """
+    total = 0.0
+    for pair in range(decays.shape[0]):
+        slow, fast = decays[pair, 0], amplitudes[guard, pair, 0, 1]
+        rate = rows[pair, ALPHA] if rows[pair, BETA] > 0.0 else -rows[pair, R1]
+        split = amplitudes[guard, pair, 0, 0] * slow + (fast * decays[pair, 1] if fast > 0.0 else 0.0)
+        longest = t * slow if t * rate >= 1.0 else math.exp(-1.0) / rate
+        joint = amplitudes[guard, pair, 0, 2] * slow + amplitudes[guard, pair, 0, 3] * longest
         total += joint if not split < joint else split
     return total
 

@@ -12,6 +12,7 @@ class Status(IntEnum):
     EVENTS_FULL = 3  # the caller's event list is full; the run can go on from its last state
     DIVERGED = 4  # the state left the range of numbers
     ACCUMULATED = 5  # infinitely many events in finite time, and the model names no mode beyond them
+    UNDECIDED = 7  # the search for the next event did not come to an end
     NO_BRANCH = 6  # a transition whose conditions exclude each other: the model is incomplete
 
 
@@ -21,6 +22,7 @@ class Found(IntEnum):
     NONE = 0
     CROSSING = 1
     GRAZE = 2
+    UNDECIDED = 3  # the search did not come to an end
 
 
 class Test(IntEnum):

@@ -26,6 +26,7 @@ from lsvib.core.status import Found
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
+_LOST = int(Found.UNDECIDED)
 _POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
 _STEPS = 1_000_000
 _LONGEST = 64.0  # of the factor by which the tests may pass, so that a step grows at most 5.6-fold
@@ -52,7 +53,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
     modal.flow_with_decays(rows, start, 0.0, there, decays)
     a, step = 0.0, min(limit, 4.0 / _fastest(rows)) if _fastest(rows) > 0.0 else min(limit, 1.0)
     for _ in range(_STEPS):
-        if a >= limit or (limit == math.inf and _never(rows, forms, amplitudes, decays)):
+        if a >= limit or (limit == math.inf and _never(rows, forms, amplitudes, decays, a)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
         modal.flow_with_decays(rows, start, b, there, decays_ahead)
@@ -80,7 +81,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
         a, step = b, (b - a) * max(1.0, 0.7 * math.sqrt(stretch))
         values[:] = ahead
         decays[:] = decays_ahead
-    return _NONE, -1, limit
+    return _LOST, -1, limit
 
 
 @kernel
@@ -149,14 +150,14 @@ def _decide(here, there, amplitudes, guard, largest, step, rounding, starts_on_s
 
 
 @kernel
-def _never(rows, forms, amplitudes, decays):
+def _never(rows, forms, amplitudes, decays, t):
     """True if every pair decays and what is left of the guards' moving parts is smaller than their constants."""
     for pair in range(rows.shape[0]):
         row = rows[pair]
         if not (row[ALPHA] > 0.0 and (row[BETA] > 0.0 or row[R1] < 0.0)):
             return False
     for guard in range(forms.shape[0]):
-        if not forms[guard, forms.shape[1] - 1] > modal.bound(amplitudes, guard, 0, decays):
+        if not forms[guard, forms.shape[1] - 1] > modal.tail_bound(rows, amplitudes, guard, decays, t):
             return False
     return True
 
@@ -227,7 +228,7 @@ def extremes(flow, mode, state, functional, duration):
             sign = math.copysign(1.0, slope if on_surface[0] else value)
         guards[0] = sign * rate
         found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
-        if found == _NONE:
+        if found in (_NONE, _LOST):
             break
         passed += stay
         modal.advance(flow, mode, here, stay, here)

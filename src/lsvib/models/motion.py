@@ -137,6 +137,10 @@ def _complain(status: Status, time: float, state: np.ndarray) -> None:
         raise EngineError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
     if status == Status.ACCUMULATED:
         raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
+    if status == Status.UNDECIDED:
+        raise EngineError(
+            f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
+        )
     if status == Status.NO_BRANCH:
         raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
     if not math.isfinite(time):
