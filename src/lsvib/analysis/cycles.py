@@ -85,6 +85,8 @@ def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
         functional = row if row.ndim == 1 else row[mode]
         a, b = flows.extremes(orbit.automaton.tables.flow, mode, start, functional, duration)
         low, high = min(low, a), max(high, b)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
     return low, high
 
 

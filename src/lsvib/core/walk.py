@@ -211,7 +211,8 @@ def extremes(flow, mode, state, functional, duration):
     """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
 
     The rate of the function is affine in the state as well; its roots are isolated one after the other.
-    Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest).
+    Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest), infinite if the search for a
+    root does not end.
     """
     n = state.size
     guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
@@ -228,7 +229,9 @@ def extremes(flow, mode, state, functional, duration):
             sign = math.copysign(1.0, slope if on_surface[0] else value)
         guards[0] = sign * rate
         found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
-        if found in (_NONE, _LOST):
+        if found == _LOST:
+            return -math.inf, math.inf
+        if found == _NONE:
             break
         passed += stay
         modal.advance(flow, mode, here, stay, here)
