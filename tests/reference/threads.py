@@ -3,7 +3,7 @@
 A yardstick, not an engine: every line aims to be checkable by eye.  All numbers are mpmath floats; inputs are taken as
 the exact doubles given.  It shares no code with the library.
 
-With e = x - r tan(lambda) theta the contact is compressed by e cos(lambda), s = sgn(theta') sgn(N), z = theta - Omega t:
+With e = x - r tan(lambda) theta the contact is compressed by e cos(lambda).  s = sgn(theta' N), z = theta - Omega t:
 
     N = cos (k_c e + c_c e'),     I theta'' = -k z - c theta' - r N (s mu cos - sin)                             (8.6)
                                   m x''     = R - c_x x' - N (cos + s mu sin)
@@ -21,8 +21,8 @@ Search: an interval of half-width d around t is dismissed if Taylor's theorem sa
     |f(t)| > |f'(t)| d + M2 d^2/2,      M_k = sum_j |c_j| |l_j|^k max(exp(Re l_j t)) over the interval >= |f^(k)|;
 
 if it says |f'| > 0 in the same way, the signs at the ends decide on the one root; otherwise it is halved.  Nothing is
-sampled, so nothing is missed.  A function that is zero at the start, because an event has just put it there, is followed
-by its first non-zero derivative until M of the next order lets that derivative change its sign.
+sampled, so nothing is missed.  A function that is zero at the start, because an event has just put it there, is
+followed by its first non-zero derivative until M of the next order lets that derivative change its sign.
 """
 
 from dataclasses import dataclass, field
@@ -54,17 +54,17 @@ class Function:
     """f(t) = c0 + c1 t + sum Re(c_j exp(l_j t)) with its derivatives, and bounds of them."""
 
     def __init__(self, arc, row):
-        *weights, constant = row
+        *weights, constant = row  # over (u, w, e, v, 1)
         self.arc = arc
-        self.c0 = constant + sum(g * x for g, x in zip(weights, arc.c0))
-        self.c1 = sum(g * x for g, x in zip(weights, arc.c1))
-        coefficients = [sum(g * x for g, x in zip(weights, column)) for column in arc.columns]
-        self.powers = [[c * rate**k for c, rate in zip(coefficients, arc.rates)] for k in range(7)]
+        self.c0 = constant + sum(g * x for g, x in zip(weights, arc.c0, strict=True))
+        self.c1 = sum(g * x for g, x in zip(weights, arc.c1, strict=True))
+        coefficients = [sum(g * x for g, x in zip(weights, column, strict=True)) for column in arc.columns]
+        self.powers = [[c * rate**k for c, rate in zip(coefficients, arc.rates, strict=True)] for k in range(7)]
         self.sizes = [[abs(c) for c in power] for power in self.powers]
 
     def __call__(self, t, k=0):
         smooth = (self.c0 + self.c1 * t, self.c1)[k] if k < 2 else mpf(0)
-        return smooth + sum((c * x).real for c, x in zip(self.powers[k], self.arc.exponentials(t)))
+        return smooth + sum((c * x).real for c, x in zip(self.powers[k], self.arc.exponentials(t), strict=True))
 
     def derivative(self):
         slope = Function(self.arc, [mpf(0)] * 5)
@@ -73,8 +73,8 @@ class Function:
 
     def bound(self, k, left, right):
         """Of |f^(k)|, k >= 2, on an interval: each |exp(l t)| is largest at an end."""
-        ends = zip(self.arc.magnitudes(left), self.arc.magnitudes(right))
-        return sum(c * max(x) for c, x in zip(self.sizes[k], ends))
+        ends = zip(self.arc.magnitudes(left), self.arc.magnitudes(right), strict=True)
+        return sum(c * max(x) for c, x in zip(self.sizes[k], ends, strict=True))
 
     def keeps_sign(self, k, left, right):
         """True if Taylor's theorem about the middle shows that f^(k) has no zero on the interval."""
@@ -131,11 +131,14 @@ class Function:
 
 def first_root(functions, sides, end):
     """(time, index) of the first root in (0, end] of any of several functions, or (end, None); in growing windows."""
-    starts = [f.clear_start(side) for f, side in zip(functions, sides)]
+    starts = [f.clear_start(side) for f, side in zip(functions, sides, strict=True)]
     left, right = mpf(0), 1 / functions[0].arc.fastest
     while left < end:
         right = min(right, end)
-        roots = [next(f.roots(max(left, a), right), None) if a < right else None for f, a in zip(functions, starts)]
+        roots = [
+            next(f.roots(max(left, a), right), None) if a < right else None
+            for f, a in zip(functions, starts, strict=True)
+        ]
         if any(root is not None for root in roots):
             return min((root, k) for k, root in enumerate(roots) if root is not None)
         left, right = right, 4 * right
@@ -190,7 +193,7 @@ class Drive:
         return (-self.k * (self.z0 + x[0]) / self.r + self.N(x) * self.sin) / self.cos
 
     def slip(self, law, x):  # (8.6)
-        u, w, e, v = x
+        u, w, _, v = x
         speed, N = w + self.Omega, self.N(x)
         torque = -self.k * (self.z0 + u) - self.c * speed
         acceleration = (torque - self.r * N * (law * self.mu * self.cos - self.sin)) / self.I
@@ -224,7 +227,7 @@ class Drive:
         if direction:
             return [(N, contact), ([mpf(0), mpf(1), mpf(0), mpf(0), self.Omega], direction)]
         F = self.row(self.friction)
-        return [([contact * self.mu * n - side * f for n, f in zip(N, F)], 1) for side in (1, -1)]
+        return [([contact * self.mu * n - side * f for n, f in zip(N, F, strict=True)], 1) for side in (1, -1)]
 
     def arc(self, mode, x):
         return self.slip_arc(mode[0] * mode[1], x) if mode[0] else self.rest_arc(x)
@@ -254,12 +257,12 @@ class Drive:
         parts = [first, e - alpha - first]
         if mp.im(root) != 0:
             rates, parts = rates[:1], [2 * parts[0]]
-        columns = [[mpf(0), mpf(0), c, rate * c] for c, rate in zip(parts, rates)]
+        columns = [[mpf(0), mpf(0), c, rate * c] for c, rate in zip(parts, rates, strict=True)]
         c0, c1 = [u, w, alpha, beta], [w, mpf(0), beta, mpf(0)]
         return Arc(rates, columns, c0, c1, lambda t: _by_matrix_exponential(A, b, x, t))
 
     def mode_at(self, x):
-        """Mode at a state: N = 0 is judged by its first derivative, the same for all laws; theta' = 0 by static friction."""
+        """Mode at a state; N = 0 is judged by its first non-zero derivative, which is the same under every law."""
         speed, N = x[1] + self.Omega, self.N(x)
         A, b = self.matrix((lambda y: self.slip(1, y)) if speed else self.rest)
         rate = A * mp.matrix(x) + b
@@ -296,7 +299,7 @@ def simulate(parameters, state, t_end, *, dps=40, max_events=10000):
         mode = drive.mode_at(x)
         while len(events) <= max_events:
             arc, left = drive.arc(mode, x), t_end - t
-            rows, sides = zip(*drive.guards(mode))
+            rows, sides = zip(*drive.guards(mode), strict=True)
             stay, fired = first_root([Function(arc, row) for row in rows], sides, left)
             arcs.append((t, name(mode), arc, stay))
             x = arc.state(stay)

@@ -155,6 +155,23 @@ def test_frozen_coordinate_keeps_its_value():
     assert out == pytest.approx([float(x) for x in expected], rel=1e-13)
 
 
+@pytest.mark.parametrize(
+    "factors",
+    [
+        [("-7713.714101",), ("803.5588913535906", "56.69422867818525"), ("-6170.815344",)],
+        [("-1",), ("4", "0.1"), ("-1.5",)],
+        [("4", "0.1"), ("-2",), ("-2.5",), ("0",)],
+    ],
+)
+def test_uncoupled_parts_are_carried_to_and_fro(factors):
+    """Without coupling most rows of a projector are zero, but for rounding: none of these may be built upon."""
+    with mp.workdps(DIGITS):
+        field = [[mpf(0) if abs(x) in (mpf("0.3"), mpf("0.7")) else x for x in row] for row in companion(factors)]
+        mode = modal_mode(as_decimals(field), [1.0] * len(field))
+    identity = mode.from_modal[:, :-1] @ mode.to_modal[:, :-1]
+    assert identity == pytest.approx(np.eye(len(field)), abs=64 * EPS * mode.condition)
+
+
 def test_chain_of_zeros_is_refused():
     with pytest.raises(ArithmeticError, match="zero rate"):
         modal_mode([[0, 1, 0, 0], [0, 0, 0, 1], [0, 0, -1, 0]], [1.0] * 3)
@@ -283,6 +300,16 @@ def test_first_crossing_against_dense_evaluation(factors, numbers, angle):
         modal.advance(flow, 0, state, t, out)
         rate = abs(weights @ (flow.field[0] @ [*out, 1.0]))
         assert abs(values[-1]) <= rounding + 8 * EPS * t * rate
+
+
+@pytest.mark.parametrize("a1", [12.0, 12.0 + 1e-14, 12.0 - 1e-14, 12.0 - 1e-9, 12.1, 11.9])
+def test_root_of_a_critically_damped_pair(a1):
+    """w = e^{−6t} (1 − 6t) falls to 0.95 once, whether the pair is a little over- or underdamped."""
+    flow, _ = decoupled([(36.0, a1)])
+    found, _, t = search(flow, [0.0, 1.0], [0.0, 1.0, -0.95])
+    assert found == Found.CROSSING
+    expected = 0.0042463  # for 12.0; the rate enters as its size does
+    assert t == pytest.approx(expected, rel=2e-2)
 
 
 def with_roots(roots, rates):

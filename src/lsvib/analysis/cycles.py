@@ -144,7 +144,8 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
     flow = automaton.tables.flow
     if not isinstance(flow, np.ndarray):
-        return SteadyState(Attractor.STEADY_SLIDING, flow.from_modal[motion.end_mode, :, -1].copy())
+        field = flow.field[motion.end_mode]
+        return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
     row = flow[motion.end_mode]
     equilibrium = np.array([row[planar.EQUILIBRIUM], 0.0])
     if row[planar.ALPHA] > 0 or np.array_equal(motion.end_state, equilibrium):

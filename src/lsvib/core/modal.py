@@ -163,12 +163,14 @@ def bound(amplitudes, guard, k, largest):
 
 @kernel
 def tail_bound(rows, amplitudes, guard, decays, t):
-    """Bound of a guard's moving part for all times from ``t`` on, in a mode whose pairs all decay.
+    """Bound of a guard's moving part for all times from ``t`` on, over the pairs with stiffness, which must all decay.
 
     With h(t) ≤ t, the joint form is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from t = 1/r on.
     """
     total = 0.0
     for pair in range(decays.shape[0]):
+        if rows[pair, A0] == 0.0:
+            continue
         slow, fast = decays[pair, 0], amplitudes[guard, pair, 0, 1]
         rate = rows[pair, ALPHA] if rows[pair, BETA] > 0.0 else -rows[pair, R1]
         split = amplitudes[guard, pair, 0, 0] * slow + (fast * decays[pair, 1] if fast > 0.0 else 0.0)

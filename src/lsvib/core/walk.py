@@ -19,7 +19,7 @@ import numpy as np
 
 from lsvib.core import modal
 from lsvib.core.jit import kernel
-from lsvib.core.planar import ALPHA, BETA, EPS, R1, R2
+from lsvib.core.planar import A0, A1, ALPHA, BETA, EPS, R1, R2
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
@@ -53,7 +53,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
     modal.flow_with_decays(rows, start, 0.0, there, decays)
     a, step = 0.0, min(limit, 4.0 / _fastest(rows)) if _fastest(rows) > 0.0 else min(limit, 1.0)
     for _ in range(_STEPS):
-        if a >= limit or (limit == math.inf and _never(rows, forms, amplitudes, decays, a)):
+        if a >= limit or (limit == math.inf and _never(rows, start, forms, amplitudes, decays, a)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
         modal.flow_with_decays(rows, start, b, there, decays_ahead)
@@ -150,14 +150,28 @@ def _decide(here, there, amplitudes, guard, largest, step, rounding, starts_on_s
 
 
 @kernel
-def _never(rows, forms, amplitudes, decays, t):
-    """True if every pair decays and what is left of the guards' moving parts is smaller than their constants."""
+def _never(rows, start, forms, amplitudes, decays, t):
+    """True if every pair comes to a limit and the guards stay positive on the way there and in it.
+
+    A pair without stiffness, q″ = −a₁ q′, comes to q + q′/a₁ if a₁ > 0, and stays where it is if q′ = 0.
+    """
     for pair in range(rows.shape[0]):
-        row = rows[pair]
-        if not (row[ALPHA] > 0.0 and (row[BETA] > 0.0 or row[R1] < 0.0)):
+        a0, a1 = rows[pair, A0], rows[pair, A1]
+        if a0 != 0.0 and not (a1 > 0.0 and (rows[pair, BETA] > 0.0 or rows[pair, R1] < 0.0)):
+            return False
+        if a0 == 0.0 and not a1 > 0.0 and start[2 * pair + 1] != 0.0:
             return False
     for guard in range(forms.shape[0]):
-        if not forms[guard, forms.shape[1] - 1] > modal.tail_bound(rows, amplitudes, guard, decays, t):
+        level = forms[guard, start.size] - modal.tail_bound(rows, amplitudes, guard, decays, t)
+        for pair in range(rows.shape[0]):
+            if rows[pair, A0] == 0.0:
+                rate, g_q = start[2 * pair + 1], forms[guard, 2 * pair]
+                level += g_q * start[2 * pair]
+                if rate != 0.0:
+                    way = rate / rows[pair, A1]
+                    level += g_q * way
+                    level -= abs(forms[guard, 2 * pair + 1] * rate - g_q * way) * decays[pair, 1]
+        if not level > 0.0:
             return False
     return True
 

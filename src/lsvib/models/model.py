@@ -11,7 +11,12 @@ from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton
 from lsvib.models.parameters import LeadScrew
 
-MODELS = {"rigid": "lsvib.models.rigid", "threads": "lsvib.models.threads"}
+MODELS = {
+    "rigid": "lsvib.models.rigid",
+    "threads": "lsvib.models.threads",
+    "support": "lsvib.models.support",
+    "nut": "lsvib.models.nut",
+}
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from lsvib.core.modal import ModalFlow
 _DIGITS = 60
 _TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
 _WORST_CONDITION = 1e12
+_SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
 _APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
 
@@ -58,8 +59,8 @@ def modal_mode(
         scale = [mpmath.mpf(sizes[i]) for i in alive]
         pieces = [
             piece
-            for factor, projector in _subspaces(matrix)
-            for piece in _pieces(matrix, constant, factor, projector, scale)
+            for factor, projector, slow in _subspaces(matrix)
+            for piece in _pieces(matrix, constant, factor, projector, scale, slow)
         ]
         return _tables(full, kept, alive, pieces, sizes)
 
@@ -89,8 +90,8 @@ def _factors(rates) -> list[list]:
     return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
 
 
-def _subspaces(matrix) -> list[tuple[list, mpmath.matrix]]:
-    """Factors of the characteristic polynomial, each with the projector on its subspace."""
+def _subspaces(matrix) -> list[tuple[list, mpmath.matrix, bool]]:
+    """Factors of the characteristic polynomial, each with the projector on its subspace, and whether it is slow."""
     rates = mpmath.eig(matrix, left=False, right=False)
     factors = _factors(rates)
     found = []
@@ -101,7 +102,9 @@ def _subspaces(matrix) -> list[tuple[list, mpmath.matrix]]:
             if j != k:
                 others = others * _polynomial(other, matrix)
                 remainder = _modulo(_product(remainder, other), factor)
-        found.append((factor, _polynomial(_inverse(remainder, factor), matrix) * others))
+        larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
+        slow = len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
+        found.append((factor, _polynomial(_inverse(remainder, factor), matrix) * others, slow))
     return found
 
 
@@ -147,7 +150,7 @@ class _Piece:
     out: mpmath.matrix  # (n, 3), the constant last
 
 
-def _pieces(matrix, constant, factor, projector, scale) -> list[_Piece]:
+def _pieces(matrix, constant, factor, projector, scale, slow: bool) -> list[_Piece]:
     """The oscillators of one subspace: one for a pair of rates or a single rate, one for each dimension of zeros."""
     if len(factor) == 3:
         return [_pair(matrix, constant, factor, projector, scale)]
@@ -163,6 +166,11 @@ def _pieces(matrix, constant, factor, projector, scale) -> list[_Piece]:
         vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
         covector = projector[i, :]
         push = (covector * constant)[0]
+        if rate and slow:
+            # Its equilibrium may lie far away; as an oscillator with the rates zero and r it needs none: q″ = r q′.
+            into = mpmath.matrix([[*covector, 0], [*(rate * x for x in covector), push]])
+            pieces.append(_Piece(_row(mpmath.mpf(0), -rate), into, mpmath.matrix([[x, 0, 0] for x in vector])))
+            continue
         shift = push / rate if rate else mpmath.mpf(0)
         into = mpmath.matrix([[*covector, shift], [*(rate * x for x in covector), push]])
         out = mpmath.matrix([[x, 0, -x * shift] for x in vector])
