@@ -119,7 +119,7 @@ def simulate(
     out:
         netCDF file to write.
     model:
-        Model of the drive, rigid (the default) or threads.
+        Model of the drive: rigid (the default), threads, support or nut.
     """
     from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
     from lsvib.datasets.writer import write_dataset

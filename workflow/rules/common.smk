@@ -15,7 +15,7 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d",
+    figure=r"fig8_\d\d|limit_process",
 
 
 # What each script imports of ours besides the module of its figure.

@@ -7,6 +7,8 @@ last steps d₁, d₂ of the map and λ = d₁·d₂ / d₁·d₁, it lies near 
 """
 
 import math
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -16,11 +18,12 @@ from lsvib.errors import EngineError
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import Motion, follow
 
-_APPROACH = 64  # events after which the return map is watched
+_APPROACH = 64  # events after which the return map is watched; a return that takes more is not extrapolated
 _RETURNS = 4  # of the map before each extrapolation, in which the fast multipliers die out
 _ROUNDS = 12
+_BLOCK = 8  # points whose distances are formed at once, so that the arrays stay in the cache
 _SAME = 1e-13  # relative change of the section state in one return that is rounding
-_LEAST = 65  # samples of an arc of a curve
+_MEASURED = 40  # points of a curve, besides its arcs' ends, whose distance is measured
 
 
 def settled_orbit(automaton: Automaton, state, *, max_events: int = 20_000) -> SteadyState:
@@ -32,7 +35,8 @@ def settled_orbit(automaton: Automaton, state, *, max_events: int = 20_000) -> S
         start, mode = _extrapolated(automaton, np.array(state, dtype=float))
     except EngineError:
         start, mode = state, None
-    return steady_state(automaton, start, mode=mode, max_events=max_events)
+    with np.errstate(invalid="ignore"):  # of an elastic contact e = 0 at every N = 0, so that it has no scale there
+        return steady_state(automaton, start, mode=mode, max_events=max_events)
 
 
 def _extrapolated(automaton: Automaton, state: np.ndarray) -> tuple[np.ndarray, int | None]:
@@ -47,7 +51,7 @@ def _extrapolated(automaton: Automaton, state: np.ndarray) -> tuple[np.ndarray, 
     for _ in range(_ROUNDS):
         path = [point]
         for _ in range(_RETURNS):
-            back = follow(automaton, path[-1], math.inf, mode=mode, stop=(kind, mode), max_events=1000)
+            back = follow(automaton, path[-1], math.inf, mode=mode, stop=(kind, mode), max_events=_APPROACH)
             if back.status != Status.STOP_EVENT:
                 return motion.end_state, motion.end_mode
             path.append(back.end_state)
@@ -63,10 +67,12 @@ def _extrapolated(automaton: Automaton, state: np.ndarray) -> tuple[np.ndarray, 
 
 
 def curve(motion: Motion, count: int) -> np.ndarray:
-    """Return points (u, w) [rad, rad/s] along a motion, shape (k, 2): its arcs' ends and about ``count`` between."""
+    """Return points (u, w) [rad, rad/s] along a motion, shape (k, 2), both ends of each arc among them.
+
+    ``count`` points are shared out by duration, and half as many evenly among the arcs.
+    """
     modes, starts, ends, durations = motion.arcs()
-    least = max(2, min(_LEAST, count // durations.size))
-    shares = least + np.floor(count * durations / max(durations.sum(), 1e-300)).astype(int)
+    shares = max(2, count // (2 * durations.size)) + np.floor(count * durations / durations.sum()).astype(int)
     bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
     times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], shares, strict=True)])
     states, _ = motion.at(times)
@@ -75,32 +81,48 @@ def curve(motion: Motion, count: int) -> np.ndarray:
     return states[:, :2]
 
 
-def orbit_distance(one: np.ndarray, other: np.ndarray, scales, stride: int = 1) -> float:
-    """Return the Hausdorff distance [1] of two curves, (k, 2) and (l, 2), in coordinates divided by ``scales`` (2).
+def farthest(points: np.ndarray, polygon: np.ndarray) -> float:
+    """Return the largest distance of points (k, 2) from an open polygon through the corners (l, 2)."""
+    start, (along_x, along_y) = polygon[:-1], np.diff(polygon, axis=0).T
+    length = along_x**2 + along_y**2
+    length[length == 0] = 1.0
+    largest = 0.0
+    for first in range(0, len(points), _BLOCK):
+        x, y = (points[first : first + _BLOCK, None] - start).transpose(2, 0, 1)
+        part = np.clip((x * along_x + y * along_y) / length, 0.0, 1.0)
+        squares = (x - part * along_x) ** 2 + (y - part * along_y) ** 2
+        largest = max(largest, float(squares.min(axis=1).max()))
+    return math.sqrt(largest)
 
-    It is the largest distance of a point of either curve from the other one, which is taken as the polygon through its
-    points; jumps, along which only the rate changes, are part of the polygon. Of the points of a curve every
-    ``stride``-th is measured.
+
+@dataclass(frozen=True)
+class Orbit:
+    """The curve of a motion in the phase plane, in scales of u [rad] and w [rad/s]: a polygon, and points to measure.
+
+    Jumps, along which only the rate changes, are sides of the polygon.
     """
-    one, other = one / np.asarray(scales), other / np.asarray(scales)
-    return max(_farthest(one[::stride], other), _farthest(other[::stride], one))
 
+    scales: tuple[float, float]
+    polygon: np.ndarray
+    points: np.ndarray
 
-def _farthest(points: np.ndarray, polygon: np.ndarray) -> float:
-    """Largest distance of points from a polygon: each from the two sides that meet in the nearest corner."""
-    start, along = polygon[:-1], np.diff(polygon, axis=0)
-    length = np.einsum("ij,ij->i", along, along)
-    nearest = np.argmin(np.einsum("ij,ij->i", polygon, polygon) - 2 * points @ polygon.T, axis=1)
-    squares = np.full(len(points), np.inf)
-    for side in (np.maximum(nearest - 1, 0), np.minimum(nearest, len(along) - 1)):
-        offset = points - start[side]
-        part = np.einsum("ij,ij->i", offset, along[side]) / np.where(length[side] > 0, length[side], 1.0)
-        miss = offset - np.clip(part, 0, 1)[:, None] * along[side]
-        squares = np.minimum(squares, np.einsum("ij,ij->i", miss, miss))
-    return float(np.sqrt(squares.max()))
+    @classmethod
+    def of(cls, motion: Motion, scales: tuple[float, float], corners: int = 800) -> Self:
+        """Sample a motion with about so many ``corners``, both ends of its arcs included."""
+        return cls(scales, *(curve(motion, count) / np.array(scales) for count in (corners, _MEASURED)))
+
+    def distance(self, other: Self) -> float:
+        """Return the Hausdorff distance [1]: the largest distance of a point of either curve from the other one."""
+        return max(farthest(self.points, other.polygon), farthest(other.points, self.polygon))
 
 
 def rest_duration(motion: Motion) -> float:
     """Return the total time [s] that a motion spends at rest."""
     modes, _, _, durations = motion.arcs()
     return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
+
+
+def rest_count(motion: Motion) -> int:
+    """Return how often a motion comes to rest."""
+    codes = motion.automaton.codes[motion.arcs()[0]]
+    return int(np.isin(codes, motion.automaton.rest_codes).sum())
