@@ -68,7 +68,7 @@ def test_table_has_a_line_for_each_check():
 
 
 def test_terminal_table_fits_a_terminal_and_loses_no_word():
-    claim = "a claim that is much too long for one line of the table of checks, with |N| in it, so that it must go on below"
+    claim = "a claim much too long for one line of the table of checks, with |N| in it, so that it must go on below"
     table = terminal_table([("fig8_12", Check.holds(claim, "Fig. 8.12", "word " * 20, False))])
     assert max(map(len, table.splitlines())) <= 120
     assert table.split().count("word") == 20

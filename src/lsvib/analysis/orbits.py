@@ -1,9 +1,9 @@
 """Cycles of models with many states, and how far two orbits lie apart in the phase plane.
 
-A contact of finite stiffness creeps: in slip its deflection follows the rate k_c / c_c, so that the return map of a
-cycle of period T has the multiplier exp(−T k_c / c_c), which is close to one in the viscous limit. All other multipliers
-are small. The fixed point is therefore extrapolated along the slow direction (Aitken's method for vectors): with the
-last steps d₁, d₂ of the map and λ = d₁·d₂ / d₁·d₁, it lies near x + λ / (1 − λ) d₂.
+A contact of finite stiffness creeps: in slip its deflection follows at the rate k_c / c_c, so that the return map of a
+cycle of period T has the multiplier exp(−T k_c / c_c), close to one in the viscous limit. All other multipliers are
+small. The fixed point is therefore extrapolated along the slow direction (Aitken's method for vectors): with the last
+steps d₁, d₂ of the map and λ = d₁·d₂ / d₁·d₁, it lies near x + λ / (1 − λ) d₂.
 """
 
 import math
@@ -71,7 +71,7 @@ def curve(motion: Motion, count: int) -> np.ndarray:
 
     ``count`` points are shared out by duration, and half as many evenly among the arcs.
     """
-    modes, starts, ends, durations = motion.arcs()
+    _, starts, ends, durations = motion.arcs()
     shares = max(2, count // (2 * durations.size)) + np.floor(count * durations / durations.sum()).astype(int)
     bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
     times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], shares, strict=True)])

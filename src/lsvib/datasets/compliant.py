@@ -1,0 +1,52 @@
+"""The drive with compliant threads as pieces of a dataset: its cycles as curves, its contact as coordinates."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lsvib.analysis.cycles import SteadyState
+from lsvib.analysis.orbits import settled_orbit
+from lsvib.datasets import phase
+from lsvib.datasets.phase import ASSUMED, Variables, attributes
+from lsvib.models.automaton import Automaton
+from lsvib.models.parameters import ThreadsDrive
+from lsvib.models.threads import seated_state, threads_drive
+
+
+def compliant_cycle(drive: ThreadsDrive, start: dict[str, float]) -> tuple[Automaton, SteadyState]:
+    """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
+    automaton = threads_drive(drive)
+    return automaton, settled_orbit(automaton, seated_state(drive, start["u"], start["w"]))
+
+
+def contact_parameter(name: str, assumed: bool) -> dict[str, Any]:
+    """Return the attributes of a contact's parameter; if it is ``assumed``, with a comment that says so."""
+    known = ThreadsDrive.model_fields[name].json_schema_extra
+    comment = {"comment": ASSUMED} if assumed else {}
+    return attributes(known["unit"], known["long_name"], f"${known['symbol']}$", **comment)
+
+
+def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
+    """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
+
+    Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
+    each event are among the samples.
+    """
+    curves = np.full((3, len(cycles), count), np.nan)
+    for k, steady in enumerate(cycles):
+        if steady.orbit is not None:
+            times, states, _ = phase.sample(steady.orbit, count)
+            curves[:, k] = times, states[:, 0], states[:, 1]
+    dims = (*dims, f"{prefix}_sample")
+    shape = (len(cycles), count) if len(dims) == 2 else (count,)
+    time, angle, velocity = curves.reshape(3, *shape)
+    return {
+        f"{prefix}_time": (dims, time, attributes("s", "time along the cycle", "$t$")),
+        f"{prefix}_angle": (dims, angle, attributes("rad", "deviation on the cycle", "$u$")),
+        f"{prefix}_velocity": (
+            dims,
+            velocity,
+            attributes("rad s-1", "rate of the deviation on the cycle", r"$\dot u$"),
+        ),
+    }

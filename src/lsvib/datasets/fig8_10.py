@@ -1,0 +1,194 @@
+"""Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.cycles import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.analysis.orbits import Orbit
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.datasets.compliant import compliant_cycle, contact_parameter, cycle_curves
+from lsvib.datasets.phase import attributes
+from lsvib.datasets.variables import quantity
+from lsvib.models.automaton import Automaton
+from lsvib.models.motion import Motion, follow
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
+from lsvib.models.rigid import rigid_drive
+from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state
+
+_PEAK = 320e3  # N, printed
+_ZOOM = 400  # samples of the peak that is drawn alone
+_BEFORE, _AFTER = 0.3, 0.6  # extent of that drawing, in durations of the sprag
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the motion and its cycle with compliant threads, the rigid ones beside them, and the effect of R.
+
+    ``settings``: ``drive``, ``contact_stiffness`` [N/m], ``contact_damping`` [N s/m]; ``start`` u [rad], w [rad/s],
+    with the contact seated; ``duration`` [s], ``samples``; ``axial_force`` [N] with ``start``, ``stop``, ``count``,
+    over which the cycle is repeated, since the text does not state R. Raises ``InputError``.
+    """
+    contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
+    drive, start = ThreadsDrive.of(settings["drive"], **contact), settings["start"]
+    automaton, cycle = compliant_cycle(drive, start)
+    rigid = rigid_drive(drive)
+    rigid_cycle = steady_state(rigid, [start["u"], start["w"]])
+    motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
+    rigid_motion = follow(rigid, [start["u"], start["w"]], settings["duration"])
+    forces = phase.span(settings["axial_force"])
+    return xr.Dataset(
+        _motion(motion, settings["samples"])
+        | _rigid_motion(rigid_motion, settings["samples"])
+        | cycle_curves((), [cycle], settings["samples"])
+        | cycle_curves((), [rigid_cycle], settings["samples"], "rigid_cycle")
+        | _peak(automaton, cycle)
+        | _comparison(drive, cycle, rigid_cycle)
+        | _sensitivity(drive, forces, start),
+        coords={
+            "force": ("force", forces, phase.parameter("axial_force", ["axial_force"])),
+            **{name: ((), value, contact_parameter(name, False)) for name, value in contact.items()},
+            "mass": ((), drive.mass, phase.parameter("mass")),
+            "axial_force": ((), drive.axial_force, phase.parameter("axial_force", ["axial_force"])),
+            "input_speed": ((), drive.input_speed, phase.parameter("input_speed")),
+        },
+        attrs={
+            "title": "Figure 8.10: sprag-slip vibration with compliant threads",
+            "source": "lsvib, exact event-driven motion with four states",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.10",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
+    force, peak = dataset.force.values, dataset.force_peak_normal_force.values
+    farthest = float(np.max(np.abs(peak / _PEAK - 1)))
+    labels = np.append(dataset.force_attractor.values, [dataset.attractor, dataset.rigid_attractor])
+    near = dataset.force_orbit_distance.values
+    sprags = dataset["mode"].values == ThreadsMode.REST_POSITIVE
+    late = dataset.normal_force.values[sprags & (dataset.time.values > 0.5 * float(dataset.time[-1]))]
+    highest = float(late.max()) if late.size else np.nan
+    return [
+        Check.within(
+            "Peak of the contact force on the cycle", "Sect. 8.6.1, Fig. 8.10b", _PEAK, dataset.peak_force, 0.02, "N"
+        ),
+        Check.holds(
+            "The peak stays within 2 % of 320 kN whatever R is, which the text leaves out",
+            "Sect. 8.6.1, Fig. 8.10b",
+            f"{peak.min() / 1e3:.2f} to {peak.max() / 1e3:.2f} kN for R from {force[0]:g} to {force[-1]:g} N",
+            farthest <= 0.02,
+        ),
+        Check.holds(
+            "The cycle lies within 2 % of the rigid one of Fig. 8.9b, in scales of its amplitude and of Ω",
+            "Sect. 8.6.1, Fig. 8.10a",
+            f"distance {float(dataset.orbit_distance):.4f} (amplitude {float(dataset.amplitude):.6g} against "
+            f"{float(dataset.rigid_amplitude):.6g} rad, period {float(dataset.period):.7g} against "
+            f"{float(dataset.rigid_period):.7g} s); {near.min():.4f} to {near.max():.4f} over R",
+            float(dataset.orbit_distance) <= 0.02,
+        ),
+        Check.holds(
+            "With either model and for every R the motion ends on a sprag-slip cycle, which repeats to 1e-9",
+            "Sect. 8.6.1, Fig. 8.10",
+            f"{int((labels == Attractor.SPRAG_SLIP_CYCLE).sum())} of {labels.size}, residual "
+            f"{float(dataset.residual):.1e}",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all() and float(dataset.residual) <= 1e-9),
+        ),
+        Check.within(
+            "Largest sample of N(t) in the second half of the motion, against the exact peak of the cycle",
+            "resolution of Fig. 8.10b",
+            float(dataset.peak_force),
+            highest,
+            1e-6,
+            "N",
+            "the peak is at an event, which is a sample; the motion is on its cycle",
+        ),
+    ]
+
+
+def _motion(motion: Motion, samples: int) -> phase.Variables:
+    """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
+    times, states, codes = phase.sample(motion, samples)
+    row = motion.automaton.observables["normal_force"][0]  # the same in every mode
+    return {
+        "time": ("sample", times, attributes("s", "time", "$t$")),
+        "angle_deviation": ("sample", states[:, 0], quantity("angle_deviation")),
+        "velocity_deviation": ("sample", states[:, 1], quantity("velocity_deviation")),
+        "normal_force": ("sample", states @ row[:-1] + row[-1], quantity("normal_force")),
+        "mode": ("sample", codes, phase.flag("mode of motion", ThreadsMode)),
+    }
+
+
+def _rigid_motion(motion: Motion, samples: int) -> phase.Variables:
+    times, states, _ = phase.sample(motion, samples)
+    return {
+        "rigid_time": ("rigid_sample", times, attributes("s", "time", "$t$")),
+        "rigid_angle_deviation": ("rigid_sample", states[:, 0], quantity("angle_deviation")),
+        "rigid_velocity_deviation": ("rigid_sample", states[:, 1], quantity("velocity_deviation")),
+    }
+
+
+def _peak(automaton: Automaton, cycle: SteadyState) -> phase.Variables:
+    """The contact force around a peak, over time from the start of the sprag."""
+    period = cycle.orbit.end_time
+    twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
+    stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
+    begin, sprag = twice.time[stick - 1], twice.time[stick] - twice.time[stick - 1]
+    times = np.linspace(begin - _BEFORE * sprag, begin + _AFTER * sprag, _ZOOM)
+    times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
+    states, modes = twice.at(times)
+    force = automaton.observe("normal_force", states, modes)
+    return {
+        "peak_time": ("peak_sample", times - begin, attributes("s", "time after the start of a sprag", "$t$")),
+        "peak_normal_force": ("peak_sample", force, quantity("normal_force")),
+        "sprag_duration": ((), sprag, attributes("s", "time from N = 0 until the screw stands")),
+    }
+
+
+def _comparison(drive: LeadScrew, cycle: SteadyState, rigid: SteadyState) -> phase.Variables:
+    """The cycle in numbers, beside the rigid one."""
+    values = _cycle_values(drive, cycle, rigid)
+    named = {"attractor": ((), np.int8(cycle.label), phase.flag("attractor with compliant threads", Attractor))}
+    named["rigid_attractor"] = ((), np.int8(rigid.label), phase.flag("attractor of the rigid drive", Attractor))
+    for name, steady, words in (("", cycle, "with compliant threads"), ("rigid_", rigid, "of the rigid drive")):
+        row = np.eye(1, steady.state.size + 1)[0]  # u
+        low, high = steady.extremes(row)
+        named[f"{name}amplitude"] = ((), 0.5 * (high - low), attributes("rad", f"amplitude of the cycle {words}"))
+        named[f"{name}period"] = ((), steady.period, attributes("s", f"period of the cycle {words}", "$T$"))
+    residual = attributes("1", "relative change of the section state over a period")
+    return named | {
+        "peak_force": ((), values[0], attributes("N", "largest contact force on the cycle", "$N$")),
+        "orbit_distance": ((), values[1], _DISTANCE),
+        "residual": ((), cycle.residual, residual),
+    }
+
+
+_DISTANCE = attributes(
+    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed"
+)
+
+
+def _cycle_values(drive: LeadScrew, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+    """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
+    if cycle.orbit is None or rigid.orbit is None:
+        return np.nan, np.nan
+    low, high = orbit_extremes(cycle.orbit, cycle.orbit.automaton.observables["normal_force"])
+    scales = (rigid.amplitude, abs(drive.input_speed))
+    return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
+
+
+def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Mapping[str, float]) -> phase.Variables:
+    rows = []
+    for force in forces:
+        pushed = drive.replace(axial_force=float(force))
+        rigid = steady_state(rigid_drive(pushed), [start["u"], start["w"]])
+        _, cycle = compliant_cycle(pushed, start)
+        rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
+    label, peak, distance = np.array(rows, dtype=float).T
+    return {
+        "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor with compliant threads", Attractor)),
+        "force_peak_normal_force": ("force", peak, attributes("N", "largest contact force on the cycle", "$N$")),
+        "force_orbit_distance": ("force", distance, _DISTANCE),
+    }

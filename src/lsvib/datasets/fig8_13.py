@@ -1,0 +1,204 @@
+"""Figure 8.13: softer contacts – smoother trajectories, and a coupling deflection that turns positive during sprag."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
+from lsvib.core import flows
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.datasets.compliant import compliant_cycle, contact_parameter, cycle_curves
+from lsvib.datasets.phase import attributes
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.motion import Motion
+from lsvib.models.parameters import ThreadsDrive
+from lsvib.models.rigid import rigid_drive
+
+_CONTACT = ("contact_stiffness", "contact_damping")
+_TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
+_TRIES = 40
+_NUMBERS = {
+    "attractor": ("1", "attractor of the motion"),
+    "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
+    "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
+    "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
+    "amplitude": ("rad", "amplitude of the steady vibration, half its peak-to-peak"),
+    "period": ("s", "period of the steady vibration", "$T$"),
+    "residual": ("1", "relative change of the section state over a period"),
+}
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive.
+
+    ``settings``: ``drive``; ``contacts``, each with ``contact_stiffness`` [N/m] and ``contact_damping`` [N s/m], the
+    stiffest first; ``start`` u [rad], w [rad/s]; ``samples`` of a cycle; ``contact_stiffness`` and ``contact_damping``
+    of the grid with ``start``, ``stop``, ``count``, spaced logarithmically. Raises ``InputError``.
+    """
+    drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
+    stiffness, damping = (
+        np.geomspace(*(settings[key][word] for word in ("start", "stop", "count"))) for key in _CONTACT
+    )
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
+    rigid = steady_state(rigid_drive(drive), [start["u"], start["w"]])
+
+    def values(k: float, c: float) -> dict[str, float]:
+        contact = drive.replace(contact_stiffness=k, contact_damping=c)
+        return _numbers(compliant_cycle(contact, start)[1])
+
+    grid = [[values(k, c) for c in damping] for k in stiffness]
+    limits = [
+        _boundary(lambda c, k=k: values(k, c)["largest_deflection"], damping, row)
+        for k, row in zip(stiffness, grid, strict=True)
+    ]
+    single = [_numbers(steady) for steady in cycles]
+    stiffness_label, damping_label = (contact_parameter(name, True) for name in _CONTACT)
+    return xr.Dataset(
+        cycle_curves(("contact",), cycles, settings["samples"])
+        | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
+        | {name: _table(("contact",), name, single) for name in _NUMBERS}
+        | {f"grid_{name}": _table(("stiffness", "damping"), name, grid) for name in _NUMBERS}
+        | {
+            "boundary_damping": (
+                "stiffness",
+                [limit[0] for limit in limits],
+                attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
+            ),
+            "boundary_deflection": (
+                "stiffness",
+                [limit[1] for limit in limits],
+                attributes("rad", "largest coupling deflection at that damping", "$z$"),
+            ),
+        },
+        coords={
+            "contact_stiffness": ("contact", [c.contact_stiffness for c in contacts], stiffness_label),
+            "contact_damping": ("contact", [c.contact_damping for c in contacts], damping_label),
+            "stiffness": ("stiffness", stiffness, stiffness_label),
+            "damping": ("damping", damping, damping_label),
+            "mass": ((), drive.mass, phase.parameter("mass")),
+            "axial_force": ((), drive.axial_force, phase.parameter("axial_force", ["axial_force"])),
+            "input_speed": ((), drive.input_speed, phase.parameter("input_speed")),
+            "steady_deflection": (
+                (),
+                float(coefficients(drive).deflection),
+                attributes("rad", "coupling deflection in steady sliding", "$z_0$"),
+            ),
+        },
+        attrs={
+            "title": "Figure 8.13: effect of the contact parameters",
+            "source": "lsvib, exact event-driven motion with four states",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.13",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
+    deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
+    fastest = dataset.largest_acceleration.values
+    times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
+    labels, residual = dataset.attractor.values, float(dataset.residual.max())
+    limit, edge = dataset.boundary_damping.values, np.abs(dataset.boundary_deflection.values)
+    above = dataset.damping.values > limit[:, None]
+    grid = np.where(np.isfinite(limit)[:, None], dataset.grid_largest_deflection.values, np.nan)
+    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
+    return [
+        Check.holds(
+            "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{int((labels == Attractor.SPRAG_SLIP_CYCLE).sum())} of {labels.size}, residual {residual:.1e}",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all()) and residual <= 1e-9,
+        ),
+        Check.holds(
+            "Softer contacts make the trajectory smoother: the shortest time Ω / max|θ″| grows from each to the next",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{times} µs from the stiffest to the softest contact",
+            bool((np.diff(fastest) < 0).all()),
+        ),
+        Check.holds(
+            "The coupling deflection becomes positive with the softest contact and with none that is stiffer",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
+            bool(deflection[-1] > 0 > deflection[:-1].max()),
+        ),
+        Check.holds(
+            "It is during sprag that the deflection becomes positive: its largest value lies there, to 1e-12 rad",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
+            bool(sprag[-1] > 0) and bool(abs(sprag[-1] - deflection[-1]) <= 1e-12),
+        ),
+        Check.holds(
+            "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
+            "sweep over the contact parameters",
+            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {float(dataset.stiffness[0]):.0e} to "
+            f"{float(dataset.stiffness[-1]):.0e} N/m; |max z| up to {edge.max():.1e} rad on it; negative above, "
+            "positive in the next cell below",
+            bool((edge <= _TURNS).all() and not (grid[above] >= 0).any() and (next_below > 0).all()),
+        ),
+    ]
+
+
+def _numbers(steady: SteadyState) -> dict[str, float]:
+    """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
+    if steady.orbit is None:
+        return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
+    automaton = steady.orbit.automaton
+    deflection = automaton.observables["coupling_deflection"]
+    sprags = np.isin(automaton.codes, automaton.sprag_codes)
+    moves = ~np.isin(automaton.codes, automaton.rest_codes)
+    low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
+    return {
+        "attractor": steady.label,
+        "largest_deflection": steady.extremes(deflection)[1],
+        "sprag_deflection": _extremes(steady.orbit, deflection, sprags)[1],
+        "largest_acceleration": max(map(abs, _extremes(steady.orbit, automaton.tables.flow.field[:, 1], moves))),
+        "amplitude": 0.5 * (high - low),
+        "period": steady.period,
+        "residual": steady.residual,
+    }
+
+
+def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest value of an observable (modes, n + 1) over the arcs in ``wanted`` modes; nan without."""
+    found = [
+        flows.extremes(orbit.automaton.tables.flow, mode, start, rows[mode], duration)
+        for mode, start, _, duration in zip(*orbit.arcs(), strict=True)
+        if wanted[mode]
+    ]
+    return (min(x[0] for x in found), max(x[1] for x in found)) if found else (np.nan, np.nan)
+
+
+def _table(dims: tuple[str, ...], name: str, values) -> tuple:
+    table = np.array([[x[name] for x in row] if isinstance(row, list) else row[name] for row in values], dtype=float)
+    if name == "attractor":
+        return dims, table.astype(np.int8), phase.flag(_NUMBERS[name][1], Attractor)
+    return dims, table, attributes(*_NUMBERS[name])
+
+
+def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
+    """Largest contact damping at which the deflection turns positive, and the deflection there; regula falsi in log c.
+
+    ``row`` holds the numbers at the dampings of the grid. Raises ``InputError`` if the grid has no turn.
+    """
+    values = np.array([numbers["largest_deflection"] for numbers in row])
+    turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+    if turns.size == 0:
+        raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
+    low, high = np.log(damping[turns[-1] : turns[-1] + 2])
+    above, below = values[turns[-1]], values[turns[-1] + 1]
+    side, middle, value = 0, low, above
+    for _ in range(_TRIES):
+        middle = (low * below - high * above) / (below - above)
+        value = deflection(float(np.exp(middle)))
+        if abs(value) <= _TURNS:
+            break
+        if value > 0:  # Illinois: halve the weight of an end that stays
+            low, above, below, side = middle, value, below / (2 if side == 1 else 1), 1
+        else:
+            high, below, above, side = middle, value, above / (2 if side == -1 else 1), -1
+    return float(np.exp(middle)), float(value)

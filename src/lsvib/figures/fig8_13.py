@@ -1,0 +1,115 @@
+"""Figure 8.13: cycles with softer contacts, the coupling deflection along them, and where it turns positive."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from lsvib.figures import phase, style
+
+_COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
+    figure = style.new_figure(style.DOUBLE, 5.4)
+    panels = figure.subplots(2, 2)
+    plane, deflection, grid, shortest = panels.ravel()
+    _plane(plane, dataset)
+    _deflection(deflection, dataset)
+    _map(figure, grid, dataset)
+    _shortest(shortest, dataset)
+    phase.legend(figure, [plane, deflection], 3)
+    return figure
+
+
+def _name(dataset: xr.Dataset, index: int) -> str:
+    stiffness, damping = (dataset[f"contact_{word}"].values[index] for word in ("stiffness", "damping"))
+    return f"$k_c$ = {_power(stiffness)} N m⁻¹, $c_c$ = {_power(damping)} N s m⁻¹"
+
+
+def _power(value: float) -> str:
+    exponent = np.log10(value)
+    return f"$10^{{{exponent:.0f}}}$" if np.isclose(exponent, round(exponent)) else phase.number(value)
+
+
+def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
+        axes.plot(dataset.cycle_angle[k], dataset.cycle_velocity[k], color=colour, label=_name(dataset, k))
+    axes.axvline(-float(dataset.steady_deflection), color=style.GREEN, linewidth=0.9, linestyle=":")
+    axes.text(-float(dataset.steady_deflection), 0.45, " $z = 0$", color=style.GREEN, fontsize=7,
+              transform=axes.get_xaxis_transform())  # fmt: skip
+    axes.locator_params(axis="x", nbins=5)
+    phase.mark_origin(axes)
+    axes.set(
+        title="(a) phase plane",
+        xlabel=style.label(dataset.cycle_angle, "deviation"),
+        ylabel=style.label(dataset.cycle_velocity, "rate"),
+    )
+
+
+def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
+    """The coupling deflection from one standstill of the screw to the next."""
+    steady = float(dataset.steady_deflection)
+    for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
+        time, angle = dataset.cycle_time.values[k], dataset.cycle_angle.values[k]
+        lowest = np.argmin(angle)
+        period = float(dataset.period[k])
+        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
+        axes.plot(turned / period, np.concatenate([angle[lowest:], angle[:lowest]]) + steady, color=colour)
+    axes.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
+    axes.set(
+        title="(b) coupling deflection over a period",
+        xlabel="Time after the smallest $z$ / period",
+        ylabel="Coupling deflection $z$ [rad]",
+        xlim=(0, 1),
+    )
+
+
+def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
+    """Largest deflection over the contact parameters, with the line on which it vanishes."""
+    damping, stiffness = dataset.damping.values, dataset.stiffness.values
+    largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
+    mesh = axes.pcolormesh(
+        damping,
+        stiffness,
+        dataset.grid_largest_deflection,
+        cmap="RdBu_r",
+        vmin=-largest,
+        vmax=largest,
+        shading="nearest",
+    )
+    axes.plot(dataset.boundary_damping, stiffness, color=style.BLACK, label="max z = 0")
+    axes.set(xscale="log", yscale="log", title="(c) largest deflection; on the line 0")
+    axes.set(xlabel=style.label(dataset.damping), ylabel=style.label(dataset.stiffness))
+    inside = (dataset.contact_damping >= damping[0]) & (dataset.contact_stiffness >= stiffness[0])
+    for k, colour in zip(np.flatnonzero(inside), _COLOURS, strict=False):
+        axes.plot(dataset.contact_damping[k], dataset.contact_stiffness[k], "o", color=colour,
+                  markeredgecolor=style.BLACK, clip_on=False, zorder=4)  # fmt: skip
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02)
+    bar.set_label("Largest $z$ [rad]")
+
+
+def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
+    """Shortest time of the trajectory against the contact damping, for the softest and the stiffest contact."""
+    speed = abs(float(dataset.input_speed))
+    for row, colour in ((0, style.SKY), (-1, style.PURPLE)):
+        curve = dataset.isel(stiffness=row)
+        axes.plot(curve.damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
+                  label=f"$k_c$ = {_power(float(curve.stiffness))} N m⁻¹")  # fmt: skip
+    for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
+        axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour)
+    axes.set(
+        xscale="log",
+        yscale="log",
+        title="(d) shortest time of the trajectory",
+        xlabel=style.label(dataset.damping),
+        ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]",
+    )
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_yticks([50, 100, 200, 500, 1000], ["50", "100", "200", "500", "1000"])
+    axes.legend()

@@ -1,0 +1,182 @@
+"""Figures 8.10 and 8.13 and the limit process: every check passes and fails on spoiled data; what they are made of."""
+
+import math
+from functools import cache
+from importlib import import_module
+
+import numpy as np
+import pytest
+import xarray as xr
+from test_figures import draft, scale, set_to
+
+from lsvib.analysis import limit_process
+from lsvib.analysis.cycles import Attractor, orbit_extremes
+from lsvib.analysis.impact import seizure_impulses
+from lsvib.analysis.limit_process import Family, Region
+from lsvib.analysis.orbits import Orbit, farthest, settled_orbit
+from lsvib.datasets.limit_process import Verdict
+from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.errors import InputError
+from lsvib.models.motion import follow
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
+from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.models.threads import ThreadsEvent, seated_state, threads_drive
+
+SPOILERS = {
+    "fig8_10": {
+        "Peak of the contact force": scale("peak_force", 1.03),
+        "within 2 % of 320 kN": scale("force_peak_normal_force", 1.03, -1),
+        "within 2 % of the rigid one": scale("orbit_distance", 1.3),
+        "repeats to 1e-9": set_to("force_attractor", Attractor.STICK_SLIP_CYCLE, 0),
+        "Largest sample of N(t)": scale("normal_force", 1 - 1e-5),
+    },
+    "fig8_13": {
+        "repeats to 1e-9": set_to("residual", 1e-8, 1),
+        "smoother": scale("largest_acceleration", 100.0, -1),
+        "becomes positive with the softest": set_to("largest_deflection", 1e-3, 0),
+        "during sprag": scale("sprag_deflection", 1 - 1e-9, -1),
+        "bounds the positive deflections": scale("boundary_damping", 0.3, 1),
+    },
+    "limit_process": {
+        "converges to the rigid one under the rule contact_sign": set_to("verdict", Verdict.AT_ONCE, 0, 0),
+        "order of at least 0.8": set_to("distance_order", 0.7, 0, 3, 0),
+        "errors of rest, impulse and period": set_to("impulse_error_order", 0.7, 0, 3),
+        "rules of resuming part": set_to("verdict", Verdict.BOTH),
+        "on no branch": set_to("verdict", Verdict.CONTACT_SIGN, 2, 5),
+        "chain of short rests": set_to("rests", 1, 2, 0, -1),
+        "overdamped contact": set_to("impulse_error", 1e-3, 1, 0, -1),
+    },
+}
+EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
+VISCOUS = ThreadsDrive.of(mass=11.0, axial_force=50.0)
+
+
+@cache
+def dataset_of(figure: str) -> xr.Dataset:
+    return import_module(f"lsvib.datasets.{figure}").build(draft(figure))
+
+
+@pytest.mark.parametrize("figure", SPOILERS)
+def test_every_check_passes_and_has_a_spoiler(figure):
+    checks = import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))
+    assert [check.sentence() for check in checks if not check.passed] == []
+    for check in checks:
+        assert sum(words in check.claim for words in SPOILERS[figure]) == 1, check.claim
+    assert len(checks) == len(SPOILERS[figure])
+
+
+@pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
+def test_check_fails_on_spoiled_data(figure, words):
+    checks = import_module(f"lsvib.datasets.{figure}").checks(SPOILERS[figure][words](dataset_of(figure)))
+    assert [check.passed for check in checks if words in check.claim] == [False]
+
+
+@pytest.mark.parametrize("figure", SPOILERS)
+def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
+    write_dataset(dataset_of(figure), tmp_path / "a.nc")
+    drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(tmp_path / "a.nc"))
+    drawn.draw_without_rendering()
+    names = [text.get_text() for text in drawn.legends[0].get_texts()]
+    assert names
+    assert len(names) == len(set(names))
+
+
+def test_farthest_point_from_a_polygon():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    assert farthest(np.array([[0.5, 0.25], [2.0, 1.0], [-3.0, -4.0]]), square) == 5.0
+    assert farthest(np.array([[0.5, 0.0]]), square) == 0.0
+
+
+def test_distance_of_shifted_cycles_is_the_shift():
+    cycle = settled_orbit(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
+    orbit = Orbit.of(cycle.orbit, (cycle.amplitude, VISCOUS.input_speed))
+    shift = np.array([0.01, 0.0])
+    shifted = Orbit(orbit.scales, orbit.polygon + shift, orbit.points + shift)
+    assert orbit.distance(orbit) < 1e-5
+    assert orbit.distance(shifted) == pytest.approx(0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
+def test_settled_orbit_is_where_the_motion_ends(stiffness):
+    """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
+    drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
+    automaton = threads_drive(drive)
+    cycle = settled_orbit(automaton, seated_state(drive, 0.003, 0.0))
+    assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
+    motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
+    kind, mode = cycle.orbit.kind[-1], cycle.orbit.mode[-1]
+    section = (motion.kind == kind) & (motion.mode == mode)
+    last = motion.after[section][-1]
+    np.testing.assert_allclose(last, cycle.state, rtol=1e-7)
+    assert np.diff(motion.time[section])[-1] == pytest.approx(cycle.period, rel=1e-9)
+
+
+def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
+    automaton = threads_drive(VISCOUS)
+    cycle = settled_orbit(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
+    row = automaton.observables["normal_force"]
+    (stop,) = cycle.after[cycle.kind == ThreadsEvent.STICK]
+    assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)
+
+
+@pytest.mark.parametrize(("force", "damping"), [(60.0, 1e-4), (60.0, 2e-3), (-20.0, 1e-4), (-20.0, 2e-3)])
+def test_impacts_seize_at_once_with_the_sign_they_name(force, damping):
+    drive = LeadScrew.of(mass=15.0, axial_force=force, support_damping=damping)
+    found = list(limit_process.impacts(drive, 80.0))
+    assert len(found) >= 6
+    for impact in found:
+        motion = follow(rigid_drive(drive), [impact.u, impact.w], 1e-6)
+        assert (motion.time[0], motion.kind[0], motion.sign[0]) == (0.0, EventKind.SEIZURE, impact.sign)
+
+
+def test_all_sixteen_branches_are_reached():
+    found = dataset_of("limit_process")
+    rows = zip(np.sign(found.axial_force.values), found.impact_sign.values, found.region.values, strict=True)
+    assert len({row for row in rows if row[2] != Region.CYCLE}) == 16
+
+
+@pytest.mark.parametrize("changes", [{"mass": 9.0}, {"translation_damping": 1.0}, {"axial_force": -500.0}])
+def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
+    drive = LeadScrew.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
+    with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
+        list(limit_process.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
+
+
+def test_impulse_is_the_integral_of_the_contact_force():
+    base = LeadScrew.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    drive = limit_process.stiffened(base, Family.VISCOUS, 1e8, 2.0)
+    impact = next(limit_process.impacts(base, 80.0))
+    automaton = threads_drive(drive)
+    motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
+    release = motion.time[np.flatnonzero(motion.kind == ThreadsEvent.RELEASE)[0]]
+    times = np.linspace(0.0, release, 2_000_001)
+    force = automaton.observe("normal_force", *motion.at(times))
+    integral = float(np.sum(0.5 * (force[1:] + force[:-1])) * times[1])
+    impulse = limit_process.impact_impulse(drive, motion)
+    assert impulse == pytest.approx(integral, rel=2e-4)  # the static force during the rest is left out of the impulse
+    assert impulse == pytest.approx(float(seizure_impulses(base, 80.0).normal), rel=1e-3)
+
+
+def test_orders_are_recovered_from_powers():
+    stiffness = np.geomspace(1e5, 1e9, 9)
+    order, error = limit_process.fitted_order(stiffness, 3 * stiffness**-0.75)
+    assert order == pytest.approx(0.75, abs=1e-12)
+    assert error < 1e-12
+    noisy = stiffness**-1.0 * np.where(np.arange(9) % 2, 1.1, 1 / 1.1)
+    order, error = limit_process.fitted_order(stiffness, noisy)
+    assert abs(order - 1) < 3 * error < 0.1
+    assert math.isnan(limit_process.fitted_order(stiffness[:3], np.array([1.0, np.nan, 0.1]))[0])
+
+
+@pytest.mark.parametrize("stiffness", [1e7, 1e9, 1e11])
+def test_rebound_force_of_an_overdamped_contact(stiffness):
+    """The most negative force of a screw that stands after a forward impact, against the formula (ζ = 20)."""
+    base = LeadScrew.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    drive = limit_process.stiffened(base, Family.DAMPING_RATIO, stiffness, 20.0)
+    speed = 80.0
+    expected = limit_process.rebound_force(drive, speed)
+    nut = expected * drive.contact_damping**3 / (drive.mass * drive.contact_stiffness) ** 2
+    roots = np.roots([1.0, drive.contact_damping / drive.mass, drive.contact_stiffness / drive.mass]).real
+    fast, slow = sorted(roots)
+    # m e″ after the fast part has died out, from e = 0 and e′ = nut
+    assert -drive.mass * nut * slow**2 / (slow - fast) == pytest.approx(-expected, rel=5e-3)
