@@ -21,7 +21,7 @@ from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state
 
 _PEAK = 320e3  # N, printed
 _ZOOM = 400  # samples of the peak that is drawn alone
-_BEFORE, _AFTER = 0.3, 0.6  # extent of that drawing, in durations of the sprag
+_FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from its start
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -136,7 +136,7 @@ def _peak(automaton: Automaton, cycle: SteadyState) -> phase.Variables:
     twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
     stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
     begin, sprag = twice.time[stick - 1], twice.time[stick] - twice.time[stick - 1]
-    times = np.linspace(begin - _BEFORE * sprag, begin + _AFTER * sprag, _ZOOM)
+    times = begin + sprag * np.linspace(_FROM, _TO, _ZOOM)
     times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
     states, modes = twice.at(times)
     force = automaton.observe("normal_force", states, modes)

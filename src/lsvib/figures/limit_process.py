@@ -105,7 +105,9 @@ def _rests(axes: Axes, families: dict[str, xr.Dataset]) -> None:
 def _rebound(axes: Axes, families: dict[str, xr.Dataset]) -> None:
     for name, colour in ((_RATIO, style.SKY), (_VISCOUS, style.BLUE)):
         axes.plot(families[name].stiffness, families[name].rebound_force, color=colour)
-    for force in np.unique(np.abs(families[_VISCOUS].axial_force.values)):
+    forces = np.unique(np.abs(families[_VISCOUS].axial_force.values))
+    for force in forces:
         axes.axhline(force, color=style.BLACK, linewidth=0.7, linestyle=":")
-        axes.text(1.6e5, force * 1.4, f"$|R|$ = {force:g} N", fontsize=6.5)
+    words = " and ".join(f"{force:g}" for force in forces)
+    axes.text(1.6e5, forces[-1] * 1.5, f"$|R|$ = {words} N", fontsize=6.5, va="bottom")
     axes.set(title="(f) force of the rebound", ylabel="Force [N]")
