@@ -10,9 +10,7 @@ from itertools import groupby
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from reference.drives import RULES, compare, drives, starts
+from reference.drives import RULES, compare, random_drive, random_start
 from reference.rigid import simulate, state_at
 
 from lsvib.models.motion import follow
@@ -29,29 +27,30 @@ def without_repeated_seizures(kinds: list[str]) -> list[str]:
 
 
 def check_random_motions(examples: int) -> dict[bool, set[str]]:
-    """Compare random motions; return the modes and event kinds that were visited, by whether Γ₊ ≤ 0."""
-    visited = {False: set(), True: set()}
+    """Compare random motions; return the modes and event kinds that were visited, by whether Γ₊ ≤ 0.
 
-    @settings(max_examples=examples)
-    @given(drives(), starts(), st.sampled_from(RULES), st.floats(2e-3, 0.08))
-    def check(drive, start, rule, t_end):
-        result = compare(drive, start, t_end, rule, max_events=150)
+    The motions come from a seeded generator: what hypothesis draws depends on the modules that happen to be loaded, and
+    this test must be the same on every machine.
+    """
+    visited = {False: set(), True: set()}
+    rng = np.random.default_rng(20261121)
+    for _ in range(examples):
+        drive, start, rule = random_drive(rng), random_start(rng), RULES[rng.integers(len(RULES))]
+        result = compare(drive, start, rng.uniform(2e-3, 0.08), rule, max_events=150)
         motion = result.motion
         seen = visited[result.reference.drive.painleve]
         seen |= {MotionMode(int(motion.automaton.codes[i])).name for i in (motion.start_mode, *motion.mode)}
         seen |= {EventKind(kind).name for kind in motion.kind}
         complete = result.reference.complete and len(motion.time) < 150
         if rule == "contact_sign":
-            assert result.kinds == result.reference_kinds
-            assert result.time_error <= TOLERANCE
+            assert result.kinds == result.reference_kinds, (drive, start)
+            assert result.time_error <= TOLERANCE, (drive, start)
         elif complete:
             # Seizures that accumulate: the reference follows them down to 1e-40, the engine to its rounding. Neither
             # number of events is the truth, which is infinite; what follows them is the same.
             assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
         if complete:
-            assert result.state_error <= TOLERANCE
-
-    check()
+            assert result.state_error <= TOLERANCE, (drive, start, rule)
     return visited
 
 
