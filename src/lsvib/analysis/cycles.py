@@ -160,7 +160,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     """The cycle that the last events of a motion lie on, or None if they do not tell."""
     key = _section(motion)
     points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])]
-    size = np.abs(motion.after).max(axis=0)
+    size = np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny)
     for returns in range(1, min(_PERIODS, len(points) - 1) + 1):
         if (np.abs(points[-1] - points[-1 - returns]) <= _REPEATS[size.size > 2] * size).all():
             section = _Section(automaton, key, returns, points[-1], size)

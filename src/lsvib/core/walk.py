@@ -235,6 +235,8 @@ def extremes(flow, mode, state, functional, duration):
         for j in range(n + 1):
             rate[j] += functional[i] * flow.field[mode, i, j]
     low = high = _at(functional, here)
+    if not rate.any():
+        return low, high
     passed, sign = 0.0, 0.0
     for _ in range(_STEPS):
         value, size, slope, _, _, _ = modal.guard_at(flow, mode, here, np.abs(here), rate)
