@@ -90,7 +90,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     """All but the figures of contact force and eigenvalues (8.1–8.3, 8.8, 8.15) wait for the compiled engine."""
     lines = (ROOT / "config" / "config.yaml").read_text(encoding="utf-8").splitlines()
     figures = re.findall(r"fig8_\d\d", next(line for line in lines if line.startswith("figures:")))
-    assert len(figures) == 16
+    assert len(figures) == 15
     waiting = {f for f in figures if "Compiling the engine" in fresh.plan(f"results/datasets/{f}.nc")}
     assert waiting == set(figures) - {f"fig8_{n}" for n in ("01", "02", "03", "08", "15")}
 
