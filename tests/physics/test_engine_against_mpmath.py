@@ -65,7 +65,7 @@ def test_random_motions():
 
 @pytest.mark.slow
 def test_many_more_random_motions():
-    check_random_motions(2000)
+    check_random_motions(5000)
 
 
 @pytest.mark.parametrize("mass", [10.05, 10.09, 10.11, 10.15])  # Γ₊ = 0 at 10.0998 kg
