@@ -69,14 +69,16 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
     axes.set_ylabel(style.label(case.boundary_velocity, "rate"), labelpad=1)
     axes.locator_params(nbins=5)
     damping = f"$c$ = {phase.number(case.case_support_damping)} {style.unit(case.case_support_damping.units)[1:-1]}"
-    axes.set_title(f"({letter}) $R$ = {phase.number(case.case_axial_force)} N, {damping}", fontsize=7)
+    axes.set_title(f"({letter}) $R$ = {phase.number(case.case_axial_force)} N,\n{damping}", fontsize=7)
     starts = int(case.resolution[-1])
     axes.text(
-        0.04,
-        0.04,
-        f"{100 * float(case.case_fraction):.2f} % of this window,\n"
-        f"{100 * float(case.grid_fraction[-1]):.2f} % of {starts} × {starts} starts",
+        0.97,
+        0.96,
+        f"{100 * float(case.case_fraction):.2f} % of the panel\n"
+        f"{100 * float(case.grid_fraction[-1]):.2f} % of starts\n({starts} × {starts})",
         transform=axes.transAxes,
+        horizontalalignment="right",
+        verticalalignment="top",
         fontsize=6,
     )
 
