@@ -70,6 +70,9 @@ def test_thresholds_json(run):
     code, out, error = run("thresholds", "--json")
     assert (code, error) == (0, "")
     table = json.loads(out)
+    described = table.pop("global_stability_force")  # without a number in the chapter
+    assert described["unit"] == "N"
+    assert all(described[key] is None for key in ("expected", "tolerance", "relative_error", "passed"))
     assert set(table) == {"critical_mass", "critical_friction", "onset_force", "stick_force", "detach_force"}
     for entry in table.values():
         assert {"value", "unit", "expected", "tolerance", "relative_error", "passed"} <= set(entry)
@@ -93,7 +96,7 @@ def test_thresholds_away_from_the_chapter(run):
 def test_text_output(run):
     code, out, _ = run("thresholds")
     assert code == 0
-    assert len(out.splitlines()) == 5
+    assert len(out.splitlines()) == 6
     assert out.count("pass") == 5
     assert "unstable" in run("stability", "--set", "mass=11")[1]
     assert len(run("config")[1].splitlines()) == len(LeadScrew.model_fields)

@@ -22,6 +22,7 @@ import numpy as np
 from lsvib.analysis.clipping import Window, clip, inside
 from lsvib.analysis.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.analysis.cycles import steady_state
+from lsvib.core import planar
 from lsvib.core.status import Status
 from lsvib.errors import EngineError, InputError
 from lsvib.models.automaton import Automaton
@@ -36,6 +37,7 @@ _EVENTS = 32  # of a motion backwards, before its return map is looked at
 _ROUNDS = 10_000
 _FAR = 1e9
 _CLOSED = 1e-9  # relative gap of an orbit that is closed
+_BRIEF = 1e-3  # in time scales of slip, 2π of which make a turn
 
 
 class Boundary(IntEnum):
@@ -172,8 +174,8 @@ def _touch(drive: LeadScrew, c: Coefficients) -> tuple[Decimal, Decimal] | None:
             return None
         if at_stand >= 0 or kappa <= 0:
             raise InputError(
-                "translation_damping is so large that slip crosses the line of no contact force in the wrong sense; "
-                "the basin of such a drive is not covered."
+                f"translation_damping = {d.translation_damping:g} is so large that slip crosses the line of no contact "
+                "force in another sense than is usual; the basin of such a drive is not covered."
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
@@ -201,13 +203,15 @@ def _wind_up(back: Automaton, state, mode: int) -> Motion | None:
     state, each turn is in proportion to the last, and growth goes on.
     """
     start = state = np.array(state, dtype=float)
+    scale = back.tables.flow[mode, planar.TIME_SCALE]
     for _ in range(_ROUNDS):
         trace = _trace(back, state, mode, _EVENTS)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():
             return None
         state, mode = trace.end_state, trace.end_mode
         found = steady_state(back, state, mode=mode, max_events=1)
-        if found.orbit is not None and found.residual < _CLOSED:
+        # An event that recurs at once is no turn.
+        if found.orbit is not None and found.residual < _CLOSED and found.period > _BRIEF * found.returns * scale:
             once = found.orbit.time.size // found.returns
             return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
     raise EngineError("the boundary of the basin cannot be followed to its end; please report it.")

@@ -6,8 +6,8 @@ energy of the oscillator  u″ + a₁ u′ + a₀ u = b
 
     ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
 
-evaluated with 40 digits, of which a small a₁ may cost some. A region contains a state if the ray from it towards u = −∞
-crosses its curves an odd number of times.
+evaluated with 40 digits, of which a small a₁ may cost some. Along a line w = const, from u = −∞ on, the region is
+entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
 """
 
 import math
@@ -98,13 +98,15 @@ def _strip(flow: np.ndarray, piece: Piece):
 def contains(flow: np.ndarray, curves: Iterable[Curve], state) -> bool:
     """Return whether the region to the right of curves holds a state (2)."""
     u, w = float(state[0]), float(state[1])
-    count = 0
+    left, total = 0, 0
     for piece in (piece for curve in curves for piece in curve):
         for part in _rising_parts(flow, piece):
-            low, high = part.start[1], part.end[1]
-            if (low <= w) != (high <= w):
-                count += _angle_at(flow, part, w) < u
-    return count % 2 == 1
+            first, last = part.start[1], part.end[1]
+            if (first <= w) != (last <= w):
+                entry = 1 if first < last else -1
+                total += entry
+                left += entry if _angle_at(flow, part, w) < u else 0
+    return left + (total < 0) == 1
 
 
 def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
