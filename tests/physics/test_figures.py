@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 import yaml
 
+from lsvib.analysis.basin import Boundary
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.impact import mean_load, seizure_impulses
 from lsvib.datasets import phase
@@ -128,6 +129,14 @@ SPOILERS = {
         "threshold of global stability lies": scale("global_stability_force", 2.0),
         "leaves rest changes": set_to("bracket_attractor", Attractor.STEADY_SLIDING, 0, 1),
     },
+    "basin_sweep": {
+        "globally stable exactly": set_to("fraction_axial_force", 0.5, 0),
+        "Over the damping": set_to("boundary_support_damping", Boundary.CYCLE, -1),
+        "quite small": set_to("reading_fraction", 0.02, 1, 1),
+        "As printed steady sliding": set_to("reading_fraction", 0.99, 0, 1),
+        "square of the force": scale("basin_area_axial_force", 1 + 1e-9, -1),
+        "counted on grids": set_to("grid_fraction", 0.9, 0, -1),
+    },
 }
 EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
 
@@ -159,7 +168,8 @@ def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
     drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(tmp_path / "a.nc"))
     drawn.draw_without_rendering()
     assert drawn.axes[0].lines
-    names = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
+    legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
+    names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert names
     assert len(names) == len(set(names))
 

@@ -21,7 +21,7 @@ from lsvib.models.rigid import rigid_drive
 
 DIGITS = 40
 PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3)
-# Damping: below 1.38e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
+# Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
 DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
 
 
