@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from lsvib.core import flows
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
@@ -106,10 +106,11 @@ def apply_reset(tables, transition, state, scratch):
         for j in range(state.size):
             total += row[j] * state[j]
         scratch[i] = total
-    state[:] = scratch
+    for i in range(state.size):
+        state[i] = scratch[i]
 
 
-@kernel
+@allocating_kernel
 def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
@@ -164,7 +165,8 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             mode = tables.branch_mode[branch]
             kind, sign = tables.branch_kind[branch], tables.branch_sign[branch]
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
-        after[count] = state
+        for i in range(n):
+            after[count, i] = state[i]
         count += 1
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count

@@ -13,8 +13,9 @@ def compile_engine() -> None:
     row = np.zeros(planar.COLUMNS)
     row[[planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
-    for flow in (np.array([row]), ModalFlow(np.array([[row]]), same, same, field)):
+    for flow in (np.array([row]), ModalFlow(one, np.array([[row]]), same, same, field)):
         _bounce(flow)
 
 
