@@ -41,7 +41,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
     """
     pairs, count = flow.pairs[mode], guards.shape[0]
     rows, size = flow.oscillators[mode, :pairs], 2 * pairs
@@ -67,10 +67,10 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
         outcome, stretch = _POSITIVE, _LONGEST
         for guard in range(count):
             modal.derivatives(rows, there, forms, guard, ahead)
-            starting = a == 0.0 and on_surface[guard]
             decision, slack = _decide(
-                rows, values, ahead, amplitudes, guard, (decays, decays_ahead, largest), b - a, rounding[guard], starting
-            )
+                rows, values, ahead, amplitudes, guard, (decays, decays_ahead, largest), b - a, rounding[guard],
+                on_surface[guard],
+            )  # fmt: skip
             stretch = min(stretch, slack)
             if decision == _TOUCHES and outcome == _POSITIVE:
                 return _GRAZE, guard, 0.5 * (a + b)
@@ -84,6 +84,8 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
             continue
         if outcome == _ROOT:
             return _earliest(rows, start, forms, ahead, a, b, scratch)
+        for guard in range(count):
+            on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         values, ahead, decays, decays_ahead = ahead, values, decays_ahead, decays
     return _LOST, -1, limit
