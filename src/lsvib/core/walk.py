@@ -1,7 +1,7 @@
 """The certain search for the first guard that fires in a mode with many states.
 
-The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on the
-step: the part of the pairs with complex rates by |f − chord of f| ≤ max|f″| h²/8, h = b − a, with the bounds of
+The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on
+the step: the part of the pairs with complex rates by |f − chord of f| ≤ max|f″| h²/8, h = b − a, with the bounds of
 :func:`lsvib.core.modal.bound`; the part of the pairs with real rates likewise, or term by term, since each term is
 monotone – whichever is narrower. Then, with g ≥ 0 at a,
 
