@@ -1,7 +1,7 @@
 """High-precision reference for the drive with compliant threads (two degrees of freedom).
 
 A yardstick, not an engine: every line aims to be checkable by eye.  All numbers are mpmath floats; inputs are taken as
-the exact doubles given.  It shares no code with the library.
+the exact doubles given.  It imports nothing else of the library.
 
 With e = x - r tan(lambda) theta the contact is compressed by e cos(lambda).  s = sgn(theta' N), z = theta - Omega t:
 

@@ -1,7 +1,7 @@
 """High-precision reference for the rigid lead-screw drive (one degree of freedom).
 
 A yardstick, not an engine: every line aims to be checkable by eye.  All numbers are mpmath
-floats; inputs are taken as the exact doubles (or mpf) given.  It shares no code with the library.
+floats; inputs are taken as the exact doubles (or mpf) given.  It imports nothing else of the library.
 
 Newton's laws, with p = r tan(lambda) so that the nut moves by p*theta, and with A = N (cos + mu_s sin)
 the axial force of the contact, mu_s = mu*s, s = sgn(theta_dot) sgn(N):
