@@ -29,7 +29,7 @@ AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one J
 
 @app.command
 def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Compute the chapter's thresholds: critical mass, critical friction, and the forces of Fig. 8.6.
+    """Compute the chapter's thresholds: critical mass and friction, the forces of Fig. 8.6, that of global stability.
 
     Examples of use:
 
@@ -45,9 +45,9 @@ def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
         return
     for name, entry in table.items():
         if entry["value"] is None:
-            print(f"{name:18s} none: {entry['reason']}")
+            print(f"{name:22s} none: {entry['reason']}")
             continue
-        line = f"{name:18s} {entry['value']:.12g} {entry['unit']}"
+        line = f"{name:22s} {entry['value']:.12g} {entry['unit']}"
         if entry["expected"] is not None:
             verdict = "pass" if entry["passed"] else "FAIL"
             line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"

@@ -15,7 +15,7 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process",
+    figure=r"fig8_\d\d|limit_process|basin_sweep",
 
 
 # What each script imports of ours besides the module of its figure.
