@@ -21,7 +21,7 @@ COORDINATES = {
     "v": "mismatch_rate",
 }
 _EVENTS = 100_000  # budget of a motion
-_CELLS = 4096  # of a block, about: the share of work that a thread takes at a time
+_CELLS = 16384  # of a block, about: the share of work that a thread takes at a time
 _MOST = 1_000_000_000  # cells along an axis
 
 Progress = Callable[[int, int], None]
@@ -152,10 +152,8 @@ class Mapper:
         y = grid.y.centres(*rows.indices(grid.y.count)[:2])
         x = grid.x.centres(*columns.indices(grid.x.count)[:2])
         across = int(grid.x.coordinate == "w")
-        found = {
-            "label": np.empty((y.size, x.size), dtype=np.int8),
-            "first_event": np.empty((y.size, x.size), dtype=np.int8),
-        }
+        found = {"label": np.empty((y.size, x.size), dtype=np.int8)}
+        found["first_event"] = np.empty((y.size, x.size if "first_event" in quantities else 0), dtype=np.int8)
         approaches = not {"time", "seizures"}.isdisjoint(quantities)
         if approaches:
             found["time"] = np.empty((y.size, x.size))

@@ -73,7 +73,8 @@ class Sections:
         for section in self.sections:
             for part in (-1.0, -0.1, 0.1, 1.0):
                 self._explore(self._point(section, part * self.size[section.free]), section.mode)
-        self.known = _with_labels(self.known, {section: self._labels(section) for section in self.sections})
+        found = {section: self._labels(section) for section in self.sections}
+        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
         self.known = _with_cycles(automaton, self.known, self.attractors, releases)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
@@ -252,6 +253,9 @@ def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
         settled=settled.astype(np.int64),
         centred=np.where(rests, Attractor.REST, Attractor.STEADY_SLIDING).astype(np.int64),
         diverged=int(Attractor.UNBOUNDED),
+        common=np.full(modes, UNKNOWN, dtype=np.int64),
+        share=_shares(tables.flow),
+        reach=np.zeros(modes),
         trap=np.array([_trap(automaton, mode, size) for mode in range(modes)]),
         cycle_mode=np.empty(0, dtype=np.int64),
         cycle_state=np.empty((0, 2)),
@@ -328,6 +332,41 @@ def _with_labels(known: Known, found: dict[Section, Pieces]) -> Known:
         labels += [*pieces.labels, UNKNOWN]
         last[section.mode, section.surface] = len(edges) - 1
     return known._replace(first=first, last=last, edges=np.array(edges), labels=np.array(labels, dtype=np.int64))
+
+
+def _shares(flow: np.ndarray) -> np.ndarray:
+    """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
+    beta = flow[:, planar.BETA]
+    return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
+
+
+def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces]) -> Known:
+    """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
+
+    An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
+    |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.
+    """
+    tables = automaton.tables
+    for mode in np.flatnonzero(known.resting == UNKNOWN):
+        labels, bounds = set(), [np.inf, np.inf]
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            transition = tables.guard_transition[guard]
+            surface = int(known.landing[transition])
+            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+                after = int(tables.branch_mode[branch])
+                if known.resting[after] != UNKNOWN:
+                    labels.add(int(known.resting[after]))
+                    continue
+                pieces = found[Section(after, surface, int(known.free[surface]))]
+                labels |= set(pieces.labels)
+                free = known.free[surface]
+                bounds[free] = min(bounds[free], -pieces.edges[0], pieces.edges[-1])
+        row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
+        if len(labels) == 1 and kappa > 0:
+            known.common[mode] = labels.pop()
+            room = max(0.0, bounds[0] - abs(row[planar.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, bounds[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
+    return known
 
 
 def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:

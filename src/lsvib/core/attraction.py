@@ -16,14 +16,18 @@ import numpy as np
 
 from lsvib.core import loop, planar
 from lsvib.core.jit import kernel
-from lsvib.core.planar import ALPHA, BETA, DELTA, EPS, EQUILIBRIUM
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
+from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, EQUILIBRIUM, ROUNDING
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 UNRESOLVED = -1
 UNKNOWN = -2
 NO_EVENT = -1  # first event of a motion that has none
 _NONE = int(Found.NONE)
+_CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
+_UNDECIDED = int(Found.UNDECIDED)
+_POSITIVE = int(Test.POSITIVE)
+_ZERO = int(Test.ZERO)
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
 _STEPPED = -1  # outcome of a step that is no end
 _SETTLED = int(Status.SETTLED)
@@ -48,6 +52,9 @@ class Known(NamedTuple):
     settled: np.ndarray  # (m,) label of what stays in a mode for ever
     centred: np.ndarray  # (m,) label of what is at the equilibrium of a mode
     diverged: int  # label of what leaves the range of numbers
+    common: np.ndarray  # (m,) label of all that leaves a mode by an event, if that is one; else UNKNOWN
+    share: np.ndarray  # (m,) part of an amplitude that is left after a turn, e^{−2πα/β}
+    reach: np.ndarray  # (m,) size of the ellipse, as below, from which no event lies beyond the edges of the sections
     trap: np.ndarray  # (m, 3) κ², ρ² of the trapping ellipse η² + κ² y² < ρ² (0: none), ρ² that counts as arrival
     cycle_mode: np.ndarray  # (k,) mode and state after each event of the cycles
     cycle_state: np.ndarray  # (k, 2)
@@ -178,21 +185,96 @@ def label_of(tables, known, mode, scratch, budget):
 
 
 @kernel
+def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
+    """Tell whether a guard g_u u + g_w w + g_0 that is positive at (u, w) will ever fall through zero.
+
+    The guard of a damped oscillation swings about its value at the equilibrium, g_e, by A at the start. Its first
+    minimum lies between g_e − A and g_e − e^{−2πα/β} A, and is computed only if zero lies there as well; later minima
+    are shallower. ``share`` is e^{−2πα/β}. Returns ``Found``; UNDECIDED for other modes.
+    """
+    y = u - centre
+    if not (beta > 0.0 and alpha > 0.0 and abs(centre) < 16.0 * abs(y)):
+        return _UNDECIDED
+    middle = g_u * centre + g_0
+    p = g_u * w - g_w * (a0 * y + a1 * w)
+    across = (-a0 * (g_u * y + g_w * w) - alpha * p) / beta
+    swing = beta * math.sqrt(p * p + across * across) / a0
+    if middle > swing * (1.0 + 1e-12):
+        return _NONE
+    if middle < swing * share * (1.0 - 1e-12):
+        return _CROSSING
+    bottom = math.atan2(across, p) + 1.5 * math.pi
+    depth = swing * math.exp(-alpha / beta * (bottom - 2.0 * math.pi if bottom > 2.0 * math.pi else bottom))
+    rounding = 8.0 * EPS * (abs(middle) + depth)
+    return _CROSSING if depth > middle + rounding else _NONE if depth < middle - rounding else _GRAZE
+
+
+@kernel
 def map_labels(tables, known, x, y, across, budget, labels, first_events):
-    """Label the starts of a grid: ``labels`` and ``first_events`` (rows, columns) are filled.
+    """Label the starts of a grid: ``labels`` and, unless it is empty, ``first_events`` (rows, columns) are filled.
 
     Arguments: coordinate values x (columns) and y (rows); ``across``, the coordinate (0: u, 1: w) that x is; budget.
+    Where all that leaves a mode has one label and the first event is not asked for, it is enough to know whether there
+    is one; that part is written out in numbers, since arrays that go from kernel to kernel cost more than they do here.
     """
     scratch = new_scratch(tables)
+    flow, surfaces, trap = tables.flow, tables.surfaces, known.trap
+    condition_row, condition_test = tables.condition_row, tables.condition_test
     for i in range(y.size):
         for j in range(x.size):
-            _put(scratch, y[i] if across else x[j], x[j] if across else y[i])
-            branch = loop.choose_branch(tables, 0, scratch.state, scratch.scale)
-            if branch < 0:
-                labels[i, j], first_events[i, j] = UNRESOLVED, NO_EVENT
-                continue
-            label, first = label_of(tables, known, tables.branch_mode[branch], scratch, budget)
-            labels[i, j], first_events[i, j] = label, first
+            u, w = (y[i], x[j]) if across else (x[j], y[i])
+            mode = -1
+            for branch in range(tables.branch_start[0], tables.branch_start[1]):
+                holds = True
+                for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
+                    g_u, g_w, g_0 = condition_row[k, 0], condition_row[k, 1], condition_row[k, 2]
+                    value = g_u * u + g_w * w + g_0
+                    size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
+                    if condition_test[k] == _POSITIVE:
+                        holds = value > size
+                    elif condition_test[k] == _ZERO:
+                        holds = abs(value) <= size
+                    else:
+                        holds = value >= -size
+                    if not holds:
+                        break
+                if holds:
+                    mode = tables.branch_mode[branch]
+                    break
+            label, first = UNRESOLVED if mode < 0 else UNKNOWN, NO_EVENT
+            if label == UNKNOWN:
+                offset = u - flow[mode, EQUILIBRIUM]
+                eta = w + flow[mode, ALPHA] * offset
+                extent = eta * eta + trap[mode, 0] * offset * offset
+                if extent < trap[mode, 1]:
+                    label = known.settled[mode]
+                elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
+                    leaves = _NONE
+                    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+                        surface, sign = tables.guard_surface[guard], tables.guard_sign[guard]
+                        g_u, g_w, g_0 = sign * surfaces[surface, 0], sign * surfaces[surface, 1], sign * surfaces[surface, 2]
+                        value = g_u * u + g_w * w + g_0
+                        size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
+                        outlook = _CROSSING if value < -size else _UNDECIDED
+                        if value > size:
+                            outlook = _outlook(
+                                flow[mode, A0], flow[mode, A1], flow[mode, ALPHA], flow[mode, BETA], known.share[mode],
+                                flow[mode, EQUILIBRIUM], g_u, g_w, g_0, u, w,
+                            )  # fmt: skip
+                        leaves = max(leaves, outlook)
+                        if outlook == _CROSSING:
+                            leaves = _CROSSING
+                            break
+                    if leaves == _CROSSING:
+                        label = known.common[mode]
+                    elif leaves == _NONE:
+                        label = known.settled[mode]
+            if label == UNKNOWN:
+                _put(scratch, u, w)
+                label, first = label_of(tables, known, mode, scratch, budget)
+            labels[i, j] = label
+            if first_events.size > 0:
+                first_events[i, j] = first
 
 
 @kernel
@@ -210,7 +292,7 @@ def arrival_time(tables, known, mode, state):
     for _ in range(4000):
         middle = high if low == 0.0 else 0.5 * (low + high)
         c, s, s_rate = planar.responses(row, middle)
-        there, rate = y * c + w * s, w * s_rate - row[planar.A0] * y * s
+        there, rate = y * c + w * s, w * s_rate - row[A0] * y * s
         eta = rate + row[ALPHA] * there
         if eta * eta + kappa2 * there * there > goal:
             low, high = (middle, high) if low > 0.0 else (0.0, 2.0 * high)
@@ -294,7 +376,7 @@ def _signs(tables, transition, state, scale):
     ):
         row = tables.condition_row[k]
         value = row[0] * state[0] + row[1] * state[1] + row[2]
-        size = planar.ROUNDING * (abs(row[0]) * scale[0] + abs(row[1]) * scale[1] + abs(row[2]))
+        size = ROUNDING * (abs(row[0]) * scale[0] + abs(row[1]) * scale[1] + abs(row[2]))
         number = 3 * number + (0 if abs(value) <= size else 1 if value > 0.0 else 2)
     return number
 
