@@ -12,8 +12,6 @@ from lsvib.analysis.conditions import critical_mass
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 
-
-
 _MOST_TURNS = 50  # of the fastest oscillation
 
 
@@ -249,9 +247,7 @@ def _random(rng) -> Case:
 def _contact(rng) -> Case:
     stiffness, damping = _power(rng, 3, 14), _power(rng, 3, 14)
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
-    drive = ThreadsDrive.of(
-        mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping
-    )
+    drive = ThreadsDrive.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.
     contact = math.sqrt(0.4 * stiffness)
     vibrates = damping < 4.0 * stiffness / contact

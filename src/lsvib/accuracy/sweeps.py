@@ -144,9 +144,9 @@ def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random
         if exact.complete and other.complete and exact.kinds == other.kinds:
             moved = max(moved, _distance(other.end, exact))
     outcome.sensitivity = moved
-    if outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds):
-        outcome.verdict = Verdict.BEYOND_INPUT
-    elif outcome.verdict is Verdict.INACCURATE and outcome.state_error <= 4 * moved:
+    if (outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds)) or (
+        outcome.verdict is Verdict.INACCURATE and outcome.state_error <= 4 * moved
+    ):
         outcome.verdict = Verdict.BEYOND_INPUT
 
 
