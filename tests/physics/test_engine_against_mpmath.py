@@ -11,8 +11,8 @@ from itertools import groupby
 import numpy as np
 import pytest
 from reference.drives import RULES, compare, random_drive, random_start
-from reference.rigid import simulate, state_at
 
+from lsvib.accuracy.reference.rigid import simulate, state_at
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, rigid_drive

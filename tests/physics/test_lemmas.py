@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.roots import roots
 
+from lsvib.accuracy.reference.roots import roots
 from lsvib.analysis import conditions, modes, support, threads
 from lsvib.models import linear
 from lsvib.models.coefficients import coefficients

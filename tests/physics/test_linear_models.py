@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.roots import roots
 
+from lsvib.accuracy.reference.roots import roots
 from lsvib.analysis import modes, stability, support
 from lsvib.analysis.contact_force import contact_frequency
 from lsvib.analysis.model_summary import model_stability_table

@@ -10,9 +10,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from reference.two_bodies import Drive, simulate
 
 import lsvib
+from lsvib.accuracy.reference.two_bodies import Drive, simulate
 from lsvib.core import flows, planar
 from lsvib.core.status import FIRST_MODEL_KIND
 from lsvib.errors import InputError

@@ -14,8 +14,8 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from reference.threads import peak_normal_force, simulate
 
+from lsvib.accuracy.reference.threads import peak_normal_force, simulate
 from lsvib.models.motion import follow
 from lsvib.models.parameters import ThreadsDrive
 from lsvib.models.threads import ThreadsEvent, ThreadsMode, threads_drive

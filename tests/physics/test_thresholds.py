@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf
 from reference.drives import compare
-from reference.rigid import GUARD_DIGITS, Drive, Flow
 
+from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.cycles import Attractor, steady_state

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
+from lsvib.accuracy.reference.rigid import Result, simulate
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, rigid_drive
-from reference.rigid import Result, simulate
 
 RULES = ("contact_sign", "at_once")
 

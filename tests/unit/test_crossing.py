@@ -12,8 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 from reference.cases import CASES, EPS, STARTS, advanced, rate_of
-from reference.oscillator import flow
 
+from lsvib.accuracy.reference.oscillator import flow
 from lsvib.core import loop, planar
 from lsvib.core.status import Found, Status
 from lsvib.core.status import Test as Sign

@@ -243,7 +243,7 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
     modal.in_modal_form(flow, 0, guard, form[0])
     start = np.empty(flow.to_modal.shape[1])
     modal.apply(flow.to_modal[0], state, start)
-    amplitudes = np.empty((1, rows.shape[0], modal.ORDERS, 4))
+    amplitudes = np.empty((1, rows.shape[0], modal.ORDERS, 6))
     for pair, row in enumerate(rows):
         u, w, g, h = start[2 * pair], start[2 * pair + 1], form[0, 2 * pair], form[0, 2 * pair + 1]
         modal.amplitudes(row, g * u + h * w, g * w - h * (row[0] * u + row[1] * w), amplitudes[0, pair])
@@ -260,7 +260,7 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
         derivative, weights = A @ x + b, guard[:-1]
         for k in range(1, modal.ORDERS):
             sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state))
-            most = modal.bound(amplitudes, 0, k, largest)
+            most = sum(modal.bound(amplitudes[0, pair, k], *largest[pair]) for pair in range(len(rows)))
             assert abs(weights @ derivative) <= most * (1 + 1e-12) + 256 * EPS * (1 + angle) * sizes + 1e-50
             derivative = A @ derivative
 

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from reference.cases import CASES, EPS, STARTS, advanced, rate_of
-from reference.oscillator import flow, number
 
+from lsvib.accuracy.reference.oscillator import flow, number
 from lsvib.core import planar
 from lsvib.models.automaton import oscillator
 

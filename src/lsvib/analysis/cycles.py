@@ -37,6 +37,7 @@ class Attractor(IntEnum):
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # pure slip
     UNBOUNDED = 4
+    REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
 
 
 @dataclass(frozen=True)

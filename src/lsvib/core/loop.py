@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from lsvib.core import flows
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
@@ -21,8 +21,8 @@ _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
-_MANY = 24  # so many shortest stays in a row are an accumulation
-_LARGEST = 1e150
+MANY = 24  # so many shortest stays in a row are an accumulation
+LARGEST = 1e150  # a state beyond it has left the range of numbers
 
 
 @kernel
@@ -31,7 +31,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros):
 
     ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
     A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
-    jump is due. ``room`` (g, n + 1) and ``zeros`` (g) are scratch space for the guards of the mode.
+    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode.
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
@@ -41,6 +41,8 @@ def next_event(tables, mode, state, scale, limit, room, zeros):
         guard = first_guard + k
         for i in range(state.size + 1):
             guards[k, i] = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard], i]
+        for i in range(tables.guard_parts.shape[1]):
+            guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
         value, size, rate, rate_size, bend, bend_size = flows.guard_at(tables.flow, mode, state, scale, guards[k])
         on_surface[k] = value <= size
         falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
@@ -106,10 +108,22 @@ def apply_reset(tables, transition, state, scratch):
         for j in range(state.size):
             total += row[j] * state[j]
         scratch[i] = total
-    state[:] = scratch
+    for i in range(state.size):
+        state[i] = scratch[i]
 
 
 @kernel
+def arrive(tables, mode, state, scale, guard, stay):
+    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
+    if stay > 0.0:
+        flows.magnitudes(tables.flow, mode, state, stay, scale)
+        flows.advance(tables.flow, mode, state, stay, state)
+        put_on_surface(tables, guard, state)
+    for i in range(state.size):
+        scale[i] = max(scale[i], abs(state[i]))
+
+
+@allocating_kernel
 def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
@@ -121,7 +135,8 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     times, kinds, signs, modes, before, after = events
     n = state.size
     scratch, scale = np.empty(n), np.abs(state)
-    room, zeros = np.empty((tables.guard_sign.size, n + 1)), np.empty(tables.guard_sign.size, dtype=np.bool_)
+    room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
+    zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     short_stays, count = 0, 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]
@@ -136,20 +151,16 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             return Status.TIME_REACHED, mode, count
         if count == times.size:
             return Status.EVENTS_FULL, mode, count
-        if stay > 0.0:
-            flows.magnitudes(tables.flow, mode, state, stay, scale)
-            flows.advance(tables.flow, mode, state, stay, state)
-            put_on_surface(tables, guard, state)
-        _add_time(clock, stay)
+        arrive(tables, mode, state, scale, guard, stay)
+        add_time(clock, stay)
         for i in range(n):
             before[count, i] = state[i]
-            scale[i] = max(scale[i], abs(state[i]))
-            if not abs(state[i]) < _LARGEST:
+            if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
         short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
         if found == _GRAZE:
             kind, sign = GRAZE_KIND, 0
-        elif short_stays == _MANY:
+        elif short_stays == MANY:
             short_stays = 0
             mode = tables.beyond_accumulation[mode]
             if mode < 0:
@@ -164,14 +175,15 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             mode = tables.branch_mode[branch]
             kind, sign = tables.branch_kind[branch], tables.branch_sign[branch]
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
-        after[count] = state
+        for i in range(n):
+            after[count, i] = state[i]
         count += 1
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count
 
 
 @kernel
-def _add_time(clock, stay):
+def add_time(clock, stay):
     """Add to a compensated sum, so that a million short stays lose no digits."""
     total = clock[0] + stay
     if abs(clock[0]) >= abs(stay):

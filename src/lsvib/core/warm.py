@@ -13,8 +13,9 @@ def compile_engine() -> None:
     row = np.zeros(planar.COLUMNS)
     row[[planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
-    for flow in (np.array([row]), ModalFlow(np.array([[row]]), same, same, field)):
+    for flow in (np.array([row]), ModalFlow(one, np.array([[row]]), same, same, field)):
         _bounce(flow)
 
 
@@ -28,6 +29,7 @@ def _bounce(flow) -> None:
         guard_surface=one,
         guard_sign=np.array([1.0]),
         guard_transition=np.array([1]),
+        guard_parts=np.zeros((1, 3 if isinstance(flow, np.ndarray) else 0)),
         transition_reset=np.array([-1, 0]),
         resets=np.array([[[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]]),
         branch_start=np.array([0, 1, 2]),

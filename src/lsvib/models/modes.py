@@ -257,10 +257,11 @@ def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Seq
 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
-    """Put modes together in one table; modes with fewer pairs are filled up with pairs that stay zero."""
+    """Put modes together in one table; modes with fewer pairs leave the rest zero."""
     pairs = max(len(mode.oscillators) for mode in modes)
     n = modes[0].field.shape[0]
     flow = ModalFlow(
+        np.array([len(mode.oscillators) for mode in modes]),
         np.zeros((len(modes), pairs, planar.COLUMNS)),
         np.zeros((len(modes), 2 * pairs, n + 1)),
         np.zeros((len(modes), n, 2 * pairs + 1)),

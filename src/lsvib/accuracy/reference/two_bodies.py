@@ -1,7 +1,7 @@
 """Reference for the drives with axial support and with rotating nut: Newton's laws, a fixed fine step, trial of modes.
 
-A yardstick, not an engine; it shares no code with the library. The contact is described by its normal force N and the
-friction f along the helix, as unknowns beside the accelerations:
+A yardstick, not an engine; it imports nothing else of the library. The contact is described by its normal force N and
+the friction f along the helix, as unknowns beside the accelerations:
 
     axial force of the threads on the nut  -(N cos + f sin),     torque on the screw  -r (f cos - N sin),
 

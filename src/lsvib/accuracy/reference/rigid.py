@@ -1,7 +1,7 @@
 """High-precision reference for the rigid lead-screw drive (one degree of freedom).
 
 A yardstick, not an engine: every line aims to be checkable by eye.  All numbers are mpmath
-floats; inputs are taken as the exact doubles (or mpf) given.  It shares no code with the library.
+floats; inputs are taken as the exact doubles (or mpf) given.  It imports nothing else of the library.
 
 Newton's laws, with p = r tan(lambda) so that the nut moves by p*theta, and with A = N (cos + mu_s sin)
 the axial force of the contact, mu_s = mu*s, s = sgn(theta_dot) sgn(N):
@@ -37,7 +37,7 @@ guard is monotone, hence a sign change is a bracket with exactly one root: no ev
 """
 
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, count
 
 from mpmath import mp, mpf
 
@@ -286,9 +286,15 @@ class Flow:
 
 
 def solve(f, slope, left, right, tolerance):
-    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket."""
+    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
+
+    Every fourth step halves it, because along a steep exponential Newton's steps stay small.
+    """
     x = (left + right) / 2
-    while right - left > tolerance:
+    tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
+    for step in count(1):
+        if right - left <= tolerance:
+            break
         value = f(x)
         if value > 0:
             left = x
@@ -296,7 +302,7 @@ def solve(f, slope, left, right, tolerance):
             right = x
         d = slope(x)
         guess = x - value / d if d != 0 else left
-        if not left < guess < right:
+        if not left < guess < right or step % 4 == 0:
             guess = (left + right) / 2
         if abs(guess - x) < tolerance / 4:  # converged? then a step of tolerance brackets it
             low, high = max(left, guess - tolerance / 2), min(right, guess + tolerance / 2)

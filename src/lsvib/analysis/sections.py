@@ -1,0 +1,391 @@
+r"""What becomes of motions that start on a surface between two modes: labels as a function of one coordinate.
+
+A *section* is a mode together with a surface on which the mode is entered. Every event of a motion of two states ends
+on a section, comes to rest, or is the last one; so the label of a motion is that of its state after the first event.
+Along a section labels are constant between finitely many points, which are found here to the last bit.
+
+Why comparing two ends is enough. Write down, for the motion from a point of a section, the guard of every event and the
+signs of all conditions of its transition: its *itinerary*. If two points of a section have the same itinerary, so has
+every point between them. For one event: the two arcs do not meet (the motions are unique), nor do they cross the
+section's surface, which bounds the mode; with the pieces of the two surfaces between their ends they enclose a region
+that lies in the mode, since the mode is convex. The rate of a guard is affine along its surface, so between two points
+at which the field enters it enters everywhere, and between two at which it leaves it leaves everywhere. A motion from
+between the two points can thus leave the region only between the arrivals of the two. It does leave: else there were
+an equilibrium within, but the index of the field along such a boundary is zero. If both settle, the motions between
+stay between them. Conditions are affine, too: with the same sign at both ends, it has it in between. Then the next
+event starts from a section again, between two of its points.
+
+Itineraries end where the rest is known: (i) at rest, since everything that rests leaves at one and the same point;
+(ii) where a motion settles; (iii) in an *absorbing interval* around a point of a cycle, which the return map, monotone
+there since both ends have the same itinerary, maps into itself: all motions within go on for ever as the cycle does.
+Where the ends of an interval differ, the point up to which the itinerary of the one holds is found by bisection, and
+both parts are examined again. Nothing else is assumed; what rounding does to such a point is measured by repeating the
+search with motions that are pushed by a few units of rounding after every event, and what lies between is labelled
+unresolved.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
+from lsvib.core import attraction, loop, planar
+from lsvib.core.attraction import DIVERGED, GRAZED, STUCK, TOO_LONG, UNKNOWN, UNRESOLVED, Known
+from lsvib.models.automaton import Automaton
+
+_FAR = 1e3  # sections are known up to this many times the size of the drive's motions
+_EVENTS = 4000  # of an itinerary
+_ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
+_ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
+_PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
+
+
+class Section(NamedTuple):
+    """A mode and a surface on which it is entered; ``free`` is the coordinate along the surface."""
+
+    mode: int
+    surface: int
+    free: int
+
+
+class Pieces(NamedTuple):
+    """A function that is constant between ``edges`` (n + 1), with ``labels`` (n)."""
+
+    edges: list[float]
+    labels: list[int]
+
+
+class Sections:
+    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels."""
+
+    def __init__(self, automaton: Automaton) -> None:
+        self.automaton = automaton
+        self.size = _sizes(automaton)
+        self.known = _nothing_known(automaton, self.size)
+        self.sections = _sections(automaton, self.known)
+        self.attractors: list[SteadyState] = []
+        self._absorbing = np.empty((0, 4))
+        self._absorbed: list[Attractor] = []
+        self._symbols = np.empty(_EVENTS, dtype=np.int64)
+        releases = _releases(automaton, self.known)
+        for mode, state in releases:
+            self.known.resting[mode] = self._explore(state, mode)
+        for section in self.sections:
+            for part in (-1.0, -0.1, 0.1, 1.0):
+                self._explore(self._point(section, part * self.size[section.free]), section.mode)
+        found = {section: self._labels(section) for section in self.sections}
+        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
+        self.known = _with_cycles(automaton, self.known, self.attractors, releases)
+
+    def _point(self, section: Section, x: float) -> np.ndarray:
+        state = np.empty(2)
+        state[section.free] = x
+        attraction.put_on(self.automaton.tables, section.surface, state)
+        return state
+
+    def _explore(self, state: np.ndarray, mode: int) -> Attractor:
+        """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
+        found = steady_state(self.automaton, state, mode=mode)
+        if found.orbit is None or any(_same(found, other) for other in self.attractors):
+            return found.label
+        self.attractors.append(found)
+        if (self.known.resting[found.orbit.arcs()[0]] == UNKNOWN).all():
+            interval = self._absorbing_interval(found)
+            if interval is not None:
+                self._absorbing = np.vstack([self._absorbing, interval])
+                self._absorbed.append(found.label)
+        return found.label
+
+    def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
+        """The widest of intervals that double, around a point of a cycle, that the return map maps into itself."""
+        orbit, near = cycle.orbit, _ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
+        for section in self.sections:
+            points = orbit.after[orbit.mode == section.mode]
+            points = [x for x in points if (np.abs(self._point(section, x[section.free]) - x) <= near).all()]
+            if not points:
+                continue
+            x, found, width = points[0][section.free], None, near[section.free]
+            while width < self.size[section.free]:
+                ends = [self._returned(section, x + side * width, len(points)) for side in (-1, 1)]
+                if None in ends or ends[0][0] != ends[1][0] or any(abs(end - x) >= width for _, end in ends):
+                    break
+                found, width = (section.mode, section.surface, x - width, x + width), 2 * width
+            if found is not None:
+                return found
+        return None
+
+    def _returned(self, section: Section, x: float, visits: int) -> tuple[list[bytes], float] | None:
+        """Itinerary and coordinate after so many returns to a section, or None if the motion does not come back."""
+        everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
+        state, path = self._point(section, x), []
+        for _ in range(visits):
+            code, count, _ = attraction.itinerary(
+                self.automaton.tables, self.known, everywhere, section.mode, state, 0.0, False, self._symbols
+            )
+            if code != 2:
+                return None
+            path.append(self._symbols[:count].tobytes())
+        return path, float(state[section.free])
+
+    def _course(self, section: Section, x: float, push: tuple[float, bool]) -> np.ndarray:
+        """The itinerary of the motion from a point of a section, with the code of its end as the last number."""
+        while True:
+            state = self._point(section, x)
+            code, count, mode = attraction.itinerary(
+                self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
+            )
+            before = len(self._absorbing)
+            if code == TOO_LONG and not push[0]:
+                self._explore(state, mode)
+            if len(self._absorbing) == before:
+                return np.append(self._symbols[:count], -10 - code)
+
+    def _label(self, course: np.ndarray) -> int:
+        code = -10 - int(course[-1])
+        if code < 0:
+            return {DIVERGED: self.known.diverged, GRAZED: GRAZED, STUCK: UNKNOWN}.get(code, UNRESOLVED)
+        index, kind = divmod(code, 3)
+        return int((self.known.settled, self.known.resting, self._absorbed)[kind][index])
+
+    def _labels(self, section: Section) -> Pieces:
+        """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
+        first = self._pieces(section, _PUSHES[0])
+        if len(first.labels) == 1:
+            return first
+        runs = [first, *(self._pieces(section, push) for push in _PUSHES[1:])]
+        cuts = np.unique(np.concatenate([run.edges for run in runs]))
+        seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
+        agreed = np.where((seen == seen[0]).all(axis=0), seen[0], UNRESOLVED)
+        own = _ROUNDING * self.size[section.free]
+        edges, labels = [cuts[0]], [agreed[0]]
+        for cut, label in zip(cuts[1:-1], agreed[1:], strict=True):
+            if label == labels[-1]:
+                continue
+            if labels[-1] != UNRESOLVED:
+                edges.append(cut - own)
+                labels.append(UNRESOLVED)
+            if label != UNRESOLVED:
+                edges.append(cut + own)
+                labels.append(label)
+        return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
+
+    def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
+        """Labels along a section, by bisection between motions that take different courses."""
+        far, resolution = _FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
+        edges, labels = [-far], []
+        waiting = [(-far, self._course(section, -far, push), far, self._course(section, far, push))]
+        while waiting:
+            low, low_course, high, high_course = waiting.pop()
+            position = _first_difference(low_course, high_course)
+            if position < 0:
+                edges[-1] = low
+                edges.append(high)
+                labels.append(self._label(low_course))
+                continue
+            here, there = attraction.last_agreement(
+                self.automaton.tables, self.known, self._absorbing, section.mode, section.surface, low, high, resolution,
+                *push, low_course, position,
+            )  # fmt: skip
+            here_course, there_course = (self._course(section, x, push) for x in (here, there))
+            waiting.append((there, there_course, high, high_course))
+            waiting.append((low, low_course, here, here_course))
+        return _merged(edges, labels)
+
+
+def _merged(edges: list[float], labels: list[int]) -> Pieces:
+    """Join neighbours of the same label; a motion that touches a guard goes with its neighbours if they agree."""
+    pieces = Pieces(edges, labels)
+    for _ in range(2):
+        edges, labels = pieces
+        keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
+        edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
+        for k in range(1, len(labels) - 1):
+            if labels[k] == GRAZED and labels[k - 1] == labels[k + 1]:
+                labels[k] = labels[k - 1]
+        pieces = Pieces(edges, labels)
+    return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
+
+
+def _first_difference(one: np.ndarray, other: np.ndarray) -> int:
+    """Index at which two courses first differ, −1 if they do not."""
+    size = min(one.size, other.size)
+    different = np.flatnonzero(one[:size] != other[:size])
+    return int(different[0]) if different.size else -1
+
+
+def _same(one: SteadyState, other: SteadyState) -> bool:
+    return one.label == other.label and abs(one.period - other.period) <= 1e-6 * one.period
+
+
+def _sizes(automaton: Automaton) -> np.ndarray:
+    """Sizes of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria; (2)."""
+    rows, flow = automaton.tables.surfaces, automaton.tables.flow
+    stiff = flow[:, planar.A0] != 0
+    tau = float(flow[stiff, planar.TIME_SCALE].max())
+    points = [np.array([u, 0.0]) for u in flow[stiff, planar.EQUILIBRIUM]]
+    for i, one in enumerate(rows):
+        points.append(-one[2] * one[:2] / (one[:2] @ one[:2]))
+        for other in rows[:i]:
+            if one[0] * other[1] != one[1] * other[0]:
+                points.append(np.linalg.solve([one[:2], other[:2]], [-one[2], -other[2]]))
+    largest = np.abs(points).max(axis=0)
+    u = max(largest[0], largest[1] * tau) or 1.0
+    return np.array([u, u / tau])
+
+
+def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
+    tables = automaton.tables
+    modes, surfaces = len(tables.flow), len(tables.surfaces)
+    rests = np.isin(automaton.codes, automaton.rest_codes)
+    alpha = tables.flow[:, planar.ALPHA]
+    settled = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, 0))
+    undamped = (alpha == 0) & ~rests
+    settled[undamped] = np.where(tables.flow[undamped, planar.BETA] > 0, Attractor.OTHER_CYCLE, Attractor.UNBOUNDED)
+    settled[rests] = Attractor.REST
+    return Known(
+        landing=_landings(automaton, rests),
+        free=1 - tables.snap,
+        first=np.zeros((modes, surfaces), dtype=np.int64),
+        last=np.zeros((modes, surfaces), dtype=np.int64),
+        edges=np.zeros(1),
+        labels=np.full(1, UNKNOWN, dtype=np.int64),
+        resting=np.where(rests, UNRESOLVED, UNKNOWN).astype(np.int64),
+        settled=settled.astype(np.int64),
+        centred=np.where(rests, Attractor.REST, Attractor.STEADY_SLIDING).astype(np.int64),
+        diverged=int(Attractor.UNBOUNDED),
+        common=np.full(modes, UNKNOWN, dtype=np.int64),
+        share=_shares(tables.flow),
+        reach=np.zeros(modes),
+        trap=np.array([_trap(automaton, mode, size) for mode in range(modes)]),
+        cycle_mode=np.empty(0, dtype=np.int64),
+        cycle_state=np.empty((0, 2)),
+        cycle_reach=np.empty((0, 2)),
+        release=np.zeros((modes, 2)),
+    )
+
+
+def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
+    """The surface on which each transition leaves the state; −1 for the entry and on release, which is at a corner."""
+    tables = automaton.tables
+    landing = np.full(tables.transition_reset.size, -1, dtype=np.int64)
+    for mode in np.flatnonzero(~rests):
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            transition = tables.guard_transition[guard]
+            reset = tables.transition_reset[transition]
+            landing[transition] = tables.guard_surface[guard]
+            if reset >= 0:
+                image = tables.surfaces[:, :2] @ tables.resets[reset]
+                image[:, 2] += tables.surfaces[:, 2]
+                landing[transition] = int(np.flatnonzero((image == 0).all(axis=1))[0])
+    return landing
+
+
+def _sections(automaton: Automaton, known: Known) -> list[Section]:
+    tables, found = automaton.tables, set()
+    for transition, surface in enumerate(known.landing):
+        if surface >= 0:
+            branches = range(tables.branch_start[transition], tables.branch_start[transition + 1])
+            modes = {int(tables.branch_mode[branch]) for branch in branches}
+            found |= {(mode, int(surface)) for mode in modes if known.resting[mode] == UNKNOWN}
+    return [Section(mode, surface, int(known.free[surface])) for mode, surface in sorted(found)]
+
+
+def _releases(automaton: Automaton, known: Known) -> list[tuple[int, np.ndarray]]:
+    """The modes at rest, each with the one state in which it ends."""
+    tables, found = automaton.tables, []
+    for mode in np.flatnonzero(known.resting != UNKNOWN):
+        enters = np.flatnonzero(tables.branch_mode == mode)
+        transitions = np.searchsorted(tables.branch_start, enters, "right") - 1
+        surface = tables.surfaces[known.landing[transitions].max()]
+        guard = tables.surfaces[tables.guard_surface[tables.guard_start[mode]]]
+        corner = np.linalg.solve([surface[:2], guard[:2]], [-surface[2], -guard[2]])
+        found.append((int(mode), corner))
+    return found
+
+
+def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, float, float]:
+    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival.
+
+    y = u − u_e, η = w + α y, κ = max(α, β). From y′ = η − α y and η′ = −α η + (α² − a₀) y the ellipse's function falls at a rate of 2α
+    − |κ² − β²| / κ at least, respectively with β² = −δ² for real roots, which is positive since a₀ > 0.
+    """
+    tables = automaton.tables
+    row = tables.flow[mode]
+    if not (row[planar.ALPHA] > 0 and row[planar.A0] > 0):
+        return 0.0, 0.0, 0.0
+    kappa, radius = max(row[planar.ALPHA], row[planar.BETA]), np.inf
+    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+        u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
+        least = constant + u * row[planar.EQUILIBRIUM]
+        slack = 64 * planar.EPS * (abs(constant) + abs(u * row[planar.EQUILIBRIUM]))
+        radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[planar.ALPHA] * w) / kappa))
+    if radius == np.inf:
+        radius = float(size[1])
+    return kappa**2, radius**2, max(radius, _ON_CYCLE * size[1]) ** 2
+
+
+def _with_labels(known: Known, found: dict[Section, Pieces]) -> Known:
+    first, last, edges, labels = np.zeros_like(known.first), np.zeros_like(known.last), [], []
+    for section, pieces in found.items():
+        first[section.mode, section.surface] = len(edges)
+        edges += pieces.edges
+        labels += [*pieces.labels, UNKNOWN]
+        last[section.mode, section.surface] = len(edges) - 1
+    return known._replace(first=first, last=last, edges=np.array(edges), labels=np.array(labels, dtype=np.int64))
+
+
+def _shares(flow: np.ndarray) -> np.ndarray:
+    """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
+    beta = flow[:, planar.BETA]
+    return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
+
+
+def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces]) -> Known:
+    """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
+
+    An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
+    |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.
+    """
+    tables = automaton.tables
+    for mode in np.flatnonzero(known.resting == UNKNOWN):
+        labels, bounds = set(), [np.inf, np.inf]
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            transition = tables.guard_transition[guard]
+            surface = int(known.landing[transition])
+            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+                after = int(tables.branch_mode[branch])
+                if known.resting[after] != UNKNOWN:
+                    labels.add(int(known.resting[after]))
+                    continue
+                pieces = found[Section(after, surface, int(known.free[surface]))]
+                labels |= set(pieces.labels)
+                free = known.free[surface]
+                bounds[free] = min(bounds[free], -pieces.edges[0], pieces.edges[-1])
+        row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
+        if len(labels) == 1 and kappa > 0:
+            known.common[mode] = labels.pop()
+            room = max(0.0, bounds[0] - abs(row[planar.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, bounds[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
+    return known
+
+
+def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:
+    """Add the points of the cycles, and what follows the end of rest."""
+    orbits = [found.orbit for found in attractors]
+    if orbits:
+        known = known._replace(
+            cycle_mode=np.concatenate([orbit.mode for orbit in orbits]),
+            cycle_state=np.concatenate([orbit.after for orbit in orbits]),
+            cycle_reach=np.concatenate(
+                [np.broadcast_to(_ON_CYCLE * np.abs(o.after).max(axis=0), o.after.shape) for o in orbits]
+            ),
+        )
+    tables = automaton.tables
+    for mode, state in releases:
+        transition = tables.guard_transition[tables.guard_start[mode]]
+        branch = loop.choose_branch(tables, transition, state, np.abs(state))
+        scratch = attraction.new_scratch(tables)
+        scratch.state[:], scratch.scale[:] = state, np.abs(state)
+        sprags = np.array(automaton.sprag_kinds, dtype=np.int64)
+        known.release[mode] = attraction.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
+    return known
