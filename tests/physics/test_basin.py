@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
-from reference.rigid import GUARD_DIGITS, Drive, Flow
 
+from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis.basin import Boundary, basin
 from lsvib.analysis.clipping import Window
 from lsvib.analysis.curves import Arc, state_on

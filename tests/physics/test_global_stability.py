@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pytest
 from mpmath import diff, findroot, mp, mpf
-from reference.rigid import GUARD_DIGITS, Drive, Flow
 
+from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis.basin import Boundary, basin
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.summary import threshold_table

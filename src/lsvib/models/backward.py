@@ -12,14 +12,22 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 ``beginning``) where no motion arrives: on Q = 0 from the wrong side.
 """
 
+import math
 from decimal import Decimal, localcontext
 
-import numpy as np
-
-from lsvib.core import planar
 from lsvib.core.status import Test
 from lsvib.errors import InputError
-from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
+from lsvib.models.automaton import (
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Surface,
+    Transition,
+    assemble,
+    eigenform,
+    oscillator,
+)
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import PLACES, LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
@@ -41,22 +49,24 @@ def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:
     """
     if drive.input_speed < 0:
         raise InputError(f"input_speed = {drive.input_speed:g} is outside the allowed range 0 < input_speed.")
-    c = coefficients(drive)
-    tables = rigid_drive(drive)
-    flows = {
-        MotionMode(int(code)): _reversed(row)
-        for code, row in zip(tables.codes, tables.tables.flow, strict=True)
-        if code != MotionMode.REST
-    }
+    c, d = coefficients(drive), drive.exact()
+    forward = rigid_drive(drive)
     q_u, q_w, q_0 = c.q_row
     surfaces = {
-        "contact": Surface((q_u, -q_w, q_0), 0),
-        "screw_speed": Surface((0, -1, drive.input_speed), 1),
+        "contact": Surface((q_u, -q_w, q_0), int(forward.tables.snap[0])),
+        "screw_speed": Surface((0, -1, d.input_speed), 1),
     }
-    modes = {mode.name: Mode(int(mode), flow, _guards(mode, c.paradox)) for mode, flow in flows.items()}
+    modes = {}
+    for code in forward.codes[forward.codes != MotionMode.REST]:
+        mode = MotionMode(int(code))
+        law = math.prod(_SIGNS[mode])
+        with localcontext(prec=PLACES):
+            force = d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * c.net_force
+            terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
+        modes[mode.name] = Mode(int(mode), oscillator(*terms), _guards(mode, c.paradox), exact=eigenform(*terms))
     if not c.paradox:
         transitions = {}
-        for mode in flows:
+        for mode in map(MotionMode.__getitem__, modes):
             direction, q_sign = _SIGNS[mode]
             transitions[f"contact_{mode.name}"] = _pass_to(direction, -q_sign, EventKind.CONTACT_REVERSAL)
             transitions[f"stand_{mode.name}"] = _pass_to(-direction, q_sign, EventKind.REVERSAL)
@@ -104,11 +114,3 @@ def _seizures(q_row, touch: Decimal) -> dict[str, Transition]:
         f"stand_{forward}": Transition(into_forward_slip, reset=reset),
         f"stand_{backward}": Transition((ended_forward, nothing), reset=reset),
     }
-
-
-def _reversed(row: np.ndarray) -> np.ndarray:
-    """The row of a flow table for the same oscillator in reversed time, exact."""
-    back = row.copy()
-    back[planar.A1], back[planar.ALPHA] = -row[planar.A1], -row[planar.ALPHA]
-    back[planar.R1], back[planar.R2] = -row[planar.R2], -row[planar.R1]
-    return back
