@@ -78,7 +78,9 @@ class Sections:
             self.known.resting[mode] = self._explore(state, mode)
         for section in self.sections:
             for part in (-1.0, -0.1, 0.1, 1.0):
-                self._explore(self._point(section, part * self.size[section.free]), section.mode)
+                state = self._point(section, part * self.size[section.free])
+                if self._belongs(section, state):
+                    self._explore(state, section.mode)
         found = {section: self._labels(section) for section in self.sections}
         self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
         self.known = _with_cycles(automaton, self.known, self.attractors, releases)
@@ -88,6 +90,14 @@ class Sections:
         state[section.free] = x
         attraction.put_on(self.automaton.tables, section.surface, state)
         return state
+
+    def _belongs(self, section: Section, state: np.ndarray) -> bool:
+        """Tell whether a point of a section lies in its mode, so that no other guard has fired already."""
+        tables = self.automaton.tables
+        guards = slice(*tables.guard_start[section.mode : section.mode + 2])
+        rows = tables.surfaces[tables.guard_surface[guards]]
+        values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
+        return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
 
     def _explore(self, state: np.ndarray, mode: int) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
@@ -400,7 +410,7 @@ def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section,
 
 def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:
     """Add the points of the cycles, and what follows the end of rest."""
-    orbits = [found.orbit for found in attractors]
+    orbits = [found.orbit for found in attractors if found.orbit.time.size]
     if orbits:
         known = known._replace(
             cycle_mode=np.concatenate([orbit.mode for orbit in orbits]),
