@@ -35,6 +35,7 @@ from lsvib.models.automaton import Automaton
 
 _FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 _EVENTS = 4000  # of an itinerary
+_PATIENCE = 3  # searches for an attractor that end with none
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
@@ -66,13 +67,20 @@ class Sections:
         self.attractors: list[SteadyState] = []
         self._absorbing = np.empty((0, 4))
         self._absorbed: list[Attractor] = []
+        self._futile = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
+        for section in self.sections:
+            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, planar.EQUILIBRIUM]):
+                self._absorb_by_corner(section, 1)
+                self._absorb_by_corner(section, -1)
         releases = _releases(automaton, self.known)
         for mode, state in releases:
             self.known.resting[mode] = self._explore(state, mode)
         for section in self.sections:
             for part in (-1.0, -0.1, 0.1, 1.0):
-                self._explore(self._point(section, part * self.size[section.free]), section.mode)
+                state = self._point(section, part * self.size[section.free])
+                if self._belongs(section, state):
+                    self._explore(state, section.mode)
         found = {section: self._labels(section) for section in self.sections}
         self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
         self.known = _with_cycles(automaton, self.known, self.attractors, releases)
@@ -83,6 +91,14 @@ class Sections:
         attraction.put_on(self.automaton.tables, section.surface, state)
         return state
 
+    def _belongs(self, section: Section, state: np.ndarray) -> bool:
+        """Tell whether a point of a section lies in its mode, so that no other guard has fired already."""
+        tables = self.automaton.tables
+        guards = slice(*tables.guard_start[section.mode : section.mode + 2])
+        rows = tables.surfaces[tables.guard_surface[guards]]
+        values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
+        return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
+
     def _explore(self, state: np.ndarray, mode: int) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
         found = steady_state(self.automaton, state, mode=mode)
@@ -92,8 +108,7 @@ class Sections:
         if (self.known.resting[found.orbit.arcs()[0]] == UNKNOWN).all():
             interval = self._absorbing_interval(found)
             if interval is not None:
-                self._absorbing = np.vstack([self._absorbing, interval])
-                self._absorbed.append(found.label)
+                self._absorb(interval, found.label)
         return found.label
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
@@ -134,11 +149,35 @@ class Sections:
             code, count, mode = attraction.itinerary(
                 self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
             )
-            before = len(self._absorbing)
-            if code == TOO_LONG and not push[0]:
-                self._explore(state, mode)
-            if len(self._absorbing) == before:
+            if code != TOO_LONG or self._futile == _PATIENCE or not self._learns(state, mode):
                 return np.append(self._symbols[:count], -10 - code)
+
+    def _learns(self, state: np.ndarray, mode: int) -> bool:
+        """Look for an attractor that a motion whose itinerary does not end comes to; True if one is found."""
+        before = len(self._absorbing)
+        self._explore(state, mode)
+        learned = len(self._absorbing) > before
+        self._futile += not learned
+        return learned
+
+    def _absorb_by_corner(self, section: Section, side: int) -> None:
+        """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
+
+        Near an equilibrium on a surface, which the modes on both sides then share, the return map is linear: what holds
+        at one point holds at all that are nearer. So it does for a motion of the same itinerary as one 10³ times nearer.
+        """
+        width, found = _ON_CYCLE * self.size[section.free], None
+        while width < self.size[section.free]:
+            there, nearer = (self._returned(section, side * part * width, 1) for part in (1.0, 1e-3))
+            if there is None or nearer is None or there[0] != nearer[0] or not 0 < side * there[1] < width:
+                break
+            found, width = (section.mode, section.surface, *sorted((0.0, side * width))), 2 * width
+        if found is not None:
+            self._absorb(found, Attractor.STEADY_SLIDING)
+
+    def _absorb(self, interval: tuple[float, ...], label: Attractor) -> None:
+        self._absorbing = np.vstack([self._absorbing, interval])
+        self._absorbed.append(label)
 
     def _label(self, course: np.ndarray) -> int:
         code = -10 - int(course[-1])
@@ -371,7 +410,7 @@ def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section,
 
 def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:
     """Add the points of the cycles, and what follows the end of rest."""
-    orbits = [found.orbit for found in attractors]
+    orbits = [found.orbit for found in attractors if found.orbit.time.size]
     if orbits:
         known = known._replace(
             cycle_mode=np.concatenate([orbit.mode for orbit in orbits]),
