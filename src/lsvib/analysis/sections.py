@@ -35,6 +35,7 @@ from lsvib.models.automaton import Automaton
 
 _FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 _EVENTS = 4000  # of an itinerary
+_SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
 _PATIENCE = 3  # searches for an attractor that end with none
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
@@ -82,7 +83,7 @@ class Sections:
                 if self._belongs(section, state):
                     self._explore(state, section.mode)
         found = {section: self._labels(section) for section in self.sections}
-        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
+        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found, self.size)
         self.known = _with_cycles(automaton, self.known, self.attractors, releases)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
@@ -188,11 +189,12 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
-        first = self._pieces(section, _PUSHES[0])
-        if len(first.labels) == 1:
-            return first
-        runs = [first, *(self._pieces(section, push) for push in _PUSHES[1:])]
-        cuts = np.unique(np.concatenate([run.edges for run in runs]))
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0]))]
+        if len(runs[0].labels) == 1:
+            return runs[0]
+        runs += [self._trimmed(section, self._pieces(section, push)) for push in _PUSHES[1:]]
+        low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
+        cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
         seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
         agreed = np.where((seen == seen[0]).all(axis=0), seen[0], UNRESOLVED)
         own = _ROUNDING * self.size[section.free]
@@ -207,6 +209,15 @@ class Sections:
                 edges.append(cut + own)
                 labels.append(label)
         return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
+
+    def _trimmed(self, section: Section, pieces: Pieces) -> Pieces:
+        """Cut off ends of a section that lie outside its mode, where no motion enters it."""
+        edges, labels = pieces
+        if labels[0] == UNKNOWN and not self._belongs(section, self._point(section, edges[0])):
+            edges, labels = edges[1:], labels[1:]
+        if labels and labels[-1] == UNKNOWN and not self._belongs(section, self._point(section, edges[-1])):
+            edges, labels = edges[:-1], labels[:-1]
+        return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
     def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
         """Labels along a section, by bisection between motions that take different courses."""
@@ -228,18 +239,19 @@ class Sections:
             here_course, there_course = (self._course(section, x, push) for x in (here, there))
             waiting.append((there, there_course, high, high_course))
             waiting.append((low, low_course, here, here_course))
-        return _merged(edges, labels)
+        return _merged(edges, labels, _SLIVER * self.size[section.free])
 
 
-def _merged(edges: list[float], labels: list[int]) -> Pieces:
-    """Join neighbours of the same label; a motion that touches a guard goes with its neighbours if they agree."""
+def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
+    """Join neighbours of the same label; what touches a guard, or meets a corner, goes with neighbours that agree."""
     pieces = Pieces(edges, labels)
     for _ in range(2):
         edges, labels = pieces
         keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
         edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
         for k in range(1, len(labels) - 1):
-            if labels[k] == GRAZED and labels[k - 1] == labels[k + 1]:
+            special = labels[k] in (GRAZED, UNKNOWN) and edges[k + 1] - edges[k] <= sliver + sliver * abs(edges[k])
+            if special and labels[k - 1] == labels[k + 1]:
                 labels[k] = labels[k - 1]
         pieces = Pieces(edges, labels)
     return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
@@ -379,7 +391,7 @@ def _shares(flow: np.ndarray) -> np.ndarray:
     return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
 
 
-def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces]) -> Known:
+def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces], size: np.ndarray) -> Known:
     """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
 
     An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
@@ -387,24 +399,20 @@ def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section,
     """
     tables = automaton.tables
     for mode in np.flatnonzero(known.resting == UNKNOWN):
-        labels, bounds = set(), [np.inf, np.inf]
+        labels = set()
         for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
             transition = tables.guard_transition[guard]
             surface = int(known.landing[transition])
-            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
-                after = int(tables.branch_mode[branch])
+            for after in tables.branch_mode[tables.branch_start[transition] : tables.branch_start[transition + 1]]:
                 if known.resting[after] != UNKNOWN:
                     labels.add(int(known.resting[after]))
-                    continue
-                pieces = found[Section(after, surface, int(known.free[surface]))]
-                labels |= set(pieces.labels)
-                free = known.free[surface]
-                bounds[free] = min(bounds[free], -pieces.edges[0], pieces.edges[-1])
+                else:
+                    labels |= set(found[Section(int(after), surface, int(known.free[surface]))].labels)
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(labels) == 1 and kappa > 0:
             known.common[mode] = labels.pop()
-            room = max(0.0, bounds[0] - abs(row[planar.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, bounds[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
+            room = max(0.0, _FAR * size[0] - abs(row[planar.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
     return known
 
 

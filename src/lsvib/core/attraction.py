@@ -252,7 +252,11 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                     leaves = _NONE
                     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
                         surface, sign = tables.guard_surface[guard], tables.guard_sign[guard]
-                        g_u, g_w, g_0 = sign * surfaces[surface, 0], sign * surfaces[surface, 1], sign * surfaces[surface, 2]
+                        g_u, g_w, g_0 = (
+                            sign * surfaces[surface, 0],
+                            sign * surfaces[surface, 1],
+                            sign * surfaces[surface, 2],
+                        )
                         value = g_u * u + g_w * w + g_0
                         size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
                         outlook = _CROSSING if value < -size else _UNDECIDED
