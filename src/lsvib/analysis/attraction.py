@@ -196,22 +196,25 @@ class Mapper:
                     progress(done, y.size * x.size)
         return {name: found[name] for name in quantities}
 
+    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
+        u, w = np.asarray(u, dtype=float), np.asarray(w, dtype=float)
+        order = np.argsort(w, kind="stable")
+        x, y = u[order], w[order]
+        found, none = np.empty((1, x.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
+        bounds = [0, *(np.flatnonzero(np.diff(y)) + 1), x.size] if x.size else [0]
+        for first, last in zip(bounds[:-1], bounds[1:], strict=True):
+            part, tables, known = slice(first, last), self.automaton.tables, self.sections.known
+            attraction.map_labels(tables, known, x[part], y[first : first + 1], 0, _EVENTS, found[:, part], none)
+        labels = np.empty(x.size, dtype=np.int8)
+        labels[order] = found[0]
+        return labels
+
     def labels_at(self, grid: Grid, row: np.ndarray, column: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single cells of a grid, given by their indices ``row`` and ``column`` (n)."""
         self._check(grid)
-        order = np.argsort(row, kind="stable")
-        x, y = grid.x.middles(column[order]), grid.y.middles(row[order])
-        found, none = np.empty((1, row.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
-        bounds = np.flatnonzero(np.diff(row[order], prepend=-1, append=-1))
-        for first, last in zip(bounds[:-1], bounds[1:], strict=True):
-            part = slice(first, last)
-            attraction.map_labels(
-                self.automaton.tables, self.sections.known, x[part], y[first : first + 1],
-                int(grid.x.coordinate == "w"), _EVENTS, found[:, part], none,
-            )  # fmt: skip
-        labels = np.empty(row.size, dtype=np.int8)
-        labels[order] = found[0]
-        return labels
+        x, y = grid.x.middles(column), grid.y.middles(row)
+        return self.labels_of(x, y) if grid.x.coordinate == "u" else self.labels_of(y, x)
 
     def _check(self, grid: Grid) -> None:
         if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
