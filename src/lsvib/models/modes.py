@@ -7,20 +7,19 @@ a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar e
 oscillator.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import mpmath
 import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.modal import ModalFlow
+from lsvib.models.field import DIGITS, WORST_CONDITION, Field, amplification
 
-_DIGITS = 60
 _TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
-_WORST_CONDITION = 1e12
+_ROUNDING = mpmath.mpf(10) ** -35  # of projectors and what they are made of
 _SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
 _APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
@@ -39,38 +38,28 @@ class ModalMode:
     condition: float
 
 
-def modal_mode(
-    field: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None
-) -> ModalMode:
+def modal_mode(field: Field) -> ModalMode:
     """Decompose a field.
 
-    Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);
-    ``frozen``: coordinates that keep a value in this mode, with that value. Raises ``ArithmeticError`` if rates of
-    different factors coincide, so that double precision cannot carry the modal form (condition above 1e12), or if a
-    zero rate comes with a chain.
+    Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different factors
+    lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
-    with mpmath.workdps(_DIGITS):
-        full = mpmath.matrix([[_exact(x) for x in row] for row in field])
-        n = full.rows
-        kept = {i: _exact(value) for i, value in (frozen or {}).items()}
-        alive = [i for i in range(n) if i not in kept]
-        matrix = mpmath.matrix([[full[i, j] for j in alive] for i in alive])
-        constant = mpmath.matrix([full[i, n] + sum(full[i, j] * value for j, value in kept.items()) for i in alive])
-        scale = [mpmath.mpf(sizes[i]) for i in alive]
+    with mpmath.workdps(DIGITS):
+        matrix, constant, scale = field.reduced()
         pieces = [
             piece
-            for factor, projector, slow in _subspaces(matrix)
+            for factor, projector, slow in _subspaces(matrix, scale)
             for piece in _pieces(matrix, constant, factor, projector, scale, slow)
         ]
-        return _tables(full, kept, alive, pieces, sizes)
+        return _tables(field, pieces)
 
 
-def _exact(number):
-    return mpmath.mpf(number) if isinstance(number, (int, float)) else mpmath.mpf(str(number))
+def _factors(rates, once: bool) -> list[list]:
+    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros.
 
-
-def _factors(rates) -> list[list]:
-    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros."""
+    ``once``: one factor, too, for all rates that coincide, so that the product is the minimal polynomial if no chain
+    comes with them.
+    """
     largest = max(abs(rate) for rate in rates)
     if largest == 0:
         return [[mpmath.mpf(1), mpmath.mpf(0)]]
@@ -78,6 +67,8 @@ def _factors(rates) -> list[list]:
     moving = [rate for rate in rates if abs(rate) > _TINY * largest]
     upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
     real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
+    if once:
+        upper, real = _distinct(upper), _distinct(real)
     factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
     while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
         gaps = [(a - b) / max(abs(a), abs(b)) for a, b in pairwise(real)]
@@ -90,22 +81,59 @@ def _factors(rates) -> list[list]:
     return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
 
 
-def _subspaces(matrix) -> list[tuple[list, mpmath.matrix, bool]]:
+def _distinct(rates: list) -> list:
+    found: list = []
+    for rate in rates:
+        if all(abs(rate - other) > _TINY * abs(rate) for other in found):
+            found.append(rate)
+    return found
+
+
+def _subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
     """Factors of the characteristic polynomial, each with the projector on its subspace, and whether it is slow."""
     rates = mpmath.eig(matrix, left=False, right=False)
-    factors = _factors(rates)
-    found = []
-    for k, factor in enumerate(factors):
-        others = mpmath.eye(matrix.rows)
-        remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
-        for j, other in enumerate(factors):
-            if j != k:
-                others = others * _polynomial(other, matrix)
-                remainder = _modulo(_product(remainder, other), factor)
-        larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
-        slow = len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
-        found.append((factor, _polynomial(_inverse(remainder, factor), matrix) * others, slow))
-    return found
+    for once in (True, False):
+        factors = _factors(rates, once)
+        try:
+            projectors = [_projector(matrix, factors, k) for k in range(len(factors))]
+        except ZeroDivisionError:  # a rate in two factors
+            continue
+        if _carried(matrix, factors, projectors, scale):
+            return [(f, p, _slow(f, rates)) for f, p in zip(factors, projectors, strict=True)]
+    raise ArithmeticError("rates of a mode coincide, with a chain")
+
+
+def _projector(matrix, factors, k: int) -> mpmath.matrix:
+    others = mpmath.eye(matrix.rows)
+    remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
+    for j, other in enumerate(factors):
+        if j != k:
+            others = others * _polynomial(other, matrix)
+            remainder = _modulo(_product(remainder, other), factors[k])
+    return _polynomial(_inverse(remainder, factors[k]), matrix) * others
+
+
+def _slow(factor, rates) -> bool:
+    larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
+    return len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
+
+
+def _carried(matrix, factors: list, projectors: list, scale: list) -> bool:
+    """True if each factor is zero on its subspace – no chain is left out – and the projectors add up to one."""
+    total = sum(projectors[1:], projectors[0]) - mpmath.eye(matrix.rows)
+    if _size(total, scale) > _ROUNDING * max(_size(p, scale) for p in projectors):
+        return False
+    powers = [_size(power, scale) for power in (matrix * matrix, matrix, mpmath.eye(matrix.rows))]
+    for factor, projector in zip(factors, projectors, strict=True):
+        terms = sum(abs(a) * power for a, power in zip(reversed(factor), reversed(powers), strict=False))
+        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING * terms * _size(projector, scale):
+            return False
+    return True
+
+
+def _size(matrix, scale: list) -> mpmath.mpf:
+    """Largest element of a matrix of coordinates in units of their sizes."""
+    return max(abs(matrix[i, j]) * scale[j] / scale[i] for i, j in product(range(matrix.rows), range(matrix.cols)))
 
 
 def _polynomial(coefficients, matrix):
@@ -151,13 +179,11 @@ class _Piece:
 
 
 def _pieces(matrix, constant, factor, projector, scale, slow: bool) -> list[_Piece]:
-    """The oscillators of one subspace: one for a pair of rates or a single rate, one for each dimension of zeros."""
-    if len(factor) == 3:
-        return [_pair(matrix, constant, factor, projector, scale)]
-    rate = -factor[1]
-    if rate == 0 and mpmath.mnorm(matrix * projector) > _TINY * mpmath.mnorm(matrix) * mpmath.mnorm(projector):
-        raise ArithmeticError("a zero rate of the mode comes with a chain, which the modal form does not carry")
+    """The oscillators of one subspace: one for each pair of rates, or for each dimension where there is one rate."""
     rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+    if len(factor) == 3:
+        return _pairs(matrix, constant, factor, projector, scale, rank // 2)
+    rate = -factor[1]
     rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
     pieces = []
@@ -183,9 +209,31 @@ def _minor(projector, chosen, scale):
     return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
-def _pair(matrix, constant, factor, projector, scale) -> _Piece:
+def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Piece]:
+    """The oscillators of a factor of degree two that ``count`` pairs of rates share, one split off after the other."""
     _, a1, a0 = factor
-    unit = mpmath.sqrt(abs(a0))
+    weights, pieces = mpmath.diag([s * s for s in scale]), []
+    for left in reversed(range(count)):
+        covector = _row_of_pair(matrix, factor, projector, scale)
+        rows = mpmath.matrix([list(covector), list(covector * matrix)])
+        if left:
+            vector = projector * weights * covector.T
+            vectors = mpmath.matrix([list(vector), list(matrix * vector)]).T
+            vectors = vectors * (rows * vectors) ** -1
+            projector = projector - vectors * rows
+        else:
+            vectors = projector * weights * rows.T * (rows * weights * rows.T) ** -1
+        push = (covector * constant)[0]
+        rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
+        into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
+        out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
+        pieces.append(_Piece(_row(a0, a1), into, mpmath.matrix(out)))
+    return pieces
+
+
+def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
+    """A row ℓΠ of the subspace of a pair, as independent of ℓAΠ as can be."""
+    unit = mpmath.sqrt(abs(factor[2]))
     rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
     candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
 
@@ -202,17 +250,7 @@ def _pair(matrix, constant, factor, projector, scale) -> _Piece:
 
     # Rows that the subspace hardly reaches hold rounding only.
     longest = max(map(length, candidates))
-    covector = mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
-    rows2 = mpmath.matrix([list(covector), list(covector * matrix)])
-    weights = mpmath.diag([s * s for s in scale])
-    vectors = projector * weights * rows2.T * (rows2 * weights * rows2.T) ** -1
-    push = (covector * constant)[0]
-    rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
-    into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
-    out = mpmath.matrix(
-        [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
-    )
-    return _Piece(_row(a0, a1), into, out)
+    return mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
 
 
 def _row(a0, a1) -> np.ndarray:
@@ -232,11 +270,11 @@ def _row(a0, a1) -> np.ndarray:
     return row
 
 
-def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Sequence[float]) -> ModalMode:
-    n, count = full.rows, len(pieces)
+def _tables(field: Field, pieces: list[_Piece]) -> ModalMode:
+    n, count, alive = field.rows.rows, len(pieces), field.alive
     to_modal, from_modal = np.zeros((2 * count, n + 1)), np.zeros((n, 2 * count + 1))
     offset = mpmath.zeros(n, 1)
-    for i, value in kept.items():
+    for i, value in field.kept.items():
         offset[i] = value
     for k, piece in enumerate(pieces):
         for half in (0, 1):
@@ -247,13 +285,10 @@ def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Seq
         for j, i in enumerate(alive):
             offset[i] += piece.out[j, 2]
     from_modal[:, -1] = [float(x) for x in offset]
-    size = np.asarray(sizes, dtype=float)
-    spread = np.abs(from_modal[:, :-1]) @ (np.abs(to_modal[:, :-1]) @ size)
-    condition = float(np.max(spread[alive] / size[alive]))
-    if not condition < _WORST_CONDITION:
-        raise ArithmeticError(f"rates of different pairs coincide in a mode (condition number {condition:.1e})")
-    field = np.array([[float(full[i, j]) for j in range(n + 1)] for i in range(n)])
-    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field, condition)
+    condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
+    if not condition < WORST_CONDITION:
+        raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
+    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field.table(), condition)
 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:

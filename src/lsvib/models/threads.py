@@ -11,6 +11,7 @@ asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|; the
 Nothing is imposed in the Painlevé region: a seizure is the growth of N under law s = +1, and what follows it comes out.
 """
 
+import math
 from decimal import Decimal, localcontext
 from enum import IntEnum
 
@@ -20,7 +21,7 @@ from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, T
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.models.coefficients import coefficients
 from lsvib.models.model import Model
-from lsvib.models.modes import ModalMode, modal_flow, modal_mode
+from lsvib.models.flow import LinearMode, flow_of, linear_mode
 from lsvib.models.parameters import PLACES, ThreadsDrive
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -89,7 +90,7 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
                 "screw_speed": dict.fromkeys(modes, build.speed),
             },
             shortest_stay=0.0,
-            stack=modal_flow,
+            stack=flow_of,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if coefficients(drive).paradox else (),
         )
@@ -107,12 +108,13 @@ class _Build:
         # Friction that holds the screw at rest.
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = _sum(pull, scaled(self.normal, d.tan_lead))
-        steady_normal = abs(float(d.axial_force)) + 1.0
-        mismatch = steady_normal / float(d.contact_stiffness)
-        rate = steady_normal / float(d.contact_damping) if d.contact_damping else mismatch * 1e3
-        self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
+        # The contact gives way by N/k_c, or as far as it comes in a swing of the coupling against its damping.
+        force, stiffness, damping = abs(float(d.axial_force)) + 1.0, float(d.contact_stiffness), float(d.contact_damping)
+        swing = math.sqrt(d.screw_inertia / d.coupling_stiffness)
+        rate = force / (damping + math.sqrt(stiffness * float(d.mass)))
+        self.sizes = (0.1, abs(float(d.input_speed)), force / (stiffness + damping / swing), rate)
 
-    def slip(self, law: int) -> ModalMode:
+    def slip(self, law: int) -> LinearMode:
         """Field of slip under law s."""
         d = self.d
         torque = _sum(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
@@ -120,19 +122,19 @@ class _Build:
         acceleration = scaled(_sum(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
         return self._field(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
 
-    def rest(self) -> ModalMode:
+    def rest(self) -> LinearMode:
         """Field of rest: w stays −Ω, the nut moves on."""
         axial = _sum(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
         return self._field((0, 0, 0, 0, 0), axial, {1: -self.d.input_speed})
 
-    def _field(self, acceleration: tuple, axial: tuple, frozen: dict | None = None) -> ModalMode:
+    def _field(self, acceleration: tuple, axial: tuple, frozen: dict | None = None) -> LinearMode:
         d = self.d
         travel = _sum((0, 0, 0, 1, 0), scaled(self.speed, self.reach))  # x′
         nut = scaled(
             _sum((0, 0, 0, 0, d.axial_force), scaled(travel, -d.translation_damping), scaled(axial, -1)), 1 / d.mass
         )
         mismatch = _sum(nut, scaled(acceleration, -self.reach))
-        return modal_mode([(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), mismatch], self.sizes, frozen)
+        return linear_mode([(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), mismatch], self.sizes, frozen)
 
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
