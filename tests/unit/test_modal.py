@@ -205,7 +205,7 @@ def test_growing_part_keeps_its_relative_accuracy_beside_a_slow_one():
 def decoupled(factors):
     """Flow tables of blocks without coupling and force, and the number of states.
 
-    Refuses equal rates of two blocks: without coupling they are no pair, and the modal form does not carry them.
+    Refuses nearly equal rates of two blocks: without coupling they are no pair, and the modal form does not carry them.
     """
     rates = [np.roots([1.0, -f[0]] if len(f) == 1 else [1.0, f[1], f[0]]) for f in factors]
     if any(np.abs(np.subtract.outer(a, b)).min() <= 1e-3 * np.abs(a).max() + 1e-6 for a, b in combinations(rates, 2)):

@@ -121,11 +121,11 @@ def _balanced(block: _Block) -> _Block:
     d = block.matrix.rows
     rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
     spectral = max(mpmath.re(rate) for rate in rates)
-    if d == 1:
-        return _Block(block.matrix, block.into, block.out, spectral)
     size = mpmath.mnorm(block.matrix, mpmath.inf)
-    margin = abs(spectral) / 2 if spectral < -_SAME * size else max(abs(rate) for rate in rates) / 1000
-    margin = max(margin, _SAME * size)
+    if d == 1 or size == 0:
+        return _Block(block.matrix, block.into, block.out, spectral)
+    fastest = max(abs(rate) for rate in rates)
+    margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
     most = max(2 * _CONDITION, 4 * _amplification(block))
     while True:
         found = _in_lyapunov_norm(block, spectral + margin)

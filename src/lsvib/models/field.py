@@ -36,9 +36,7 @@ class Field:
         return np.array([[float(x) for x in self.rows[i, :]] for i in range(self.rows.rows)])
 
 
-def exact_field(
-    rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None
-) -> Field:
+def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None) -> Field:
     """Take a field over.
 
     Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);

@@ -20,8 +20,8 @@ import numpy as np
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.models.coefficients import coefficients
-from lsvib.models.model import Model
 from lsvib.models.flow import LinearMode, flow_of, linear_mode
+from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, ThreadsDrive
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -109,7 +109,11 @@ class _Build:
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = _sum(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-        force, stiffness, damping = abs(float(d.axial_force)) + 1.0, float(d.contact_stiffness), float(d.contact_damping)
+        force, stiffness, damping = (
+            abs(float(d.axial_force)) + 1.0,
+            float(d.contact_stiffness),
+            float(d.contact_damping),
+        )
         mass, swing = float(d.mass), float((d.screw_inertia / d.coupling_stiffness).sqrt())
         mismatch = force / (stiffness + damping / swing + mass / swing**2)
         rate = force / (damping + math.sqrt(stiffness * mass) + mass / swing)

@@ -21,8 +21,8 @@ from enum import IntEnum
 
 from lsvib.core.status import Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
-from lsvib.models.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
 from lsvib.models.flow import flow_of, linear_mode
+from lsvib.models.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
 
 
 def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) -> Automaton:
