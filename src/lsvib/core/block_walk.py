@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from lsvib.core.blocks import carry
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel
 from lsvib.core.modal import apply
 from lsvib.core.planar import EPS
 from lsvib.core.root import next_guess
@@ -40,7 +40,7 @@ _GROWTH = 8.0  # of the exponent σ h on one step
 _LARGEST = 1e200
 
 
-@kernel
+@allocating_kernel
 def first_crossing(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
@@ -100,7 +100,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
     return _LOST, -1, limit
 
 
-@kernel
+@allocating_kernel
 def _forms(flow, mode, guards, weights, constants, sizes):
     """Write g_c B_c^k (g, k, q), g₀ (g), and the norm of each block's part of the former at the block's first place."""
     table, edges = flow.from_blocks[mode], flow.edges[mode]
@@ -122,7 +122,7 @@ def _forms(flow, mode, guards, weights, constants, sizes):
             _norms(weights[guard, k], edges, sizes[guard, k])
 
 
-@kernel
+@allocating_kernel
 def _norms(vector, edges, out):
     """Write the Euclidean norm of each block's part of a vector to its first place, zero elsewhere."""
     out[:] = 0.0
@@ -134,7 +134,7 @@ def _norms(vector, edges, out):
             out[edges[block]] = math.sqrt(total)
 
 
-@kernel
+@allocating_kernel
 def _derivative_sizes(matrix, edges, z, t, out):
     """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide."""
     now, noise = z.copy(), np.empty(z.size)
@@ -151,7 +151,7 @@ def _derivative_sizes(matrix, edges, z, t, out):
                 noise[first] *= rate
 
 
-@kernel
+@allocating_kernel
 def _bound(sizes, moved, growth, k, step):
     """M_k of a guard on a step, see the module docstring."""
     total = 0.0
@@ -164,7 +164,7 @@ def _bound(sizes, moved, growth, k, step):
     return total
 
 
-@kernel
+@allocating_kernel
 def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
     eighth = 0.125 * step * step
@@ -196,7 +196,7 @@ def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface
     return _UNDECIDED, slack
 
 
-@kernel
+@allocating_kernel
 def _values(weights, constants, z, out):
     """Write each guard and its first two derivatives to its row of ``out`` (g, 3)."""
     for guard in range(constants.size):
@@ -207,19 +207,19 @@ def _values(weights, constants, z, out):
             out[guard, k] = total
 
 
-@kernel
+@allocating_kernel
 def _rounding(weights, constants, z):
     """Size of each guard's rounding (g)."""
     return 8.0 * EPS * (np.abs(constants) + np.abs(weights[:, 0]) @ np.abs(z))
 
 
-@kernel
+@allocating_kernel
 def _fastest(matrix):
     """Bound of the rates [1/s] of a mode."""
     return np.abs(matrix).sum(axis=1).max()
 
 
-@kernel
+@allocating_kernel
 def _never(flow, mode, z, weights, constants, sizes, moved):
     """True if the blocks that move die away and the guards stay positive on the way."""
     edges, growth = flow.edges[mode], flow.growth[mode]
@@ -240,7 +240,7 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
     return True
 
 
-@kernel
+@allocating_kernel
 def _earliest(flow, mode, start, weights, constants, ahead, a, b, work):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when, z = -1, b, np.empty(start.size)
@@ -253,7 +253,7 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, work):
     return _CROSSING, first, when
 
 
-@kernel
+@allocating_kernel
 def _root(flow, mode, start, weights, constants, guard, low, high, out, work):
     """Root of a guard that falls from positive at ``low`` to not positive at ``high``."""
     rate, z = _fastest(flow.matrix[mode]), np.empty(start.size)

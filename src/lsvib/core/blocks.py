@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel
 from lsvib.core.modal import apply
 
 _DEGREE = 18  # of the Taylor polynomial
@@ -31,7 +31,7 @@ class BlockFlow(NamedTuple):
     field: np.ndarray  # (m, n, n + 1), A and b
 
 
-@kernel
+@allocating_kernel
 def _exponential(matrix, low, high, t, out, power, scratch):
     """Write e^{B t} of the block at ``low:high`` of ``matrix`` to the same place of ``out``."""
     if high == low + 1:
@@ -67,7 +67,7 @@ def _exponential(matrix, low, high, t, out, power, scratch):
     out[low:high, low:high] = power[low:high, low:high]
 
 
-@kernel
+@allocating_kernel
 def _propagator(flow, mode, t, work):
     """Write e^{B t} of all blocks to ``work[0]``; ``work`` (3, q, q)."""
     edges = flow.edges[mode]
@@ -77,7 +77,7 @@ def _propagator(flow, mode, t, work):
             _exponential(flow.matrix[mode], edges[block], edges[block + 1], t, work[0], work[1], work[2])
 
 
-@kernel
+@allocating_kernel
 def carry(flow, mode, start, t, out, work):
     """Write the block coordinates (q) a time t [s] after ``start`` to ``out``."""
     _propagator(flow, mode, t, work)
@@ -88,7 +88,7 @@ def carry(flow, mode, start, t, out, work):
         out[i] = total
 
 
-@kernel
+@allocating_kernel
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
     count = flow.matrix.shape[1]
@@ -98,7 +98,7 @@ def advance(flow, mode, state, t, out):
     apply(flow.from_blocks[mode], there, out)
 
 
-@kernel
+@allocating_kernel
 def magnitudes(flow, mode, state, stay, scale):
     """Write to ``scale`` (n) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
     count = flow.matrix.shape[1]

@@ -12,7 +12,7 @@ from numba import types
 from numba.extending import overload
 
 from lsvib.core import block_walk, blocks, modal, planar, walk
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.status import Found
 
 _NONE = int(Found.NONE)
@@ -56,7 +56,7 @@ guard_at = _by_kind(planar.guard_at, modal.guard_at, modal.guard_at)
 first_crossing = _by_kind(_planar_first_crossing, walk.first_crossing, block_walk.first_crossing)
 
 
-@kernel
+@allocating_kernel
 def _searched_extremes(flow, mode, state, functional, duration):
     """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
 
