@@ -208,6 +208,89 @@ def figure(
 
 
 @app.command
+def attraction(
+    *,
+    grid: Annotated[
+        list[str],
+        Parameter(consume_multiple=True, help="Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", **_ONE_VALUE),
+    ],
+    out: Path,
+    model: Annotated[str, Parameter(help="rigid or threads.")] = "rigid",
+    changes: Changes = None,
+    resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
+    quantities: Annotated[
+        list[str],
+        Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **_ONE_VALUE),
+    ] = ["label"],  # noqa: B006
+    threads: Annotated[int, Parameter(help="Number of threads.")] = 1,
+    figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Map the region of attraction: the attractor of the motion from every start of a grid.
+
+    Examples of use:
+
+        lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
+        w=-150:150:2000 --out map.nc --threads 2
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write.
+    """
+    from time import perf_counter
+
+    from lsvib.analysis.attraction import Grid, mapper
+    from lsvib.datasets.attraction import attraction_map, summary
+    from lsvib.datasets.writer import write_dataset
+    from lsvib.models.model import find_model
+
+    if not 1 <= threads <= 4096:
+        raise InputError(f"threads = {threads} is outside the allowed range 1 <= threads <= 4096.")
+    if resume not in ("contact_sign", "at_once"):
+        raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
+    starts = Grid.parse(grid)
+    mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
+    wanted = list(dict.fromkeys(["label", *quantities]))
+    mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
+    begin = perf_counter()
+    found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
+    result = summary(found["label"], None, perf_counter() - begin)
+    dataset = attraction_map(mapped, starts, found)
+    write_dataset(dataset, out)
+    if figure is not None:
+        from lsvib.figures.attraction import draw
+        from lsvib.figures.style import save
+
+        save(draw(dataset), figure, figure.with_suffix(".pdf"))
+    if as_json:
+        _print_json(result)
+        return
+    print(f"wrote {out}")
+    for name, fraction in result["fractions"].items():
+        print(f"{name.replace('_', ' ')}: {fraction:.6g} of {result['cells']} cells")
+    print(f"unresolved: {result['unresolved']} cells")
+    print(f"{result['cells_per_second']:.3g} cells per second")
+
+
+class _Progress:
+    """Tell on the error stream how far a map is: a line that is rewritten, or in a log one line for every 5 %."""
+
+    def __init__(self) -> None:
+        self.shown = -1
+
+    def __call__(self, done: int, total: int) -> None:
+        terminal = sys.stderr.isatty()
+        percent = 100 * done // total
+        step = percent if terminal else percent // 5
+        if step == self.shown:
+            return
+        self.shown = step
+        end = "\n" if done == total or not terminal else ""
+        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} cells", end=end, file=sys.stderr, flush=True)
+
+
+@app.command
 def config(
     *,
     model: Annotated[str, Parameter(help="Model of the drive.")] = "rigid",

@@ -24,6 +24,10 @@ SCRIPT_IMPORTS = {
     "figures": ("lsvib.datasets.writer", "lsvib.figures.style"),
 }
 
+# The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
+# configuration file changes the order.
+MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
+
 
 @cache
 def import_graph():
@@ -64,6 +68,11 @@ def sources(kind):
         return source_files(frozenset().union(*map(imports, roots)))
 
     return files
+
+
+def map_sources():
+    """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
+    return source_files(imports("lsvib.datasets.tiles") | imports(f"lsvib.models.{MAP.get('model', 'rigid')}"))
 
 
 def engine(wildcards):

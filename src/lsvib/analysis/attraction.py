@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -37,7 +37,10 @@ class Axis(NamedTuple):
 
     def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
-        index = np.arange(first, self.count if last is None else last)
+        return self.middles(np.arange(first, self.count if last is None else last))
+
+    def middles(self, index: np.ndarray) -> np.ndarray:
+        """Return the middles of the cells of these indices."""
         return self.start + (index + 0.5) * ((self.stop - self.start) / self.count)
 
     @property
@@ -63,6 +66,18 @@ class Grid(NamedTuple):
     x: Axis
     y: Axis
     fixed: Mapping[str, float] = {}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it."""
+        items = []
+        for key, value in values.items():
+            if isinstance(value, Mapping):
+                if set(value) != {"start", "stop", "count"}:
+                    raise InputError(f"axis {key} has the keys {', '.join(value)}; it needs start, stop and count.")
+                value = f"{value['start']}:{value['stop']}:{value['count']}"
+            items.append(f"{key}={value}")
+        return cls.parse(items)
 
     @classmethod
     def parse(cls, items: Sequence[str]) -> Self:
@@ -105,7 +120,8 @@ def mapper(
     kind = find_model(model)
     if model != "rigid":
         raise InputError(f"model = {model!r} has no map yet; the allowed value is rigid.")
-    return Mapper(kind.build(drive, (*kind.terms, *kind.options) if physics is None else tuple(physics), resume))
+    physics = (*kind.terms, *kind.options) if physics is None else tuple(physics)
+    return Mapper(drive, model, physics, resume)
 
 
 class Mapper:
@@ -119,13 +135,17 @@ class Mapper:
     * ``seizures`` until then, and ``first_event``: kind of the first event of the motion, −1 if there is none.
 
     No time of waiting enters. Every cell is computed on its own: no number depends on the grid around it, on tiles or
-    on threads.
+    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``).
     """
 
-    def __init__(self, automaton) -> None:
-        self.automaton = automaton
-        self.sections = Sections(automaton)
-        self._sprags = np.array(automaton.sprag_kinds, dtype=np.int64)
+    def __init__(self, drive: LeadScrew, model: str, physics: tuple[str, ...], resume: str) -> None:
+        kind = find_model(model)
+        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
+        self.events = kind.events
+        self.automaton = kind.build(drive, physics, resume)
+        self.sections = Sections(self.automaton)
+        self.attractors = self.sections.attractors
+        self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
 
     def cells(
         self,
@@ -142,13 +162,10 @@ class Mapper:
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
         int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
         """
-        if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
-            raise InputError(
-                "the rigid drive has the coordinates u and w: the grid needs them as its axes, none fixed."
-            )
         for name in quantities:
             if name not in QUANTITIES:
                 raise InputError(f"quantity {name!r} is not one of {', '.join(QUANTITIES)}.")
+        self._check(grid)
         y = grid.y.centres(*rows.indices(grid.y.count)[:2])
         x = grid.x.centres(*columns.indices(grid.x.count)[:2])
         across = int(grid.x.coordinate == "w")
@@ -178,3 +195,29 @@ class Mapper:
                 if progress is not None:
                     progress(done, y.size * x.size)
         return {name: found[name] for name in quantities}
+
+    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
+        u, w = np.asarray(u, dtype=float), np.asarray(w, dtype=float)
+        order = np.argsort(w, kind="stable")
+        x, y = u[order], w[order]
+        found, none = np.empty((1, x.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
+        bounds = [0, *(np.flatnonzero(np.diff(y)) + 1), x.size] if x.size else [0]
+        for first, last in zip(bounds[:-1], bounds[1:], strict=True):
+            part, tables, known = slice(first, last), self.automaton.tables, self.sections.known
+            attraction.map_labels(tables, known, x[part], y[first : first + 1], 0, _EVENTS, found[:, part], none)
+        labels = np.empty(x.size, dtype=np.int8)
+        labels[order] = found[0]
+        return labels
+
+    def labels_at(self, grid: Grid, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single cells of a grid, given by their indices ``row`` and ``column`` (n)."""
+        self._check(grid)
+        x, y = grid.x.middles(column), grid.y.middles(row)
+        return self.labels_of(x, y) if grid.x.coordinate == "u" else self.labels_of(y, x)
+
+    def _check(self, grid: Grid) -> None:
+        if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
+            raise InputError(
+                "the rigid drive has the coordinates u and w: the grid needs them as its axes, none fixed."
+            )

@@ -119,7 +119,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
     Exits:
 
     * SETTLED: steady sliding in a damped mode, at its equilibrium; in an undamped one a slip cycle, in one that grows
-      unbounded, unless the motion is at rest there;
+      unbounded, unless the motion is at that equilibrium; rest in a mode at rest;
     * the section state repeats after 1 to 8 returns, or a fixed point of the return map is enclosed: a cycle, named
       sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed point is the origin;
     * the motion grows without bound: unbounded;
@@ -148,6 +148,8 @@ def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
         field = flow.field[motion.end_mode]
         return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
     row = flow[motion.end_mode]
+    if automaton.codes[motion.end_mode] in automaton.rest_codes:
+        return SteadyState(Attractor.REST, motion.end_state)
     equilibrium = np.array([row[planar.EQUILIBRIUM], 0.0])
     if row[planar.ALPHA] > 0 or np.array_equal(motion.end_state, equilibrium):
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)

@@ -35,6 +35,8 @@ from lsvib.models.automaton import Automaton
 
 _FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 _EVENTS = 4000  # of an itinerary
+_SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
+_PATIENCE = 3  # searches for an attractor that end with none
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
@@ -66,15 +68,22 @@ class Sections:
         self.attractors: list[SteadyState] = []
         self._absorbing = np.empty((0, 4))
         self._absorbed: list[Attractor] = []
+        self._futile = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
+        for section in self.sections:
+            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, planar.EQUILIBRIUM]):
+                self._absorb_by_corner(section, 1)
+                self._absorb_by_corner(section, -1)
         releases = _releases(automaton, self.known)
         for mode, state in releases:
             self.known.resting[mode] = self._explore(state, mode)
         for section in self.sections:
             for part in (-1.0, -0.1, 0.1, 1.0):
-                self._explore(self._point(section, part * self.size[section.free]), section.mode)
+                state = self._point(section, part * self.size[section.free])
+                if self._belongs(section, state):
+                    self._explore(state, section.mode)
         found = {section: self._labels(section) for section in self.sections}
-        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found)
+        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found, self.size)
         self.known = _with_cycles(automaton, self.known, self.attractors, releases)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
@@ -82,6 +91,14 @@ class Sections:
         state[section.free] = x
         attraction.put_on(self.automaton.tables, section.surface, state)
         return state
+
+    def _belongs(self, section: Section, state: np.ndarray) -> bool:
+        """Tell whether a point of a section lies in its mode, so that no other guard has fired already."""
+        tables = self.automaton.tables
+        guards = slice(*tables.guard_start[section.mode : section.mode + 2])
+        rows = tables.surfaces[tables.guard_surface[guards]]
+        values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
+        return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
 
     def _explore(self, state: np.ndarray, mode: int) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
@@ -92,8 +109,7 @@ class Sections:
         if (self.known.resting[found.orbit.arcs()[0]] == UNKNOWN).all():
             interval = self._absorbing_interval(found)
             if interval is not None:
-                self._absorbing = np.vstack([self._absorbing, interval])
-                self._absorbed.append(found.label)
+                self._absorb(interval, found.label)
         return found.label
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
@@ -134,11 +150,35 @@ class Sections:
             code, count, mode = attraction.itinerary(
                 self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
             )
-            before = len(self._absorbing)
-            if code == TOO_LONG and not push[0]:
-                self._explore(state, mode)
-            if len(self._absorbing) == before:
+            if code != TOO_LONG or self._futile == _PATIENCE or not self._learns(state, mode):
                 return np.append(self._symbols[:count], -10 - code)
+
+    def _learns(self, state: np.ndarray, mode: int) -> bool:
+        """Look for an attractor that a motion whose itinerary does not end comes to; True if one is found."""
+        before = len(self._absorbing)
+        self._explore(state, mode)
+        learned = len(self._absorbing) > before
+        self._futile += not learned
+        return learned
+
+    def _absorb_by_corner(self, section: Section, side: int) -> None:
+        """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
+
+        Near an equilibrium on a surface, which the modes on both sides then share, the return map is linear: what holds
+        at one point holds at all that are nearer. So it does for a motion of the same itinerary as one 10³ times nearer.
+        """
+        width, found = _ON_CYCLE * self.size[section.free], None
+        while width < self.size[section.free]:
+            there, nearer = (self._returned(section, side * part * width, 1) for part in (1.0, 1e-3))
+            if there is None or nearer is None or there[0] != nearer[0] or not 0 < side * there[1] < width:
+                break
+            found, width = (section.mode, section.surface, *sorted((0.0, side * width))), 2 * width
+        if found is not None:
+            self._absorb(found, Attractor.STEADY_SLIDING)
+
+    def _absorb(self, interval: tuple[float, ...], label: Attractor) -> None:
+        self._absorbing = np.vstack([self._absorbing, interval])
+        self._absorbed.append(label)
 
     def _label(self, course: np.ndarray) -> int:
         code = -10 - int(course[-1])
@@ -149,11 +189,12 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
-        first = self._pieces(section, _PUSHES[0])
-        if len(first.labels) == 1:
-            return first
-        runs = [first, *(self._pieces(section, push) for push in _PUSHES[1:])]
-        cuts = np.unique(np.concatenate([run.edges for run in runs]))
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0]))]
+        if len(runs[0].labels) == 1:
+            return runs[0]
+        runs += [self._trimmed(section, self._pieces(section, push)) for push in _PUSHES[1:]]
+        low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
+        cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
         seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
         agreed = np.where((seen == seen[0]).all(axis=0), seen[0], UNRESOLVED)
         own = _ROUNDING * self.size[section.free]
@@ -168,6 +209,15 @@ class Sections:
                 edges.append(cut + own)
                 labels.append(label)
         return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
+
+    def _trimmed(self, section: Section, pieces: Pieces) -> Pieces:
+        """Cut off ends of a section that lie outside its mode, where no motion enters it."""
+        edges, labels = pieces
+        if labels[0] == UNKNOWN and not self._belongs(section, self._point(section, edges[0])):
+            edges, labels = edges[1:], labels[1:]
+        if labels and labels[-1] == UNKNOWN and not self._belongs(section, self._point(section, edges[-1])):
+            edges, labels = edges[:-1], labels[:-1]
+        return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
     def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
         """Labels along a section, by bisection between motions that take different courses."""
@@ -189,18 +239,19 @@ class Sections:
             here_course, there_course = (self._course(section, x, push) for x in (here, there))
             waiting.append((there, there_course, high, high_course))
             waiting.append((low, low_course, here, here_course))
-        return _merged(edges, labels)
+        return _merged(edges, labels, _SLIVER * self.size[section.free])
 
 
-def _merged(edges: list[float], labels: list[int]) -> Pieces:
-    """Join neighbours of the same label; a motion that touches a guard goes with its neighbours if they agree."""
+def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
+    """Join neighbours of the same label; what touches a guard, or meets a corner, goes with neighbours that agree."""
     pieces = Pieces(edges, labels)
     for _ in range(2):
         edges, labels = pieces
         keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
         edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
         for k in range(1, len(labels) - 1):
-            if labels[k] == GRAZED and labels[k - 1] == labels[k + 1]:
+            special = labels[k] in (GRAZED, UNKNOWN) and edges[k + 1] - edges[k] <= sliver + sliver * abs(edges[k])
+            if special and labels[k - 1] == labels[k + 1]:
                 labels[k] = labels[k - 1]
         pieces = Pieces(edges, labels)
     return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
@@ -340,7 +391,7 @@ def _shares(flow: np.ndarray) -> np.ndarray:
     return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
 
 
-def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces]) -> Known:
+def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces], size: np.ndarray) -> Known:
     """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
 
     An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
@@ -348,30 +399,26 @@ def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section,
     """
     tables = automaton.tables
     for mode in np.flatnonzero(known.resting == UNKNOWN):
-        labels, bounds = set(), [np.inf, np.inf]
+        labels = set()
         for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
             transition = tables.guard_transition[guard]
             surface = int(known.landing[transition])
-            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
-                after = int(tables.branch_mode[branch])
+            for after in tables.branch_mode[tables.branch_start[transition] : tables.branch_start[transition + 1]]:
                 if known.resting[after] != UNKNOWN:
                     labels.add(int(known.resting[after]))
-                    continue
-                pieces = found[Section(after, surface, int(known.free[surface]))]
-                labels |= set(pieces.labels)
-                free = known.free[surface]
-                bounds[free] = min(bounds[free], -pieces.edges[0], pieces.edges[-1])
+                else:
+                    labels |= set(found[Section(int(after), surface, int(known.free[surface]))].labels)
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(labels) == 1 and kappa > 0:
             known.common[mode] = labels.pop()
-            room = max(0.0, bounds[0] - abs(row[planar.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, bounds[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
+            room = max(0.0, _FAR * size[0] - abs(row[planar.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
     return known
 
 
 def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:
     """Add the points of the cycles, and what follows the end of rest."""
-    orbits = [found.orbit for found in attractors]
+    orbits = [found.orbit for found in attractors if found.orbit.time.size]
     if orbits:
         known = known._replace(
             cycle_mode=np.concatenate([orbit.mode for orbit in orbits]),

@@ -334,7 +334,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
     if _on_cycle(known, mode, state):
         return 0.0, 0
     for _ in range(budget):
-        if _ellipse(tables, known, mode, state) < known.trap[mode, 1]:
+        if _ellipse(tables, known, mode, state) < known.trap[mode, 2]:
             return clock[0] + clock[1], count
         start = mode
         outcome, guard, kind, mode, stay, short = _step(tables, mode, short, scratch)

@@ -19,11 +19,10 @@ direction a – or that it is held, a = 0 – is then part of the mode. A model 
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 
-from lsvib.core import planar
 from lsvib.core.status import Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
+from lsvib.models.flow import flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
-from lsvib.models.modes import modal_flow, modal_mode
 
 
 def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) -> Automaton:
@@ -68,22 +67,22 @@ class _Layout:
             for a in self.ways:
                 modes[self.rest(side, a)] = self._mode(self.rest(side, a), self._rest_guards(side, a))
         seen = {mode: self.b.observables(self.solutions[mode]) for mode in modes}
-        scales = [row[planar.TIME_SCALE] for mode in modes.values() for row in mode.flow.oscillators]
+        scales = [scale for mode in modes.values() for scale in mode.flow.time_scales]
         return assemble(
             states=self.b.states,
             surfaces=self.surfaces,
             modes=modes,
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[self.name(1, -1, 1)]},
-            shortest_stay=1e-13 * min(scale for scale in scales if scale > 0),
-            stack=modal_flow,
+            shortest_stay=1e-13 * min(scales),
+            stack=flow_of,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),
             sprag_kinds=(self.seizure,),
         )
 
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
-        flow = modal_mode(solution.field, self.b.sizes, solution.frozen)
+        flow = linear_mode(solution.field, self.b.sizes, solution.frozen)
         return Mode(self.codes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:

@@ -1,0 +1,108 @@
+"""Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper
+from lsvib.analysis.cycles import Attractor
+from lsvib.datasets import phase
+from lsvib.datasets.phase import attributes
+from lsvib.datasets.variables import flags, quantity
+
+_CYCLE_SAMPLES = 400
+
+
+def attraction_map(
+    mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray], boundary: Mapping[str, Any] | None = None
+) -> xr.Dataset:
+    """Return the dataset of a map.
+
+    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid;
+    ``boundary``, variables of an exact boundary to add, if there is one. The coordinates are those of the grid's axes,
+    at the middles of the cells. Besides the quantities of the map: ``fraction`` of each attractor; ``cycle_angle`` and
+    ``cycle_velocity``, the cycles; the lines Q = 0 and θ′ = 0. Times that never come are missing.
+    """
+    dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
+    data = {name: (dims, _values(name, array), variable_attributes(mapper, name)) for name, array in found.items()}
+    return xr.Dataset(
+        data | fractions(found["label"]) | surroundings(mapper) | dict(boundary or {}),
+        coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
+        attrs=global_attributes(mapper, grid),
+    )
+
+
+def axis_coordinate(axis: Axis) -> tuple:
+    """Return the coordinate variable of an axis: the middles of its cells."""
+    name = COORDINATES[axis.coordinate]
+    return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
+
+
+def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
+    """Return the attributes of a quantity of a map, by its name."""
+    if name == "label":
+        return phase.flag("attractor that the motion reaches", Attractor)
+    if name == "time":
+        return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
+    if name == "seizures":
+        return attributes("1", "number of seizures until the attractor is reached")
+    kinds = flags(mapper.events)
+    kinds["flag_values"] = np.append(kinds["flag_values"], np.int8(-1))
+    return attributes("1", "first event of the motion", **kinds | {"flag_meanings": kinds["flag_meanings"] + " none"})
+
+
+def fractions(labels: np.ndarray) -> dict[str, tuple]:
+    """Return the fraction of the cells of each attractor, as a variable along the coordinate ``attractor``."""
+    kinds = np.array([int(kind) for kind in Attractor], dtype=np.int8)
+    counts = np.bincount(labels.ravel().astype(np.int64) + 1, minlength=kinds.size)
+    return {
+        "attractor": ("attractor", kinds, phase.flag("attractor", Attractor)),
+        "fraction": ("attractor", counts / labels.size, attributes("1", "fraction of the cells")),
+    }
+
+
+def surroundings(mapper: Mapper) -> dict[str, tuple]:
+    """Return the lines Q = 0 and θ′ = 0 of a drive and its limit cycles, for the figure."""
+    lines = phase.lines([mapper.drive])
+    data = {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items()}
+    orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
+    points = np.array([phase.sample(orbit, _CYCLE_SAMPLES)[1][:, :2] for orbit in orbits])
+    if orbits:
+        dims = ("cycle", "sample")
+        data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on a limit cycle", "$u$"))
+        data["cycle_velocity"] = (dims, points[..., 1], attributes("rad s-1", "rate on a limit cycle", r"$\dot u$"))
+    return data
+
+
+def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
+    """Return the global attributes of a map; ``grid`` holds its axes and fixed coordinates as JSON."""
+    axes = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
+    return {
+        "title": "Regions of attraction of a lead-screw drive",
+        "source": "lsvib, exact event-driven motion from the middle of every cell",
+        "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        "model": mapper.model,
+        "parameters": json.dumps(dict(mapper.drive)),
+        "physics": " ".join(mapper.physics),
+        "resume": mapper.resume,
+        "grid": json.dumps({"axes": axes, "fixed": dict(grid.fixed)}),
+    }
+
+
+def summary(labels: np.ndarray, exact_basin_area: float | None, seconds: float) -> dict[str, Any]:
+    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells, ``cells_per_second``, exact area."""
+    counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
+    return {
+        "cells": labels.size,
+        "fractions": {kind.name.lower(): count / labels.size for kind, count in counts.items() if count and kind >= 0},
+        "unresolved": counts[Attractor.UNRESOLVED],
+        "exact_basin_area": exact_basin_area,
+        "cells_per_second": labels.size / seconds,
+    }
+
+
+def _values(name: str, array: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(array), array, np.nan) if name == "time" else array

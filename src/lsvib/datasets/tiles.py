@@ -1,0 +1,129 @@
+"""The region of attraction in tiles: which cells each tile holds, one tile as a dataset, the map from its tiles."""
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper, mapper
+from lsvib.analysis.cycles import Attractor
+from lsvib.datasets.assembly import Window, gather, write_tile
+from lsvib.datasets.phase import attributes, flag
+from lsvib.datasets.variables import quantity
+from lsvib.errors import InputError
+from lsvib.models.model import find_model
+from lsvib.models.rigid import EventKind
+
+
+def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
+    """Return how many tiles lie below and beside each other: of all factors of ``tiles`` those nearest to square tiles.
+
+    ``rows``, ``columns``: cells of the map. Raises ``InputError`` if some tile would have no cell.
+    """
+    pairs = [(n, tiles // n) for n in range(1, tiles + 1) if tiles % n == 0]
+    pairs = [(down, across) for down, across in pairs if down <= rows and across <= columns]
+    if not pairs:
+        raise InputError(f"tiles = {tiles} cannot divide a map of {columns} x {rows} cells; choose another number.")
+    return min(pairs, key=lambda pair: abs(math.log(rows / pair[0] * pair[1] / columns)))
+
+
+def window(item: str, rows: int, columns: int) -> Window:
+    """Return the cells of the tile ``item`` ("3-of-6", counted from 1 along the rows) of a map of some cells."""
+    number, tiles = (int(word) for word in item.split("-of-"))
+    down, across = layout(tiles, rows, columns)
+    i, j = divmod(number - 1, across)
+    return Window(i * rows // down, (i + 1) * rows // down, j * columns // across, (j + 1) * columns // across)
+
+
+def grid_of(settings: Mapping[str, Any]) -> Grid:
+    """Return the grid of a map from its settings.
+
+    ``settings["grid"]`` has ``start``, ``stop``, ``count`` for each of the two coordinates that span the map, and a
+    number for every other. Of the two, the one that comes first in a state is horizontal, whichever is written first.
+    Raises ``InputError``.
+    """
+    given = settings["grid"]
+    for name in given:
+        if name not in COORDINATES:
+            raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(COORDINATES)}.")
+    spans = [name for name in COORDINATES if isinstance(given.get(name), Mapping)]
+    if len(spans) != 2:
+        raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
+    x, y = (Axis.checked(name, given[name]["start"], given[name]["stop"], given[name]["count"]) for name in spans)
+    return Grid(x, y, {name: value for name, value in given.items() if name not in spans})
+
+
+def mapper_of(settings: Mapping[str, Any]) -> Mapper:
+    """Return the mapper of a map from its settings: ``model``, ``drive`` (changes of Table 8.1) and ``resume``.
+
+    Raises ``InputError``.
+    """
+    model = settings.get("model", "rigid")
+    drive = find_model(model).drive.of(settings["drive"])
+    return mapper(drive, model, resume=settings.get("resume", "contact_sign"))
+
+
+def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], threads: int = 1) -> None:
+    """Map one tile and write it.
+
+    ``settings`` as in :func:`grid_of` and :func:`mapper_of`, and ``quantities`` of each cell; ``item``: "3-of-6".
+    Raises ``InputError`` and ``EngineError``.
+    """
+    grid, place = _placed(settings, item)
+    cells = mapper_of(settings).cells(grid, place.rows, place.columns, settings["quantities"], threads)
+    frame = _frame(grid, place)
+    dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
+    tile = frame.assign({name: (dims, values, _attributes()[name]) for name, values in cells.items()})
+    write_tile(tile, place, settings, path)
+
+
+def gather_map(
+    settings: Mapping[str, Any],
+    tiles: Sequence[str],
+    path: str | os.PathLike[str],
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write the map from the files of its tiles, each named as its item; ``settings`` as in :func:`map_tile`."""
+    grid = grid_of(settings)
+    places = {Path(tile): _placed(settings, Path(tile).stem)[1] for tile in tiles}
+    gather(_frame(grid, Window(0, grid.y.count, 0, grid.x.count)), settings, places, path, progress)
+
+
+def _placed(settings: Mapping[str, Any], item: str) -> tuple[Grid, Window]:
+    grid = grid_of(settings)
+    return grid, window(item, grid.y.count, grid.x.count)
+
+
+def _attributes() -> dict[str, dict[str, Any]]:
+    """Return the attributes of the quantities of a cell."""
+    events = flag("kind of the first event of the motion", EventKind)
+    events["flag_values"] = np.append(np.int8(-1), events["flag_values"])
+    events["flag_meanings"] = f"none {events['flag_meanings']}"
+    return {
+        "label": flag("attractor that the motion reaches", Attractor),
+        "time": attributes("s", "time until the motion is on its attractor"),
+        "seizures": attributes("1", "number of seizures until then"),
+        "first_event": events,
+    }
+
+
+def _frame(grid: Grid, place: Window) -> xr.Dataset:
+    """Return the part of a map without its cells."""
+    centres = {
+        grid.y.coordinate: grid.y.centres(place.first_row, place.last_row),
+        grid.x.coordinate: grid.x.centres(place.first_column, place.last_column),
+    }
+    names = {key: COORDINATES[key] for key in (*centres, *grid.fixed)}
+    return xr.Dataset(
+        coords={names[key]: (names[key], values, quantity(names[key])) for key, values in centres.items()}
+        | {names[key]: ((), value, quantity(names[key])) for key, value in grid.fixed.items()},
+        attrs={
+            "title": "Region of attraction",
+            "source": "lsvib, exact event-driven motion and its return map",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        },
+    )
