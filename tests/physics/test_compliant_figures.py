@@ -10,10 +10,10 @@ import xarray as xr
 from test_figures import draft, scale, set_to
 
 from lsvib.analysis import limit_process
-from lsvib.analysis.cycles import Attractor, orbit_extremes
+from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
 from lsvib.analysis.impact import seizure_impulses
 from lsvib.analysis.limit_process import Family, Region
-from lsvib.analysis.orbits import Orbit, farthest, settled_orbit
+from lsvib.analysis.orbits import Orbit, farthest
 from lsvib.datasets.limit_process import Verdict
 from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
@@ -88,7 +88,7 @@ def test_farthest_point_from_a_polygon():
 
 
 def test_distance_of_shifted_cycles_is_the_shift():
-    cycle = settled_orbit(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
+    cycle = steady_state(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
     orbit = Orbit.of(cycle.orbit, (cycle.amplitude, VISCOUS.input_speed))
     shift = np.array([0.01, 0.0])
     shifted = Orbit(orbit.scales, orbit.polygon + shift, orbit.points + shift)
@@ -97,11 +97,11 @@ def test_distance_of_shifted_cycles_is_the_shift():
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
-def test_settled_orbit_is_where_the_motion_ends(stiffness):
+def test_steady_state_is_where_the_motion_ends(stiffness):
     """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
     drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
     automaton = threads_drive(drive)
-    cycle = settled_orbit(automaton, seated_state(drive, 0.003, 0.0))
+    cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
     kind, mode = cycle.orbit.kind[-1], cycle.orbit.mode[-1]
@@ -113,7 +113,7 @@ def test_settled_orbit_is_where_the_motion_ends(stiffness):
 
 def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
     automaton = threads_drive(VISCOUS)
-    cycle = settled_orbit(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
+    cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
     row = automaton.observables["normal_force"]
     (stop,) = cycle.after[cycle.kind == ThreadsEvent.STICK]
     assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)

@@ -28,7 +28,7 @@ import numpy as np
 
 from lsvib.analysis.cycles import orbit_extremes, steady_state
 from lsvib.analysis.impact import seizure_impulses
-from lsvib.analysis.orbits import Orbit, rest_count, rest_duration, settled_orbit
+from lsvib.analysis.orbits import Orbit, rest_count, rest_duration
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton
 from lsvib.models.coefficients import coefficients
@@ -188,7 +188,7 @@ def deviations(branch: Branch, drive: ThreadsDrive, automaton: Automaton) -> dic
     """
     seated = seated_state(drive, *branch.start)
     if branch.impact is None:
-        motion = settled_orbit(automaton, seated, max_events=_EVENTS).orbit
+        motion = steady_state(automaton, seated, max_events=_EVENTS).orbit
     else:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:
