@@ -38,7 +38,7 @@ from lsvib.models.rigid import EventKind, MotionMode, Resume, rigid_drive
 from lsvib.models.threads import ThreadsEvent, seated_state
 
 _SAME = 1e-9  # relative difference in time of two rigid motions that is none
-_EVENTS = 500  # of a compliant motion in which its cycle must show
+_EVENTS = 1000  # of a compliant motion in which its cycle must show
 
 
 class Family(IntEnum):
