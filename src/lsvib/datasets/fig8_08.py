@@ -9,7 +9,7 @@ import xarray as xr
 from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets.checks import Check
-from lsvib.datasets.phase import attributes
+from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
