@@ -155,7 +155,7 @@ def figure(
     out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Build one figure of the chapter: its dataset, its checks, and the picture as PNG and PDF.
+    """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
     Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
 
@@ -165,10 +165,12 @@ def figure(
 
         lsvib figure 8.9 --set support_damping=4e-4 --out mine
 
+        lsvib figure limit_process
+
     Parameters
     ----------
     number:
-        Number of the figure in the chapter, e.g. 8.6.
+        Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
     from importlib import import_module
     from importlib.util import find_spec
@@ -177,12 +179,11 @@ def figure(
     from lsvib.files import write_json
     from lsvib.models.scene import read_yaml
 
-    chapter, _, rest = number.partition(".")
-    name = f"fig{chapter}_{rest.zfill(2)}"
     settings = read_yaml(config)
-    if name not in settings or not name.isidentifier() or find_spec(f"lsvib.datasets.{name}") is None:
-        known = ", ".join(f"8.{int(key[5:])}" for key in settings if key.startswith("fig8_"))
-        raise InputError(f"figure {number} is not one of those in {config}: {known}.")
+    labels = {name: _label(name) for name, section in settings.items() if isinstance(section, dict)}
+    name = next((name for name, label in labels.items() if number in (name, label)), number)
+    if name not in labels or find_spec(f"lsvib.datasets.{name}") is None:
+        raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
     section = settings[name]
     section["drive"] = {**section.get("drive", {}), **_pairs(changes)}
     module = import_module(f"lsvib.datasets.{name}")
@@ -329,6 +330,12 @@ def config(
         return
     for key, entry in fields.items():
         print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+
+
+def _label(name: str) -> str:
+    """Number of a figure of the chapter by its name: 8.6 for fig8_06; other figures keep their name."""
+    chapter, _, number = name.removeprefix("fig").partition("_")
+    return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name
 
 
 def _pairs(items: list[str] | None) -> dict[str, str]:

@@ -19,6 +19,7 @@ from lsvib.models.rigid import rigid_drive
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
 MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
+CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
     "time": "s",
     "angle_deviation": "rad",
@@ -188,12 +189,25 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["simulate", *MOTION], "--out"),
         (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
         (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
+        (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
         (["nonsense"], "nonsense"),
         (["thresholds", "--nonsense"], "--nonsense"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
     assert words in refused(run, *arguments)
+
+
+def test_unknown_figure_is_refused_with_all_that_there_are(run, tmp_path):
+    (tmp_path / "figures.yaml").write_text("figures: [fig8_06]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\n")
+    sentence = refused(run, "figure", "8.99", "--config", "figures.yaml")
+    assert sentence.rstrip().endswith("figure 8.99 is not one of those in figures.yaml: 8.6, limit_process.")
+
+
+@pytest.mark.parametrize("number", ["8.3", "fig8_03"])
+def test_figure_by_number_or_name(run, number):
+    run("figure", number, "--config", str(CONFIG), "--out", "built")
+    assert Path("built/figures/fig8_03.png").is_file()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from lsvib.core import modal, walk
-from lsvib.core.planar import ALPHA, BETA, R1, R2
+from lsvib.core.planar import A0, ALPHA, BETA, R1, R2
 from lsvib.core.status import Found
 from lsvib.models.field import exact_field
 from lsvib.models.modes import modal_flow, modal_mode
@@ -231,6 +231,12 @@ FACTORS = st.one_of(
 )
 
 
+def rounding_of(row, factors, k):
+    """What forming the k-th derivative of a pair's part may lose: its P_k is a sum of terms ρ^k |P|, ρ^{k−1} |Q|."""
+    rate = max(np.abs(row[[R1, R2]]).max(), np.sqrt(row[A0]))
+    return 8 * EPS * rate ** (k - 1) * (rate * factors[2] + factors[3])
+
+
 @settings(max_examples=150)
 @given(st.lists(FACTORS, min_size=1, max_size=3), st.lists(PARTS, min_size=12, max_size=12), st.floats(0, 5))
 def test_bounds_bound_the_derivatives(factors, numbers, angle):
@@ -256,12 +262,14 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
     largest = ends.max(axis=0)
     A, b = flow.field[0][:, :-1], flow.field[0][:, -1]
     for t in np.linspace(left, right, 41):
-        x = np.empty(n)
+        x, terms = np.empty(n), np.empty(n)
         modal.advance(flow, 0, state, t, x)
+        modal.magnitudes(flow, 0, state, t, terms)
         derivative, weights = A @ x + b, guard[:-1]
         for k in range(1, modal.ORDERS):
-            sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state))
+            sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state) + terms)
             most = sum(modal.bound(amplitudes[0, pair, k], *largest[pair]) for pair in range(len(rows)))
+            most += sum(rounding_of(row, amplitudes[0, pair, 0], k) for pair, row in enumerate(rows))
             assert abs(weights @ derivative) <= most * (1 + 1e-12) + 256 * EPS * (1 + angle) * sizes + 1e-50
             derivative = A @ derivative
 

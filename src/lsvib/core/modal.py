@@ -161,7 +161,7 @@ def amplitudes(row, value, rate, out):
         out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = slow, fast, abs(p), abs(q), lost
         out[k, 5] = 0.0 if spread > 0.0 else abs(q)
         p, q = row[R1] * p + q, row[R2] * q
-        slow, fast, lost = row[R1] * slow, row[R2] * fast, abs(row[R1]) * lost
+        slow, fast, lost = row[R1] * slow if spread > 0.0 else p, row[R2] * fast, abs(row[R1]) * lost
 
 
 @kernel

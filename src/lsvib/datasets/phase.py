@@ -12,7 +12,7 @@ from typing import Any, get_args
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets.variables import flags, quantity
+from lsvib.datasets.variables import attributes, flags, quantity
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import Motion, follow
@@ -25,11 +25,6 @@ _GREEK = ("Omega", "lambda", "mu")
 _ARC = 17  # samples of an arc between two events, if there is room
 
 Variables = dict[str, tuple]
-
-
-def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
-    """Return the attributes of a variable; an empty symbol is left out."""
-    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
 
 
 def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
