@@ -115,18 +115,23 @@ def content_digest(path: str | os.PathLike[str]) -> str:
 def overview(path: str | os.PathLike[str], most: int = 1000) -> xr.Dataset:
     """Return a map with at most ``most`` rows and columns: of each block of cells the one in its middle.
 
-    A picture has no room for more. ``cell_width`` of the coordinates becomes that of a block; ``cell_count`` and
-    ``fraction`` remain those of all cells. The rest of the file is read in its compressed blocks and forgotten. Raises
-    ``InputError`` if the file cannot be read.
+    A picture has no room for more. The coordinates are the middles of the blocks and ``cell_width`` is theirs; cells
+    beyond the last whole block are left out. ``cell_count`` and ``fraction`` remain those of all cells. The rest of the
+    file is read in its compressed blocks and forgotten. Raises ``InputError`` if the file cannot be read.
     """
     try:
         with xr.open_dataset(path, engine="netcdf4", cache=False) as whole:
-            steps = {dim: -(-whole.sizes[dim] // most) for dim in whole["label"].dims}
-            coarse = whole.isel({dim: slice(step // 2, None, step) for dim, step in steps.items()}).load()
+            sizes = {dim: whole.sizes[dim] for dim in whole["label"].dims}
+            steps = {dim: -(-size // most) for dim, size in sizes.items()}
+            middles = {dim: slice(step // 2, sizes[dim] // step * step, step) for dim, step in steps.items()}
+            coarse = whole.isel(middles).load()
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise InputError(f"{path} is not a readable map: {error}.") from error
     for dim, step in steps.items():
-        coarse[dim].attrs["cell_width"] *= step
+        width = coarse[dim].attrs["cell_width"]
+        between_cells = step % 2 == 0  # of an even number of cells, the one after the middle is taken
+        values = coarse[dim].values - 0.5 * width * between_cells
+        coarse = coarse.assign_coords({dim: (dim, values, {**coarse[dim].attrs, "cell_width": width * step})})
     return coarse
 
 
