@@ -30,8 +30,8 @@ def whole(rows=ROWS, columns=COLUMNS):
             "mass": ((), 11.0, {"units": "kg", "long_name": "mass"}),
         },
         coords={
-            "w": ("w", w, {"units": "rad s-1", "long_name": "rate"}),
-            "u": ("u", u, {"units": "rad", "long_name": "deviation"}),
+            "w": ("w", w, {"units": "rad s-1", "long_name": "rate", "cell_width": 4 / (rows - 1)}),
+            "u": ("u", u, {"units": "rad", "long_name": "deviation", "cell_width": 2 / (columns - 1)}),
         },
         attrs=METADATA,
     )
@@ -62,9 +62,9 @@ def test_the_map_is_the_same_for_every_tiling(count, tmp_path):
     gathered = read_dataset(tmp_path / "map.nc")
     assert all(gathered[name].variable.identical(whole()[name].variable) for name in whole().variables)
     values, counts = np.unique(whole().label, return_counts=True)
-    assert gathered.label_kind.values.tolist() == values.tolist()
-    assert gathered.label_count.values.tolist() == counts.tolist()
-    assert gathered.label_fraction.values == pytest.approx(counts / counts.sum(), abs=1e-15)
+    assert gathered.attractor.values.tolist() == values.tolist()
+    assert gathered.cell_count.values.tolist() == counts.tolist()
+    assert gathered.fraction.values == pytest.approx(counts / counts.sum(), abs=1e-15)
     assert told[-1] == (count, count)
     assert gathered.attrs["Conventions"] == "CF-1.11"
     one = tmp_path / "one.nc"
@@ -94,7 +94,13 @@ def test_overview_takes_the_middle_of_each_block(places, tmp_path):
     gather(frame(whole()), SETTINGS, places, tmp_path / "map.nc")
     full = read_dataset(tmp_path / "map.nc")
     coarse = overview(tmp_path / "map.nc", most=15)
-    assert coarse.identical(full.isel(w=slice(1, None, 3), u=slice(2, None, 4)))
+    expected = full.isel(w=slice(1, 36, 3), u=slice(2, 56, 4))  # 12 whole blocks of 3 rows, 14 of 4 columns
+    assert coarse.label.values.tolist() == expected.label.values.tolist()
+    assert coarse.cell_count.identical(full.cell_count)
+    for name, step in (("w", 3), ("u", 4)):
+        blocks = full[name].values[: coarse.sizes[name] * step].reshape(-1, step)
+        assert coarse[name].values == pytest.approx(blocks.mean(axis=1), abs=1e-15)
+        assert coarse[name].cell_width == pytest.approx(np.diff(coarse[name].values).mean(), rel=1e-12)
     assert overview(tmp_path / "map.nc").identical(full)
 
 

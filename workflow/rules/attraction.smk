@@ -6,9 +6,10 @@ scattergather:
 
 
 rule attraction:
-    """Map the region of attraction."""
+    """Map the region of attraction and draw it."""
     input:
         "results/attraction/map.nc",
+        collect("results/figures/attraction.{format}", format=["png", "pdf"]),
     message:
         "The region of attraction is mapped"
 
@@ -70,3 +71,27 @@ rule gather_map:
         "Gathering the tiles"
     script:
         "../scripts/gather_map.py"
+
+
+rule draw_map:
+    """Draw the map, a large one from the middle cells of blocks of cells."""
+    input:
+        map="results/attraction/map.nc",
+        sources=source_files(imports("lsvib.figures.attraction") | imports("lsvib.datasets.assembly")),
+    output:
+        png=report(
+            "results/figures/attraction.png",
+            caption="../report/attraction.rst",
+            category="Region of attraction",
+        ),
+        pdf="results/figures/attraction.pdf",
+    log:
+        "logs/draw_map.log",
+    benchmark:
+        "benchmarks/draw_map.tsv"
+    resources:
+        mem_mb=1000,
+    message:
+        "Drawing the region of attraction"
+    script:
+        "../scripts/draw_map.py"

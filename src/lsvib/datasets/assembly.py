@@ -65,7 +65,7 @@ def gather(
     """Write the map whose tiles are in the files ``tiles``, whole or not at all, in chunks and compressed.
 
     ``frame`` holds all of the map but its cells: coordinates of its rows and columns, the drive, lines, attractors.
-    The windows must cover each cell once. Added are the number and the share of cells with each label, and
+    The windows must cover each cell once. Added are ``cell_count`` and ``fraction`` of each label and
     ``content_digest`` (:func:`content_digest`). ``progress`` is told how many of how many tiles are written. Raises
     ``InputError`` if a tile is missing, damaged or of another map; ``LsvibError`` if the map cannot be written.
     """
@@ -79,16 +79,16 @@ def gather(
             with netCDF4.Dataset(part, "a") as file:
                 for name, variable in variables.items():
                     _create(file, name, variable, chunks, name in missing)
-                counts = np.zeros(file["label_count"].size, np.int64)
+                counts = np.zeros(file["cell_count"].size, np.int64)
                 for done, (tile, place) in enumerate(tiles.items(), 1):
                     cells = _read(tile, variables)
                     for name, values in cells.items():
                         file[name][place.rows, place.columns] = values
-                    counts += [np.count_nonzero(cells["label"] == value) for value in file["label_kind"][:]]
+                    counts += [np.count_nonzero(cells["label"] == value) for value in file["attractor"][:]]
                     if progress:
                         progress(done, len(tiles))
-                file["label_count"][:] = counts
-                file["label_fraction"][:] = counts / counts.sum()
+                file["cell_count"][:] = counts
+                file["fraction"][:] = counts / counts.sum()
             digest = content_digest(part)
             with netCDF4.Dataset(part, "a") as file:
                 file.content_digest = digest
@@ -115,15 +115,24 @@ def content_digest(path: str | os.PathLike[str]) -> str:
 def overview(path: str | os.PathLike[str], most: int = 1000) -> xr.Dataset:
     """Return a map with at most ``most`` rows and columns: of each block of cells the one in its middle.
 
-    A picture has no room for more. Counts and shares of labels remain those of all cells. The rest of the file is read
-    in its compressed blocks and forgotten. Raises ``InputError`` if the file cannot be read.
+    A picture has no room for more. The coordinates are the middles of the blocks and ``cell_width`` is theirs; cells
+    beyond the last whole block are left out. ``cell_count`` and ``fraction`` remain those of all cells. The rest of the
+    file is read in its compressed blocks and forgotten. Raises ``InputError`` if the file cannot be read.
     """
     try:
         with xr.open_dataset(path, engine="netcdf4", cache=False) as whole:
-            steps = {dim: -(-whole.sizes[dim] // most) for dim in whole["label"].dims}
-            return whole.isel({dim: slice(step // 2, None, step) for dim, step in steps.items()}).load()
+            sizes = {dim: whole.sizes[dim] for dim in whole["label"].dims}
+            steps = {dim: -(-size // most) for dim, size in sizes.items()}
+            middles = {dim: slice(step // 2, sizes[dim] // step * step, step) for dim, step in steps.items()}
+            coarse = whole.isel(middles).load()
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise InputError(f"{path} is not a readable map: {error}.") from error
+    for dim, step in steps.items():
+        width = coarse[dim].attrs["cell_width"]
+        between_cells = step % 2 == 0  # of an even number of cells, the one after the middle is taken
+        values = coarse[dim].values - 0.5 * width * between_cells
+        coarse = coarse.assign_coords({dim: (dim, values, {**coarse[dim].attrs, "cell_width": width * step})})
+    return coarse
 
 
 class _Header(NamedTuple):
@@ -196,14 +205,14 @@ def _signature(header: _Header) -> dict[str, tuple]:
 
 
 def _with_counts(frame: xr.Dataset, labels: Mapping[str, Any]) -> xr.Dataset:
-    """Add room for the number and the share of cells with each label."""
+    """Add room for the number and the fraction of the cells with each label."""
     kinds = {key: labels[key] for key in ("flag_values", "flag_meanings")}
     counts = np.zeros(np.size(kinds["flag_values"]), np.int64)
     return frame.assign_coords(
-        label_kind=("label_kind", kinds["flag_values"], {"units": "1", "long_name": "label", **kinds})
+        attractor=("attractor", kinds["flag_values"], {"units": "1", "long_name": "attractor", **kinds})
     ).assign(
-        label_count=("label_kind", counts, {"units": "1", "long_name": "number of cells with the label"}),
-        label_fraction=("label_kind", counts + 0.0, {"units": "1", "long_name": "share of the cells with the label"}),
+        cell_count=("attractor", counts, {"units": "1", "long_name": "number of the cells"}),
+        fraction=("attractor", counts + 0.0, {"units": "1", "long_name": "fraction of the cells"}),
     )
 
 

@@ -10,13 +10,10 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper, mapper
-from lsvib.analysis.cycles import Attractor
 from lsvib.datasets.assembly import Window, gather, write_tile
-from lsvib.datasets.phase import attributes, flag
-from lsvib.datasets.variables import quantity
+from lsvib.datasets.attraction import axis_coordinate, global_attributes, surroundings, variable_attributes
 from lsvib.errors import InputError
 from lsvib.models.model import find_model
-from lsvib.models.rigid import EventKind
 
 
 def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
@@ -73,12 +70,15 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     ``settings`` as in :func:`grid_of` and :func:`mapper_of`, and ``quantities`` of each cell; ``item``: "3-of-6".
     Raises ``InputError`` and ``EngineError``.
     """
-    grid, place = _placed(settings, item)
-    cells = mapper_of(settings).cells(grid, place.rows, place.columns, settings["quantities"], threads)
-    frame = _frame(grid, place)
-    dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
-    tile = frame.assign({name: (dims, values, _attributes()[name]) for name, values in cells.items()})
-    write_tile(tile, place, settings, path)
+    grid, mapped = grid_of(settings), mapper_of(settings)
+    place = window(item, grid.y.count, grid.x.count)
+    cells = mapped.cells(grid, place.rows, place.columns, settings["quantities"], threads)
+    if "time" in cells:
+        cells["time"][~np.isfinite(cells["time"])] = np.nan
+    dims = _dimensions(grid)
+    tile = _frame(mapped, grid).isel(dict(zip(dims, (place.rows, place.columns), strict=True)))
+    variables = {name: (dims, values, variable_attributes(mapped, name)) for name, values in cells.items()}
+    write_tile(tile.assign(variables), place, settings, path)
 
 
 def gather_map(
@@ -87,43 +87,21 @@ def gather_map(
     path: str | os.PathLike[str],
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write the map from the files of its tiles, each named as its item; ``settings`` as in :func:`map_tile`."""
-    grid = grid_of(settings)
-    places = {Path(tile): _placed(settings, Path(tile).stem)[1] for tile in tiles}
-    gather(_frame(grid, Window(0, grid.y.count, 0, grid.x.count)), settings, places, path, progress)
+    """Write the map from the files of its tiles, each named after its item.
+
+    ``settings`` as in :func:`map_tile`; ``progress`` is told how many of how many tiles are in. Raises ``InputError``
+    if a tile is missing, damaged or of another map.
+    """
+    grid, mapped = grid_of(settings), mapper_of(settings)
+    places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
+    gather(_frame(mapped, grid).assign(surroundings(mapped)), settings, places, path, progress)
 
 
-def _placed(settings: Mapping[str, Any], item: str) -> tuple[Grid, Window]:
-    grid = grid_of(settings)
-    return grid, window(item, grid.y.count, grid.x.count)
+def _dimensions(grid: Grid) -> tuple[str, str]:
+    return COORDINATES[grid.y.coordinate], COORDINATES[grid.x.coordinate]
 
 
-def _attributes() -> dict[str, dict[str, Any]]:
-    """Return the attributes of the quantities of a cell."""
-    events = flag("kind of the first event of the motion", EventKind)
-    events["flag_values"] = np.append(np.int8(-1), events["flag_values"])
-    events["flag_meanings"] = f"none {events['flag_meanings']}"
-    return {
-        "label": flag("attractor that the motion reaches", Attractor),
-        "time": attributes("s", "time until the motion is on its attractor"),
-        "seizures": attributes("1", "number of seizures until then"),
-        "first_event": events,
-    }
-
-
-def _frame(grid: Grid, place: Window) -> xr.Dataset:
-    """Return the part of a map without its cells."""
-    centres = {
-        grid.y.coordinate: grid.y.centres(place.first_row, place.last_row),
-        grid.x.coordinate: grid.x.centres(place.first_column, place.last_column),
-    }
-    names = {key: COORDINATES[key] for key in (*centres, *grid.fixed)}
-    return xr.Dataset(
-        coords={names[key]: (names[key], values, quantity(names[key])) for key, values in centres.items()}
-        | {names[key]: ((), value, quantity(names[key])) for key, value in grid.fixed.items()},
-        attrs={
-            "title": "Region of attraction",
-            "source": "lsvib, exact event-driven motion and its return map",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-        },
-    )
+def _frame(mapped: Mapper, grid: Grid) -> xr.Dataset:
+    """Return the map without its cells: coordinates and global attributes."""
+    coordinates = zip(_dimensions(grid), map(axis_coordinate, (grid.y, grid.x)), strict=True)
+    return xr.Dataset(coords=dict(coordinates), attrs=global_attributes(mapped, grid))
