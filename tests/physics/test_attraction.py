@@ -65,7 +65,7 @@ def check_scene(mapped, scene, starts: int, near: int, step: float, pieces: int)
     theirs = np.concatenate(
         [
             many_starts.labels(dict(drive), *part, duration, step, watch)
-            for part in np.array_split([u, w], pieces, axis=1)
+            for part in np.array_split(np.array([u, w]), pieces, axis=1)
         ]
     )
     doubtful = np.flatnonzero(ours != theirs)
