@@ -240,7 +240,8 @@ def attraction(
     """
     from time import perf_counter
 
-    from lsvib.analysis.attraction import Grid, mapper
+    from lsvib.analysis.attraction import mapper
+    from lsvib.analysis.grid import Grid
     from lsvib.datasets.attraction import attraction_map, summary
     from lsvib.datasets.writer import write_dataset
     from lsvib.models.model import find_model
@@ -287,7 +288,7 @@ class _Progress:
             return
         self.shown = step
         end = "\n" if done == total or not terminal else ""
-        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} cells", end=end, file=sys.stderr, flush=True)
+        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} rows", end=end, file=sys.stderr, flush=True)
 
 
 @app.command

@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reference import many_starts
 
-from lsvib.analysis.attraction import QUANTITIES, Grid, mapper
+from lsvib.analysis.attraction import QUANTITIES, mapper
 from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.grid import Grid
 from lsvib.analysis.refinement import refine
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew

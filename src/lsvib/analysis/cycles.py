@@ -133,7 +133,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
         except EngineError:
             return SteadyState(Attractor.UNBOUNDED, state)
         if motion.status == Status.SETTLED:
-            return _settled(automaton, motion)
+            return settled(automaton, motion)
         cycle = _recurrence(automaton, motion)
         if cycle is not None:
             return cycle
@@ -142,7 +142,8 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
     return SteadyState(Attractor.UNRESOLVED, state)
 
 
-def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
+def settled(automaton: Automaton, motion: Motion) -> SteadyState:
+    """The attractor of a motion that stays in its last mode for ever."""
     flow = automaton.tables.flow
     if not isinstance(flow, np.ndarray):
         field = flow.field[motion.end_mode]

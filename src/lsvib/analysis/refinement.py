@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.analysis.attraction import Grid, Mapper
+from lsvib.analysis.attraction import Mapper
+from lsvib.analysis.grid import Grid
 
 _COARSEST = 256  # blocks along an axis of the coarsest level, about
 _SAMPLE = 20_000  # cells of the seeded check

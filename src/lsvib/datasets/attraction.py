@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper
+from lsvib.analysis.attraction import Mapper
 from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import COORDINATES, Axis, Grid
 from lsvib.datasets import phase
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import flags, quantity
