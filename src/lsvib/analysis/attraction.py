@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 
@@ -104,7 +105,7 @@ class Mapper:
         x, y = u[order], w[order]
         found, none = np.empty((1, x.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
         bounds = [0, *(np.flatnonzero(np.diff(y)) + 1), x.size] if x.size else [0]
-        for first, last in zip(bounds[:-1], bounds[1:], strict=True):
+        for first, last in pairwise(bounds):
             part, tables, known = slice(first, last), self.automaton.tables, self.sections.known
             attraction.map_labels(tables, known, x[part], y[first : first + 1], 0, _EVENTS, found[:, part], none)
         labels = np.empty(x.size, dtype=np.int8)
