@@ -224,6 +224,7 @@ def attraction(
         Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **_ONE_VALUE),
     ] = ["label"],  # noqa: B006
     threads: Annotated[int, Parameter(help="Number of threads.")] = 1,
+    refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -234,6 +235,8 @@ def attraction(
         lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
         w=-150:150:2000 --out map.nc --threads 2
 
+        lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
+
     Parameters
     ----------
     out:
@@ -241,8 +244,10 @@ def attraction(
     """
     from time import perf_counter
 
-    from lsvib.analysis.attraction import Grid, mapper
-    from lsvib.datasets.attraction import attraction_map, summary
+    from lsvib.analysis import refinement as refined
+    from lsvib.analysis.attraction import mapper
+    from lsvib.analysis.grid import Grid
+    from lsvib.datasets.attraction import attraction_map, refined_map, summary
     from lsvib.datasets.writer import write_dataset
     from lsvib.models.model import find_model
 
@@ -253,11 +258,18 @@ def attraction(
     starts = Grid.parse(grid)
     mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
     wanted = list(dict.fromkeys(["label", *quantities]))
+    if refine and (wanted != ["label"] or figure is not None or model != "rigid"):
+        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
     mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
     begin = perf_counter()
-    found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
-    result = summary(found["label"], None, perf_counter() - begin)
-    dataset = attraction_map(mapped, starts, found)
+    if refine:
+        blocks = refined.refine(mapped, starts)
+        seconds, counts, dataset = perf_counter() - begin, blocks.counts(), refined_map(mapped, blocks)
+    else:
+        found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
+        seconds, counts = perf_counter() - begin, refined.count(found["label"])
+        dataset = attraction_map(mapped, starts, found)
+    result = summary(counts, None, seconds)
     write_dataset(dataset, out)
     if figure is not None:
         from lsvib.figures.attraction import draw
@@ -288,7 +300,7 @@ class _Progress:
             return
         self.shown = step
         end = "\n" if done == total or not terminal else ""
-        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} cells", end=end, file=sys.stderr, flush=True)
+        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} rows", end=end, file=sys.stderr, flush=True)
 
 
 @app.command

@@ -117,7 +117,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 
     Exits:
 
-    * the motion settles, see :func:`_settled`: steady sliding, rest, an oscillation for ever, or unbounded;
+    * the motion settles, see :func:`settled`: steady sliding, rest, an oscillation for ever, or unbounded;
     * the section state repeats after 1 to 64 returns, or an attracting fixed point of the map of 1 to 8 returns is
       found: a cycle, named sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed
       point is the origin;
@@ -137,7 +137,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
         except EngineError:
             return SteadyState(Attractor.UNRESOLVED, state)
         if motion.status == Status.SETTLED:
-            return _settled(automaton, motion)
+            return settled(automaton, motion)
         cycle = _recurrence(automaton, motion)
         if cycle is not None:
             return cycle
@@ -147,7 +147,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
     return SteadyState(Attractor.UNRESOLVED, state)
 
 
-def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
+def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     """Where a motion goes that never leaves its last mode, which is a sum of oscillators: one, or one to a pair.
 
     Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; if one alone

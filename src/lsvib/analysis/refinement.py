@@ -14,9 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.analysis.attraction import Grid, Mapper
+from lsvib.analysis.attraction import Mapper
+from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import Grid
 
 _COARSEST = 256  # blocks along an axis of the coarsest level, about
+_STRIPE = 512  # rows that are expanded at a time
 _SAMPLE = 20_000  # cells of the seeded check
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
@@ -26,6 +29,12 @@ class Blocks(NamedTuple):
 
     key: np.ndarray
     label: np.ndarray
+
+
+def count(labels: np.ndarray) -> dict[Attractor, int]:
+    """Return the number of cells of each attractor."""
+    counts = np.bincount(labels.ravel().astype(np.int64) + 1, minlength=len(Attractor))
+    return {kind: int(counts[kind + 1]) for kind in Attractor}
 
 
 @dataclass(frozen=True)
@@ -40,6 +49,14 @@ class RefinedMap:
     def computed(self) -> int:
         """Number of cells that were computed."""
         return sum(blocks.key.size for blocks in self.levels)
+
+    def counts(self) -> dict[Attractor, int]:
+        """Return the number of cells of the full grid with each label."""
+        total = dict.fromkeys(Attractor, 0)
+        for first in range(0, self.grid.y.count, _STRIPE):
+            for kind, n in count(self.expand(slice(first, first + _STRIPE))).items():
+                total[kind] += n
+        return total
 
     def expand(self, rows: slice = slice(None), columns: slice = slice(None)) -> np.ndarray:
         """Return the labels of a window of the full grid, int8 (rows, columns)."""

@@ -24,37 +24,31 @@ search with motions that are pushed by a few units of rounding after every event
 unresolved.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.core import attraction, loop, planar
-from lsvib.core.attraction import DIVERGED, GRAZED, STUCK, TOO_LONG, UNKNOWN, UNRESOLVED, Known
+from lsvib.analysis.section_tables import (
+    FAR,
+    ON_CYCLE,
+    Pieces,
+    Section,
+    find_sections,
+    nothing_known,
+    releases_of,
+    sizes,
+    with_common_labels,
+    with_cycles,
+    with_labels,
+)
+from lsvib.core import attraction, planar
+from lsvib.core.attraction import DIVERGED, GRAZED, STUCK, TOO_LONG, UNKNOWN, UNRESOLVED
 from lsvib.models.automaton import Automaton
 
-_FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 _EVENTS = 4000  # of an itinerary
 _SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
 _PATIENCE = 3  # searches for an attractor that end with none
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
-_ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
-
-
-class Section(NamedTuple):
-    """A mode and a surface on which it is entered; ``free`` is the coordinate along the surface."""
-
-    mode: int
-    surface: int
-    free: int
-
-
-class Pieces(NamedTuple):
-    """A function that is constant between ``edges`` (n + 1), with ``labels`` (n)."""
-
-    edges: list[float]
-    labels: list[int]
 
 
 class Sections:
@@ -62,9 +56,9 @@ class Sections:
 
     def __init__(self, automaton: Automaton) -> None:
         self.automaton = automaton
-        self.size = _sizes(automaton)
-        self.known = _nothing_known(automaton, self.size)
-        self.sections = _sections(automaton, self.known)
+        self.size = sizes(automaton)
+        self.known = nothing_known(automaton, self.size)
+        self.sections = find_sections(automaton, self.known)
         self.attractors: list[SteadyState] = []
         self._absorbing = np.empty((0, 4))
         self._absorbed: list[Attractor] = []
@@ -74,7 +68,7 @@ class Sections:
             if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, planar.EQUILIBRIUM]):
                 self._absorb_by_corner(section, 1)
                 self._absorb_by_corner(section, -1)
-        releases = _releases(automaton, self.known)
+        releases = releases_of(automaton, self.known)
         for mode, state in releases:
             self.known.resting[mode] = self._explore(state, mode)
         for section in self.sections:
@@ -83,8 +77,8 @@ class Sections:
                 if self._belongs(section, state):
                     self._explore(state, section.mode)
         found = {section: self._labels(section) for section in self.sections}
-        self.known = _with_common_labels(automaton, _with_labels(self.known, found), found, self.size)
-        self.known = _with_cycles(automaton, self.known, self.attractors, releases)
+        self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
+        self.known = with_cycles(automaton, self.known, self.attractors, releases)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
         state = np.empty(2)
@@ -114,7 +108,7 @@ class Sections:
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
         """The widest of intervals that double, around a point of a cycle, that the return map maps into itself."""
-        orbit, near = cycle.orbit, _ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
+        orbit, near = cycle.orbit, ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
         for section in self.sections:
             points = orbit.after[orbit.mode == section.mode]
             points = [x for x in points if (np.abs(self._point(section, x[section.free]) - x) <= near).all()]
@@ -165,9 +159,9 @@ class Sections:
         """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
 
         Near an equilibrium on a surface, which the modes on both sides then share, the return map is linear: what holds
-        at one point holds at all that are nearer. So it does for a motion of the same itinerary as one 10³ times nearer.
+        at one point holds at all that are nearer, if a motion 10³ times nearer has the same itinerary.
         """
-        width, found = _ON_CYCLE * self.size[section.free], None
+        width, found = ON_CYCLE * self.size[section.free], None
         while width < self.size[section.free]:
             there, nearer = (self._returned(section, side * part * width, 1) for part in (1.0, 1e-3))
             if there is None or nearer is None or there[0] != nearer[0] or not 0 < side * there[1] < width:
@@ -221,7 +215,7 @@ class Sections:
 
     def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
         """Labels along a section, by bisection between motions that take different courses."""
-        far, resolution = _FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
+        far, resolution = FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
         edges, labels = [-far], []
         waiting = [(-far, self._course(section, -far, push), far, self._course(section, far, push))]
         while waiting:
@@ -233,8 +227,8 @@ class Sections:
                 labels.append(self._label(low_course))
                 continue
             here, there = attraction.last_agreement(
-                self.automaton.tables, self.known, self._absorbing, section.mode, section.surface, low, high, resolution,
-                *push, low_course, position,
+                self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
+                low, high, resolution, *push, low_course, position,
             )  # fmt: skip
             here_course, there_course = (self._course(section, x, push) for x in (here, there))
             waiting.append((there, there_course, high, high_course))
@@ -266,173 +260,3 @@ def _first_difference(one: np.ndarray, other: np.ndarray) -> int:
 
 def _same(one: SteadyState, other: SteadyState) -> bool:
     return one.label == other.label and abs(one.period - other.period) <= 1e-6 * one.period
-
-
-def _sizes(automaton: Automaton) -> np.ndarray:
-    """Sizes of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria; (2)."""
-    rows, flow = automaton.tables.surfaces, automaton.tables.flow
-    stiff = flow[:, planar.A0] != 0
-    tau = float(flow[stiff, planar.TIME_SCALE].max())
-    points = [np.array([u, 0.0]) for u in flow[stiff, planar.EQUILIBRIUM]]
-    for i, one in enumerate(rows):
-        points.append(-one[2] * one[:2] / (one[:2] @ one[:2]))
-        for other in rows[:i]:
-            if one[0] * other[1] != one[1] * other[0]:
-                points.append(np.linalg.solve([one[:2], other[:2]], [-one[2], -other[2]]))
-    largest = np.abs(points).max(axis=0)
-    u = max(largest[0], largest[1] * tau) or 1.0
-    return np.array([u, u / tau])
-
-
-def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
-    tables = automaton.tables
-    modes, surfaces = len(tables.flow), len(tables.surfaces)
-    rests = np.isin(automaton.codes, automaton.rest_codes)
-    alpha = tables.flow[:, planar.ALPHA]
-    settled = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, 0))
-    undamped = (alpha == 0) & ~rests
-    settled[undamped] = np.where(tables.flow[undamped, planar.BETA] > 0, Attractor.OTHER_CYCLE, Attractor.UNBOUNDED)
-    settled[rests] = Attractor.REST
-    return Known(
-        landing=_landings(automaton, rests),
-        free=1 - tables.snap,
-        first=np.zeros((modes, surfaces), dtype=np.int64),
-        last=np.zeros((modes, surfaces), dtype=np.int64),
-        edges=np.zeros(1),
-        labels=np.full(1, UNKNOWN, dtype=np.int64),
-        resting=np.where(rests, UNRESOLVED, UNKNOWN).astype(np.int64),
-        settled=settled.astype(np.int64),
-        centred=np.where(rests, Attractor.REST, Attractor.STEADY_SLIDING).astype(np.int64),
-        diverged=int(Attractor.UNBOUNDED),
-        common=np.full(modes, UNKNOWN, dtype=np.int64),
-        share=_shares(tables.flow),
-        reach=np.zeros(modes),
-        trap=np.array([_trap(automaton, mode, size) for mode in range(modes)]),
-        cycle_mode=np.empty(0, dtype=np.int64),
-        cycle_state=np.empty((0, 2)),
-        cycle_reach=np.empty((0, 2)),
-        release=np.zeros((modes, 2)),
-    )
-
-
-def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
-    """The surface on which each transition leaves the state; −1 for the entry and on release, which is at a corner."""
-    tables = automaton.tables
-    landing = np.full(tables.transition_reset.size, -1, dtype=np.int64)
-    for mode in np.flatnonzero(~rests):
-        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-            transition = tables.guard_transition[guard]
-            reset = tables.transition_reset[transition]
-            landing[transition] = tables.guard_surface[guard]
-            if reset >= 0:
-                image = tables.surfaces[:, :2] @ tables.resets[reset]
-                image[:, 2] += tables.surfaces[:, 2]
-                landing[transition] = int(np.flatnonzero((image == 0).all(axis=1))[0])
-    return landing
-
-
-def _sections(automaton: Automaton, known: Known) -> list[Section]:
-    tables, found = automaton.tables, set()
-    for transition, surface in enumerate(known.landing):
-        if surface >= 0:
-            branches = range(tables.branch_start[transition], tables.branch_start[transition + 1])
-            modes = {int(tables.branch_mode[branch]) for branch in branches}
-            found |= {(mode, int(surface)) for mode in modes if known.resting[mode] == UNKNOWN}
-    return [Section(mode, surface, int(known.free[surface])) for mode, surface in sorted(found)]
-
-
-def _releases(automaton: Automaton, known: Known) -> list[tuple[int, np.ndarray]]:
-    """The modes at rest, each with the one state in which it ends."""
-    tables, found = automaton.tables, []
-    for mode in np.flatnonzero(known.resting != UNKNOWN):
-        enters = np.flatnonzero(tables.branch_mode == mode)
-        transitions = np.searchsorted(tables.branch_start, enters, "right") - 1
-        surface = tables.surfaces[known.landing[transitions].max()]
-        guard = tables.surfaces[tables.guard_surface[tables.guard_start[mode]]]
-        corner = np.linalg.solve([surface[:2], guard[:2]], [-surface[2], -guard[2]])
-        found.append((int(mode), corner))
-    return found
-
-
-def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, float, float]:
-    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival.
-
-    y = u − u_e, η = w + α y, κ = max(α, β). From y′ = η − α y and η′ = −α η + (α² − a₀) y the ellipse's function falls at a rate of 2α
-    − |κ² − β²| / κ at least, respectively with β² = −δ² for real roots, which is positive since a₀ > 0.
-    """
-    tables = automaton.tables
-    row = tables.flow[mode]
-    if not (row[planar.ALPHA] > 0 and row[planar.A0] > 0):
-        return 0.0, 0.0, 0.0
-    kappa, radius = max(row[planar.ALPHA], row[planar.BETA]), np.inf
-    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-        u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
-        least = constant + u * row[planar.EQUILIBRIUM]
-        slack = 64 * planar.EPS * (abs(constant) + abs(u * row[planar.EQUILIBRIUM]))
-        radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[planar.ALPHA] * w) / kappa))
-    if radius == np.inf:
-        radius = float(size[1])
-    return kappa**2, radius**2, max(radius, _ON_CYCLE * size[1]) ** 2
-
-
-def _with_labels(known: Known, found: dict[Section, Pieces]) -> Known:
-    first, last, edges, labels = np.zeros_like(known.first), np.zeros_like(known.last), [], []
-    for section, pieces in found.items():
-        first[section.mode, section.surface] = len(edges)
-        edges += pieces.edges
-        labels += [*pieces.labels, UNKNOWN]
-        last[section.mode, section.surface] = len(edges) - 1
-    return known._replace(first=first, last=last, edges=np.array(edges), labels=np.array(labels, dtype=np.int64))
-
-
-def _shares(flow: np.ndarray) -> np.ndarray:
-    """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
-    beta = flow[:, planar.BETA]
-    return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
-
-
-def _with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces], size: np.ndarray) -> Known:
-    """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
-
-    An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
-    |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.
-    """
-    tables = automaton.tables
-    for mode in np.flatnonzero(known.resting == UNKNOWN):
-        labels = set()
-        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-            transition = tables.guard_transition[guard]
-            surface = int(known.landing[transition])
-            for after in tables.branch_mode[tables.branch_start[transition] : tables.branch_start[transition + 1]]:
-                if known.resting[after] != UNKNOWN:
-                    labels.add(int(known.resting[after]))
-                else:
-                    labels |= set(found[Section(int(after), surface, int(known.free[surface]))].labels)
-        row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
-        if len(labels) == 1 and kappa > 0:
-            known.common[mode] = labels.pop()
-            room = max(0.0, _FAR * size[0] - abs(row[planar.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[planar.ALPHA] / kappa)) ** 2
-    return known
-
-
-def _with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState], releases) -> Known:
-    """Add the points of the cycles, and what follows the end of rest."""
-    orbits = [found.orbit for found in attractors if found.orbit.time.size]
-    if orbits:
-        known = known._replace(
-            cycle_mode=np.concatenate([orbit.mode for orbit in orbits]),
-            cycle_state=np.concatenate([orbit.after for orbit in orbits]),
-            cycle_reach=np.concatenate(
-                [np.broadcast_to(_ON_CYCLE * np.abs(o.after).max(axis=0), o.after.shape) for o in orbits]
-            ),
-        )
-    tables = automaton.tables
-    for mode, state in releases:
-        transition = tables.guard_transition[tables.guard_start[mode]]
-        branch = loop.choose_branch(tables, transition, state, np.abs(state))
-        scratch = attraction.new_scratch(tables)
-        scratch.state[:], scratch.scale[:] = state, np.abs(state)
-        sprags = np.array(automaton.sprag_kinds, dtype=np.int64)
-        known.release[mode] = attraction.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
-    return known

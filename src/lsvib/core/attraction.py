@@ -315,9 +315,9 @@ def arrival_time(tables, known, mode, state):
 def _on_cycle(known, mode, state):
     for k in range(known.cycle_mode.size):
         near = abs(state[0] - known.cycle_state[k, 0]) <= known.cycle_reach[k, 0]
+        near = near and abs(state[1] - known.cycle_state[k, 1]) <= known.cycle_reach[k, 1]
         if near and known.cycle_mode[k] == mode:
-            if abs(state[1] - known.cycle_state[k, 1]) <= known.cycle_reach[k, 1]:
-                return True
+            return True
     return False
 
 
@@ -337,7 +337,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
         if _ellipse(tables, known, mode, state) < known.trap[mode, 2]:
             return clock[0] + clock[1], count
         start = mode
-        outcome, guard, kind, mode, stay, short = _step(tables, mode, short, scratch)
+        outcome, _, kind, mode, stay, short = _step(tables, mode, short, scratch)
         if outcome == _SETTLED:
             if known.trap[mode, 2] > 0.0:
                 return clock[0] + clock[1] + arrival_time(tables, known, mode, state), count
@@ -394,8 +394,8 @@ def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
     Arguments: ``absorbing`` (j, 4), intervals of sections: mode, surface, low, high; ``push``: relative change of the
     free coordinate after every event, to see how rounding acts, with ``alternate`` of alternating sign; ``symbols``,
     filled: a number for each event, of the guard and the signs of all conditions of its transition. Returns (code,
-    number of events, mode): code TOO_LONG if the symbols are used up, GRAZED, DIVERGED or STUCK; 3 i if the motion settles
-    in mode i, 3 i + 1 if it comes to rest in it, 3 i + 2 if it enters absorbing interval i.
+    number of events, mode): code TOO_LONG if the symbols are used up, GRAZED, DIVERGED or STUCK; 3 i if the motion
+    settles in mode i, 3 i + 1 if it comes to rest in it, 3 i + 2 if it enters absorbing interval i.
     """
     scratch, short = new_scratch(tables), 0
     _put(scratch, state[0], state[1])
@@ -439,8 +439,8 @@ def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
 def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, push, alternate, course, position):
     """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
 
-    ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the last
-    coordinate that agrees up to there and the first that does not, apart by no more than ``resolution`` or rounding.
+    ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the
+    last coordinate that agrees up to there and the first that does not, apart by ``resolution`` or rounding at most.
     """
     symbols, state, free = np.empty(position + 1, dtype=np.int64), np.empty(2), known.free[surface]
     while high - low > max(resolution, EPS * min(abs(low), abs(high))):

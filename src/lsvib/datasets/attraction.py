@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper
+from lsvib.analysis.attraction import Mapper
 from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import COORDINATES, Axis, Grid
+from lsvib.analysis.refinement import RefinedMap, count
 from lsvib.datasets import phase
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import flags, quantity
@@ -29,9 +31,32 @@ def attraction_map(
     dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
     data = {name: (dims, _values(name, array), variable_attributes(mapper, name)) for name, array in found.items()}
     return xr.Dataset(
-        data | fractions(found["label"]) | surroundings(mapper) | dict(boundary or {}),
+        data | fractions(count(found["label"])) | surroundings(mapper) | dict(boundary or {}),
         coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
         attrs=global_attributes(mapper, grid),
+    )
+
+
+def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
+    """Return the dataset of a boundary-refined map: its blocks, along ``block``, to be painted in their order.
+
+    A block of level l covers 2^l × 2^l cells from ``row`` 2^l and ``column`` 2^l on; the grid is an attribute.
+    """
+    levels = [(level, blocks) for level, blocks in reversed(list(enumerate(refined.levels))) if blocks.key.size]
+    places = [np.divmod(blocks.key, -(-refined.grid.x.count >> level)) for level, blocks in levels]
+    level = np.concatenate([np.full(blocks.key.size, level, dtype=np.int32) for level, blocks in levels])
+    label = np.concatenate([blocks.label for _, blocks in levels])
+    row, column = (np.concatenate([place[k] for place in places]).astype(np.int32) for k in (0, 1))
+    return xr.Dataset(
+        {
+            "level": ("block", level, attributes("1", "level of the block; it is 2 to the power of it cells wide")),
+            "row": ("block", row, attributes("1", "row of the block among those of its level")),
+            "column": ("block", column, attributes("1", "column of the block among those of its level")),
+            "label": ("block", label, variable_attributes(mapper, "label")),
+        }
+        | fractions(refined.counts())
+        | surroundings(mapper),
+        attrs=global_attributes(mapper, refined.grid),
     )
 
 
@@ -54,13 +79,13 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
     return attributes("1", "first event of the motion", **kinds | {"flag_meanings": kinds["flag_meanings"] + " none"})
 
 
-def fractions(labels: np.ndarray) -> dict[str, tuple]:
+def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
     """Return the fraction of the cells of each attractor, as a variable along the coordinate ``attractor``."""
     kinds = np.array([int(kind) for kind in Attractor], dtype=np.int8)
-    counts = np.bincount(labels.ravel().astype(np.int64) + 1, minlength=kinds.size)
+    values = np.array([counts[kind] for kind in Attractor]) / sum(counts.values())
     return {
         "attractor": ("attractor", kinds, phase.flag("attractor", Attractor)),
-        "fraction": ("attractor", counts / labels.size, attributes("1", "fraction of the cells")),
+        "fraction": ("attractor", values, attributes("1", "fraction of the cells")),
     }
 
 
@@ -92,15 +117,15 @@ def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
     }
 
 
-def summary(labels: np.ndarray, exact_basin_area: float | None, seconds: float) -> dict[str, Any]:
+def summary(counts: Mapping[Attractor, int], exact_basin_area: float | None, seconds: float) -> dict[str, Any]:
     """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells, ``cells_per_second``, exact area."""
-    counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
+    cells = sum(counts.values())
     return {
-        "cells": labels.size,
-        "fractions": {kind.name.lower(): count / labels.size for kind, count in counts.items() if count and kind >= 0},
+        "cells": cells,
+        "fractions": {kind.name.lower(): n / cells for kind, n in counts.items() if n and kind >= 0},
         "unresolved": counts[Attractor.UNRESOLVED],
         "exact_basin_area": exact_basin_area,
-        "cells_per_second": labels.size / seconds,
+        "cells_per_second": cells / seconds,
     }
 
 
