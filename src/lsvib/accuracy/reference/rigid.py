@@ -286,9 +286,13 @@ class Flow:
 
 
 def solve(f, slope, left, right, tolerance):
-    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket."""
-    x = (left + right) / 2
+    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
+
+    On a growing exponential Newton moves by one time constant at a time, so bisection takes turns with it.
+    """
+    x, steps = (left + right) / 2, 0
     while right - left > tolerance:
+        steps += 1
         value = f(x)
         if value > 0:
             left = x
@@ -296,7 +300,7 @@ def solve(f, slope, left, right, tolerance):
             right = x
         d = slope(x)
         guess = x - value / d if d != 0 else left
-        if not left < guess < right:
+        if not left < guess < right or (steps > 12 and steps % 2):
             guess = (left + right) / 2
         if abs(guess - x) < tolerance / 4:  # converged? then a step of tolerance brackets it
             low, high = max(left, guess - tolerance / 2), min(right, guess + tolerance / 2)
