@@ -31,7 +31,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros):
 
     ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
     A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
-    jump is due. ``room`` (g, n + 1) and ``zeros`` (g) are scratch space for the guards of the mode.
+    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode.
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
@@ -41,6 +41,8 @@ def next_event(tables, mode, state, scale, limit, room, zeros):
         guard = first_guard + k
         for i in range(state.size + 1):
             guards[k, i] = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard], i]
+        for i in range(tables.guard_parts.shape[1]):
+            guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
         value, size, rate, rate_size, bend, bend_size = flows.guard_at(tables.flow, mode, state, scale, guards[k])
         on_surface[k] = value <= size
         falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
@@ -121,7 +123,8 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     times, kinds, signs, modes, before, after = events
     n = state.size
     scratch, scale = np.empty(n), np.abs(state)
-    room, zeros = np.empty((tables.guard_sign.size, n + 1)), np.empty(tables.guard_sign.size, dtype=np.bool_)
+    room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
+    zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     short_stays, count = 0, 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]

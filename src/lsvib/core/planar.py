@@ -30,6 +30,8 @@ COLUMNS = 10
 EPS = float(np.finfo(np.float64).eps)
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 _TWO_PI = 2.0 * math.pi
+_HUGE = 1e250
+_NEAR, _FAR, _SPLIT = range(3)  # forms of a guard along the flow
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
@@ -44,8 +46,16 @@ def responses(row, t):
         c = decay * math.cos(row[BETA] * t)
         return c + row[ALPHA] * s, s, c - row[ALPHA] * s
     decay = math.exp(row[R1] * t)
-    fast = math.expm1(-2.0 * row[DELTA] * t)
-    h = -fast / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else t
+    spread = 2.0 * row[DELTA]
+    fast = math.expm1(-spread * t)
+    if fast < -0.5:  # what the fast part has left is small: nothing may be subtracted from 1
+        left = math.exp(-spread * t)
+        return (
+            decay * (row[R1] * left - row[R2]) / spread,
+            decay * (1.0 - left) / spread,
+            decay * (row[R1] - row[R2] * left) / spread,
+        )
+    h = -fast / spread if spread > 0.0 else t
     return decay * (1.0 - row[R1] * h), decay * h, decay * (1.0 + fast + row[R1] * h)
 
 
@@ -103,7 +113,13 @@ def advance(flow, mode, state, t, out):
 
 @kernel
 def _shape(row, state, guard):
-    """Constants of a guard along the flow: p, q, whether the far form holds, coefficients of 1, C or J, S, S′."""
+    """Constants of a guard along the flow: p, q, the form that holds, coefficients of 1, C or J, S, S′.
+
+    A guard that comes with its parts – its values at the equilibrium and along both eigenvectors, formed without
+    cancellation – is split where the real rates lie apart; then the last three are the coefficients of e^{r₁t}, e^{r₂t}
+    and nothing. Without that a guard that is almost zero along the slow eigenvector, as the contact force next to the
+    critical mass, would be lost in rounding.
+    """
     u, w = state[0], state[1]
     far = _far(row, u, w)
     y = 0.0 if far else u - row[EQUILIBRIUM]
@@ -111,20 +127,34 @@ def _shape(row, state, guard):
     p = guard[0] * w + guard[1] * (force - row[A1] * w)
     q = guard[0] * force - guard[1] * row[A0] * w
     if far:
-        return p, q, far, guard[0] * u + guard[2], guard[0] * force, guard[0] * w + guard[1] * force, guard[1] * w
+        return p, q, _FAR, guard[0] * u + guard[2], guard[0] * force, guard[0] * w + guard[1] * force, guard[1] * w
+    if guard.size > 3 and 2.0 * row[DELTA] > abs(row[ALPHA]):
+        spread = 2.0 * row[DELTA]
+        slow, fast = guard[4] * (w - row[R2] * y) / spread, guard[5] * (row[R1] * y - w) / spread
+        return p, q, _SPLIT, guard[3], slow, fast, 0.0
     constant = guard[0] * row[EQUILIBRIUM] + guard[2]
-    return p, q, far, constant, guard[0] * y, guard[0] * w + guard[1] * force, guard[1] * w
+    return p, q, _NEAR, constant, guard[0] * y, guard[0] * w + guard[1] * force, guard[1] * w
 
 
 @kernel
 def _value(row, shape, t):
     """Value and first two derivatives of a guard at time t."""
-    p, q, far, constant, c_part, s_part, rate_part = shape
+    p, q, form, constant, c_part, s_part, rate_part = shape
+    if form == _SPLIT:
+        slow, fast = c_part * math.exp(row[R1] * t), s_part * math.exp(row[R2] * t)
+        slow_rate, fast_rate = row[R1] * slow, row[R2] * fast
+        return constant + (slow + fast), slow_rate + fast_rate, row[R1] * slow_rate + row[R2] * fast_rate
     c, s, s_rate = responses(row, t)
-    if far:
+    if form == _FAR:
         c = _integrated_response(row, t)
     value = constant + (c_part * c + s_part * s + rate_part * s_rate)
     return value, p * s_rate + q * s, (q - row[A1] * p) * s_rate - row[A0] * p * s
+
+
+@kernel
+def _positive(row, shape, t):
+    """Whether a guard that falls from a moderate value is still positive; a huge value has overflown on its way."""
+    return 0.0 < _value(row, shape, t)[0] < _HUGE
 
 
 @kernel
@@ -134,7 +164,7 @@ def _descent(row, shape, low, high, guess):
     rate = abs(row[ALPHA]) + row[BETA] + row[DELTA]
     for count in range(300):
         value, slope, curvature = _value(row, shape, t)
-        if value > 0.0:
+        if 0.0 < value < _HUGE:
             low = t
         elif value == 0.0:
             return t
@@ -152,7 +182,7 @@ def _up_to(row, shape, low, high, guess, limit):
     if low >= limit:
         return _NONE, limit
     if limit < high:
-        if _value(row, shape, limit)[0] > 0.0:
+        if _positive(row, shape, limit):
             return _NONE, limit
         high = limit
     return _CROSSING, _descent(row, shape, low, high, guess)
@@ -168,7 +198,7 @@ def crossing(flow, mode, state, guard, on_surface, limit):
     """
     row = flow[mode]
     shape = _shape(row, state, guard)
-    bend = row[A0] * guard[2] + guard[0] * row[B]
+    bend = row[A0] * guard[3] if shape[2] == _SPLIT else row[A0] * guard[2] + guard[0] * row[B]
     if shape[0] == 0.0 and shape[1] == 0.0:
         return _NONE, limit
     if row[BETA] > 0.0:
@@ -180,7 +210,7 @@ def crossing(flow, mode, state, guard, on_surface, limit):
 
 @kernel
 def _oscillating_crossing(row, shape, bend, on_surface, limit):
-    p, q, far, constant = shape[0], shape[1], shape[2], shape[3]
+    p, q, far, constant = shape[0], shape[1], shape[2] == _FAR, shape[3]
     alpha, beta = row[ALPHA], row[BETA]
     across = (q - alpha * p) / beta
     phase = math.atan2(across, p)
@@ -240,8 +270,12 @@ def _parabolic_crossing(shape, on_surface, limit):
 
 
 @kernel
-def _turning_time(row, p, q):
+def _turning_time(row, shape):
     """The one positive zero of g′ when the characteristic roots are real; infinite if there is none."""
+    p, q = shape[0], shape[1]
+    if shape[2] == _SPLIT:
+        ratio = -(row[R2] * shape[5]) / (row[R1] * shape[4])
+        return math.log(ratio) / (2.0 * row[DELTA]) if ratio > 1.0 else math.inf
     slow = q + row[R1] * p  # in proportion to the part of g′ that decays (or grows) with r₁
     excess = -p / slow
     if not excess > 0.0:
@@ -252,7 +286,10 @@ def _turning_time(row, p, q):
 @kernel
 def _monotone_crossing(row, shape, bend, on_surface, limit):
     p, q = shape[0], shape[1]
-    turn = _turning_time(row, p, q)
+    if shape[2] == _SPLIT:
+        p = row[R1] * shape[4] + row[R2] * shape[5]
+        q = row[R1] * row[R1] * shape[4] + row[R2] * row[R2] * shape[5]  # of one sign with g″ where p = 0
+    turn = _turning_time(row, shape)
     rises = on_surface or p > 0.0 or (p == 0.0 and q > 0.0)
     if rises:
         if turn == math.inf or not p > 0.0:
@@ -278,7 +315,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
             return _NONE, limit  # falls for ever, to a limit that is not negative
         step = max(guess - low, low, EPS / max(abs(row[R2]), EPS))
         high = low + step
-        while _value(row, shape, high)[0] > 0.0:
+        while _positive(row, shape, high):
             step *= 2.0
             high = low + step
             if not step < 1e300:
@@ -340,7 +377,7 @@ def extremes(flow, mode, state, functional, duration):
                 value = _value(row, shape, start + k * half_turn)[0]
                 low, high = min(low, value), max(high, value)
         return low, high
-    turn = _turning_time(row, p, q)
+    turn = _turning_time(row, shape)
     if turn < duration:
         value = _value(row, shape, turn)[0]
         low, high = min(low, value), max(high, value)

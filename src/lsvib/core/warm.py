@@ -28,6 +28,7 @@ def _bounce(flow) -> None:
         guard_surface=one,
         guard_sign=np.array([1.0]),
         guard_transition=np.array([1]),
+        guard_parts=np.zeros((1, 3 if isinstance(flow, np.ndarray) else 0)),
         transition_reset=np.array([-1, 0]),
         resets=np.array([[[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]]),
         branch_start=np.array([0, 1, 2]),

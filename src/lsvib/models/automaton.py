@@ -39,13 +39,15 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more).
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more); ``exact`` is the
+    :func:`eigenform` of the oscillator, where it has one.
     """
 
     code: int
     flow: Any
     guards: tuple[Guard, ...]
     beyond_accumulation: str | None = None
+    exact: tuple[Decimal, Decimal, Decimal] | None = None
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,27 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
     return row
 
 
+def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Decimal] | None:
+    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, to 50 digits; None if it has none."""
+    with localcontext(prec=PLACES):
+        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        alpha, square = damping / inertia / 2, stiffness / inertia
+        if not stiffness or alpha * alpha <= square:
+            return None
+        large = -alpha - (alpha * alpha - square).sqrt().copy_sign(alpha)
+        return force / stiffness, max(large, square / large), min(large, square / large)
+
+
+def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tuple:
+    """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
+    if mode.exact is None:
+        return 0, 0, 0
+    with localcontext(prec=PLACES):
+        place, rate, constant = (guard.sign * Decimal(x) for x in surfaces[guard.surface].row)
+        equilibrium, slow, fast = mode.exact
+        return place * equilibrium + constant, place + rate * slow, place + rate * fast
+
+
 def assemble(
     states: tuple[str, ...],
     surfaces: dict[str, Surface],
@@ -147,6 +170,10 @@ def assemble(
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
+        guard_parts=np.array(
+            [_guard_parts(mode, guard, surfaces) if n == 2 else () for mode in modes.values() for guard in mode.guards],
+            dtype=float,
+        ).reshape(len(guards), -1),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=np.array([_rows(reset, n) for reset in resets]).reshape(-1, n, n + 1),
         branch_start=_starts(transition.branches for transition in transitions.values()),

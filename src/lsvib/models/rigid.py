@@ -24,13 +24,13 @@ sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyon
 
 from decimal import localcontext
 from enum import IntEnum
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator, scaled
+from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator, scaled
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, LeadScrew
@@ -79,8 +79,8 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
     c = coefficients(drive)
     d = drive.exact()
     with localcontext(prec=PLACES):
-        flows = {
-            s: oscillator(
+        terms = {
+            s: (
                 c.gamma[s],
                 c.damping[s],
                 d.coupling_stiffness,
@@ -88,8 +88,9 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
             )
             for s in ((-1,) if c.paradox else (1, -1))
         }
+        flows = {s: _Flow(oscillator(*row), eigenform(*row)) for s, row in terms.items()}
         stand = _Stand(c, d)
-        surfaces = {"contact": Surface(c.q_row, 0)}
+        surfaces = {"contact": Surface(c.q_row, _mover(c, d))}
         if rest:
             surfaces["screw_speed"] = Surface((0, 1, d.input_speed), 1)
             surfaces["band_end"] = Surface(stand.band_end, 0)
@@ -101,10 +102,21 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=1e-13 * min(float(flow[planar.TIME_SCALE]) for flow in flows.values()),
+            shortest_stay=1e-13 * min(float(flow.row[planar.TIME_SCALE]) for flow in flows.values()),
             rest_codes=(MotionMode.REST,),
             sprag_kinds=(EventKind.SEIZURE,),
         )
+
+
+def _mover(c: Coefficients, d) -> int:
+    """Coordinate that is set on Q = 0: the one that moves Q more, so that its own rounding is not amplified."""
+    time = (c.gamma[-1] / d.coupling_stiffness).sqrt()
+    return 0 if abs(c.q_row[0]) * time >= abs(c.q_row[1]) else 1
+
+
+class _Flow(NamedTuple):
+    row: np.ndarray
+    exact: tuple | None
 
 
 class _Stand:
@@ -159,7 +171,8 @@ def _regular(flows, stand: _Stand, rest: bool, resume: Resume):
         guards = (Guard("contact", q_sign, f"contact_reversal_{name}"),)
         if rest:
             guards += (Guard("screw_speed", direction, "stop"),)
-        modes[name] = Mode(code, flows[direction * q_sign], guards)
+        flow = flows[direction * q_sign]
+        modes[name] = Mode(code, flow.row, guards, exact=flow.exact)
     # Q′ at Q = 0 is the same under both laws; on the line itself it decides which side is entered.
     transitions = {"entry": Transition(tuple(_entry(modes, flows, stand, rest)))}
     for name in modes:
@@ -189,7 +202,7 @@ def _stop(stand: _Stand) -> tuple[Branch, ...]:
 
 def _entry(modes, flows, stand: _Stand, rest: bool):
     """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
-    flow = flows[1]
+    flow = flows[1].row
     a0, a1, b = flow[planar.A0], flow[planar.A1], flow[planar.B]
     q_u, q_w = float(stand.q[0]), float(stand.q[1])
     q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
@@ -226,7 +239,8 @@ def _painleve(flows, stand: _Stand, rest: bool, resume: Resume):
     for name in (_FORWARD, _BACKWARD):
         direction, q_sign = _SLIPS[name]
         guards = (Guard("contact", q_sign, f"seizure_{name}"), Guard("screw_speed", direction, "stop"))
-        modes[name] = Mode(MotionMode[name.upper()], flows[-1], guards, beyond_accumulation="rest")
+        flow = flows[-1]
+        modes[name] = Mode(MotionMode[name.upper()], flow.row, guards, "rest", flow.exact)
         # A forward impact leaves N > 0, with which law −1 slips backward; and the other way round.
         go_backward = Branch(_BACKWARD, EventKind.SEIZURE, backward_now, sign=direction)
         go_forward = Branch(_FORWARD, EventKind.SEIZURE, forward_now, sign=direction)

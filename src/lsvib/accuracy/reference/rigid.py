@@ -37,7 +37,7 @@ guard is monotone, hence a sign change is a bracket with exactly one root: no ev
 """
 
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, count
 
 from mpmath import mp, mpf
 
@@ -288,11 +288,13 @@ class Flow:
 def solve(f, slope, left, right, tolerance):
     """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
 
-    On a growing exponential Newton moves by one time constant at a time, so bisection takes turns with it.
+    Every fourth step halves it, because along a steep exponential Newton's steps stay small.
     """
-    x, steps = (left + right) / 2, 0
-    while right - left > tolerance:
-        steps += 1
+    x = (left + right) / 2
+    tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
+    for step in count(1):
+        if right - left <= tolerance:
+            break
         value = f(x)
         if value > 0:
             left = x
@@ -300,7 +302,7 @@ def solve(f, slope, left, right, tolerance):
             right = x
         d = slope(x)
         guess = x - value / d if d != 0 else left
-        if not left < guess < right or (steps > 12 and steps % 2):
+        if not left < guess < right or step % 4 == 0:
             guess = (left + right) / 2
         if abs(guess - x) < tolerance / 4:  # converged? then a step of tolerance brackets it
             low, high = max(left, guess - tolerance / 2), min(right, guess + tolerance / 2)

@@ -26,6 +26,7 @@ followed by its first non-zero derivative until M of the next order lets that de
 """
 
 from dataclasses import dataclass, field
+from itertools import count
 
 from mpmath import mp, mpf
 
@@ -97,16 +98,21 @@ class Function:
         yield from self.roots(middle, right)
 
     def solve(self, left, right):
-        """Root of a function that is monotone from left to right: Newton kept inside a shrinking bracket."""
+        """Root of a function that is monotone from left to right: Newton kept inside a shrinking bracket.
+
+        Every fourth step halves it, because along a steep exponential Newton's steps stay small.
+        """
         sign = 1 if self(left) < 0 else -1
         t, finest = (left + right) / 2, mpf(10) ** -(mp.dps - 10)
-        while right - left > finest * right:
+        for k in count(1):
+            if right - left <= finest * right:
+                break
             value = sign * self(t)
             left, right = (t, right) if value < 0 else (left, t)
             step = -value / (sign * self(t, 1))
             if abs(step) < finest * right:
                 return t + step
-            t = t + step if left < t + step < right else (left + right) / 2
+            t = t + step if left < t + step < right and k % 4 else (left + right) / 2
         return t
 
     def sign_after_zero(self, sizes):

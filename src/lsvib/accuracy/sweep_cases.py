@@ -1,0 +1,275 @@
+"""Cases at the edge of the domain, family by family, from a seeded generator."""
+
+import math
+from collections.abc import Callable, Iterator
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.analysis import thresholds
+from lsvib.analysis.conditions import critical_mass
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
+
+
+
+_MOST_TURNS = 50  # of the fastest oscillation
+
+
+class Family(IntEnum):
+    """What is driven to the edge."""
+
+    CONTACT = 0  # contact stiffness and damping of compliant threads
+    CRITICAL_MASS = 1  # Γ₊ → 0 from both sides
+    FRICTION = 2  # μ → 0, tan λ, cot λ
+    INPUT_SPEED = 3  # Ω → 0 and 1e6
+    AXIAL_FORCE = 4  # R → 0 and the thresholds from both sides
+    SUPPORT_DAMPING = 5  # c = 0 and c → 1e15
+    TRANSLATION_DAMPING = 6  # c_x = 0 and c_x → 1e15
+    TIME_SPAN = 7
+    START = 8  # on guards, on corners, on the equilibrium, at 1e±8
+    DOUBLE_RATE = 9  # critical damping, to the last digit
+    RANDOM = 10  # every parameter over decades
+
+
+class Group(IntEnum):
+    """Which edge of a family a case is at; 0 where the family has only one."""
+
+    ONLY = 0
+    ZERO = 1
+    TAN_LEAD = 2
+    COT_LEAD = 3
+    ONSET_FORCE = 4
+    STICK_FORCE = 5
+    DETACH_FORCE = 6
+    GLOBAL_STABILITY_FORCE = 7
+    ON_SPEED_ZERO = 8
+    ON_CONTACT_ZERO = 9
+    ON_CORNER = 10
+    ON_EQUILIBRIUM = 11
+    NEAR_EQUILIBRIUM = 12
+    FAR_AWAY = 13
+    LAW_PLUS = 14
+    LAW_MINUS = 15
+
+
+class Case(NamedTuple):
+    """One motion: its drive and start, and where in its family it stands.
+
+    ``level`` is the decimal logarithm of what the family varies: of the parameter, or of its relative distance from
+    the edge (−inf: on the edge).
+    """
+
+    family: Family
+    group: Group
+    level: float
+    drive: LeadScrew
+    start: tuple[float, ...]
+    duration: float
+
+
+def cases(family: Family, count: int, rng: np.random.Generator) -> Iterator[Case]:
+    """Yield ``count`` cases of a family."""
+    for _ in range(count):
+        yield _FAMILIES[family](rng)
+
+
+def _sign(rng) -> int:
+    return int(rng.choice((-1, 1)))
+
+
+def _power(rng, low: float, high: float) -> float:
+    return 10.0 ** rng.uniform(low, high)
+
+
+def _some_drive(rng, **fixed) -> LeadScrew:
+    """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
+    support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
+    values = {
+        "mass": rng.uniform(0.5, 30.0),
+        "friction_coefficient": rng.uniform(0.05, 0.5),
+        "axial_force": _sign(rng) * _power(rng, 0.0, 2.3),
+        "input_speed": _sign(rng) * rng.uniform(5.0, 80.0),
+        "support_damping": support * _power(rng, -4.5, -2.0),
+        "translation_damping": translation * rng.uniform(50.0, 2000.0),
+    }
+    return LeadScrew.of(values | fixed)
+
+
+def _scales(drive: LeadScrew) -> tuple[float, float]:
+    """A natural time 1/ω [s] and a size of u [rad] of a drive."""
+    time = math.sqrt(float(coefficients(drive).gamma[-1]) / drive.coupling_stiffness)
+    return time, abs(drive.input_speed) * time
+
+
+def _case(rng, family: Family, group: Group, level: float, drive: LeadScrew, start=None, turns=(0.3, 4.0)) -> Case:
+    """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
+    time, size = _scales(drive)
+    if start is None:
+        start = (size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5))
+    duration = 2 * math.pi * time * rng.uniform(*turns)
+    return Case(family, group, level, drive, tuple(map(float, start)), min(duration, _MOST_TURNS / _fastest(drive)))
+
+
+def _fastest(drive: LeadScrew) -> float:
+    """Frequency [turns/s] of the fastest oscillation under either law; judges follow it turn by turn."""
+    c = coefficients(drive)
+    squares = [float(drive.coupling_stiffness / x) - (float(c.damping[s]) / (2 * x)) ** 2 for s, x in
+               ((s, float(c.gamma[s])) for s in c.gamma) if x > 0]  # fmt: skip
+    return math.sqrt(max([*squares, 0.0])) / (2 * math.pi) or 1e-300
+
+
+def _critical_mass(rng) -> Case:
+    drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
+    level = rng.uniform(-12, -1)
+    mass = critical_mass(drive) * (1 + _sign(rng) * 10.0**level)
+    return _case(rng, Family.CRITICAL_MASS, Group.ONLY, level, drive.replace(mass=mass))
+
+
+def _friction(rng) -> Case:
+    drive = _some_drive(rng)
+    group = (Group.ZERO, Group.TAN_LEAD, Group.COT_LEAD)[rng.integers(3)]
+    level = rng.uniform(-15, -1)
+    tan = math.tan(drive.lead_angle)
+    if group == Group.ZERO:
+        level = level if rng.random() < 0.9 else -math.inf
+        value = 10.0**level
+    elif group == Group.TAN_LEAD:
+        value = tan * (1 + _sign(rng) * 10.0**level)
+    else:
+        value = (1 - 10.0**level) / tan
+    return _case(rng, Family.FRICTION, group, level, drive.replace(friction_coefficient=value))
+
+
+def _input_speed(rng) -> Case:
+    level = rng.uniform(-9, 6)
+    drive = _some_drive(rng, input_speed=_sign(rng) * 10.0**level)
+    return _case(rng, Family.INPUT_SPEED, Group.ONLY, level, drive)
+
+
+_THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] = {
+    Group.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
+    Group.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
+    Group.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
+    Group.GLOBAL_STABILITY_FORCE: (thresholds.global_stability_force, {"mass": 11.0, "support_damping": 1e-3}),
+}
+
+
+def threshold(group: Group) -> tuple[float, LeadScrew]:
+    """Return a threshold of the axial force [N] and the drive of the chapter that has it."""
+    compute, changes = _THRESHOLDS[group]
+    drive = LeadScrew.of(changes)
+    return compute(drive), drive
+
+
+def _axial_force(rng) -> Case:
+    group = (Group.ZERO, *_THRESHOLDS)[rng.integers(1 + len(_THRESHOLDS))]
+    if group == Group.ZERO:
+        level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
+        drive = _some_drive(rng, axial_force=_sign(rng) * 10.0**level)
+    else:
+        level = rng.uniform(-10, -1)
+        force, drive = threshold(group)
+        drive = drive.replace(axial_force=force * (1 + _sign(rng) * 10.0**level))
+    return _case(rng, Family.AXIAL_FORCE, group, level, drive)
+
+
+def _support_damping(rng) -> Case:
+    level = rng.uniform(-12, 15) if rng.random() < 0.9 else -math.inf
+    return _case(rng, Family.SUPPORT_DAMPING, Group.ONLY, level, _some_drive(rng, support_damping=10.0**level))
+
+
+def _translation_damping(rng) -> Case:
+    level = rng.uniform(-9, 15) if rng.random() < 0.9 else -math.inf
+    drive = _some_drive(rng, translation_damping=10.0**level)
+    return _case(rng, Family.TRANSLATION_DAMPING, Group.ONLY, level, drive)
+
+
+def _time_span(rng) -> Case:
+    level = rng.uniform(-9, 0)
+    case = _case(rng, Family.TIME_SPAN, Group.ONLY, level, _some_drive(rng))
+    return case._replace(duration=10.0**level)
+
+
+def _start(rng) -> Case:
+    drive = _some_drive(rng)
+    time, size = _scales(drive)
+    c = coefficients(drive)
+    q_u, q_w, q_0 = (float(x) for x in c.q_row)
+    u, w = size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5)
+    rest = -drive.input_speed
+    group = Group(rng.integers(Group.ON_SPEED_ZERO, Group.FAR_AWAY + 1))
+    small = 1e-8 * rng.uniform(0.5, 1)
+    start = {
+        Group.ON_SPEED_ZERO: (u, rest),
+        Group.ON_CONTACT_ZERO: (-(q_0 + q_w * w) / q_u, w),
+        Group.ON_CORNER: (-(q_0 + q_w * rest) / q_u, rest),
+        Group.ON_EQUILIBRIUM: (0.0, 0.0),
+        Group.NEAR_EQUILIBRIUM: (small * u, small * w),
+        Group.FAR_AWAY: (u / small, w / small),
+    }[group]
+    return _case(rng, Family.START, group, 0.0, drive, start)
+
+
+def _double_rate(rng) -> Case:
+    """c at which C_s² = 4 Γ_s k, by the drive's own 50 digits rounded once, then moved by 10^level of itself."""
+    while True:
+        drive = _some_drive(rng, support_damping=0.0)
+        law = _sign(rng)
+        c = coefficients(drive)
+        if c.gamma[law] <= 0:
+            continue
+        critical = 2 * (float(c.gamma[law]) * drive.coupling_stiffness) ** 0.5 - float(c.damping[law])
+        if critical > 0:
+            break
+    level = rng.uniform(-17, -1)
+    group = Group.LAW_PLUS if law > 0 else Group.LAW_MINUS
+    damped = drive.replace(support_damping=critical * (1 + _sign(rng) * 10.0**level))
+    return _case(rng, Family.DOUBLE_RATE, group, level, damped)
+
+
+def _random(rng) -> Case:
+    lead = math.radians(_power(rng, -0.5, 1.5))
+    drive = LeadScrew.of(
+        pitch_radius=_power(rng, -4, 0),
+        lead_angle=lead,
+        screw_inertia=_power(rng, -9, 1),
+        coupling_stiffness=_power(rng, -3, 6),
+        support_damping=_power(rng, -7, 1) if rng.random() < 0.9 else 0.0,
+        friction_coefficient=rng.uniform(0.0, min(1.0, 0.99 / math.tan(lead))),
+        input_speed=_sign(rng) * _power(rng, -2, 4),
+        mass=_power(rng, -3, 4),
+        translation_damping=_power(rng, -3, 5) if rng.random() < 0.5 else 0.0,
+        axial_force=_sign(rng) * _power(rng, -2, 5),
+    )
+    return _case(rng, Family.RANDOM, Group.ONLY, math.log10(drive.mass), drive)
+
+
+def _contact(rng) -> Case:
+    stiffness, damping = _power(rng, 3, 14), _power(rng, 3, 14)
+    mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
+    drive = ThreadsDrive.of(
+        mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping
+    )
+    # So many radians of the contact where it vibrates, else of the drive.
+    contact = math.sqrt(0.4 * stiffness)
+    vibrates = damping < 4.0 * stiffness / contact
+    duration = min(0.01, rng.uniform(5, 40) / contact) if vibrates else 0.01
+    start = (rng.uniform(-0.2, 0.2), rng.uniform(-120, 60), 0.0, 0.0)
+    return Case(Family.CONTACT, Group.ONLY, math.log10(stiffness), drive, start, duration)
+
+
+_FAMILIES: dict[Family, Callable[[np.random.Generator], Case]] = {
+    Family.CONTACT: _contact,
+    Family.CRITICAL_MASS: _critical_mass,
+    Family.FRICTION: _friction,
+    Family.INPUT_SPEED: _input_speed,
+    Family.AXIAL_FORCE: _axial_force,
+    Family.SUPPORT_DAMPING: _support_damping,
+    Family.TRANSLATION_DAMPING: _translation_damping,
+    Family.TIME_SPAN: _time_span,
+    Family.START: _start,
+    Family.DOUBLE_RATE: _double_rate,
+    Family.RANDOM: _random,
+}

@@ -1,0 +1,223 @@
+"""Judge the engine on cases at the edge of the domain: status, events, times, states, and what the input itself allows.
+
+A case passes if the engine reports the events of an independent computation, in order, and its final state and event
+times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.accuracy.stepper`; where it disagrees, or
+the drive is too stiff for it, the reference with 40 digits decides (always, for compliant threads). Where the engine
+disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16 units of its last
+place, the size below which the engine takes a sum for zero: if that changes its own answer as early, the case
+is decided by digits that double precision does not have.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.accuracy import stepper
+from lsvib.accuracy.reference import rigid as rigid_reference
+from lsvib.accuracy.reference import threads as threads_reference
+from lsvib.accuracy.sweep_cases import Case
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.errors import LsvibError
+from lsvib.models.motion import Motion, follow
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
+from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.models.threads import ThreadsEvent, threads_drive
+
+TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
+MOST_EVENTS = 60
+_MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+_LAST_PLACES = 16
+_PERTURBED = 4
+_EPS = float(np.finfo(float).eps)
+
+
+class Verdict(IntEnum):
+    """What became of a case."""
+
+    PASSED = 0
+    REFUSED = 1  # one clear sentence instead of a motion
+    BEYOND_INPUT = 2  # the digits that decide are not in the input
+    INACCURATE = 3  # the right events, an error above the tolerance
+    WRONG = 4  # other events
+
+
+class Judge(IntEnum):
+    """Who decided."""
+
+    NONE = 0
+    STEPPER = 1
+    REFERENCE = 2
+
+
+@dataclass(frozen=True)
+class Path:
+    """A motion as far as judges compare it: kinds and times [s] of events, the final state, the size of each coordinate.
+
+    ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
+    """
+
+    kinds: list[str]
+    times: np.ndarray
+    end: np.ndarray
+    size: np.ndarray
+    complete: bool
+
+
+@dataclass
+class Outcome:
+    """Verdict on a case; errors are relative to the size of the motion, nan where nobody computed them.
+
+    ``sensitivity``: change of the reference's final state under a change of the input in its last places.
+    ``stepper_agrees``: whether the stepper had the events of the reference (None: it was not asked).
+    """
+
+    verdict: Verdict
+    judge: Judge
+    events: int = 0
+    state_error: float = math.nan
+    time_error: float = math.nan
+    sensitivity: float = math.nan
+    condition: float = math.nan
+    stepper_agrees: bool | None = None
+    path: Path | None = field(default=None, repr=False)
+
+
+def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outcome:
+    """Follow a case and compare; ``thorough``: ask the reference, and for its sensitivity, in any case."""
+    is_rigid = not isinstance(case.drive, ThreadsDrive)
+    try:
+        automaton = rigid_drive(case.drive) if is_rigid else threads_drive(case.drive)
+        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError:
+        return Outcome(Verdict.REFUSED, Judge.NONE)
+    path = _engine_path(motion, case)
+    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), path=path)
+    if not np.isfinite(path.end).all():
+        return outcome
+    quick = _stepper_path(case, path.size) if is_rigid else None
+    if quick is not None:
+        outcome.stepper_agrees = _compare(outcome, path, quick, case) is Verdict.PASSED
+        if outcome.stepper_agrees and not thorough:
+            outcome.verdict, outcome.judge = Verdict.PASSED, Judge.STEPPER
+            return outcome
+    exact = _exact_path(case, case.drive, case.start)
+    if exact is None:
+        return outcome
+    if quick is not None:
+        outcome.stepper_agrees = quick.kinds == exact.kinds
+    outcome.verdict = _compare(outcome, path, exact, case)
+    if outcome.verdict is not Verdict.PASSED or thorough:
+        _weigh(outcome, path, exact, case, rng)
+    return outcome
+
+
+def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
+    """Errors of a path against another, written to ``outcome``, and the verdict on it."""
+    outcome.state_error = outcome.time_error = math.nan
+    if path.kinds != other.kinds or path.complete != other.complete:
+        return Verdict.WRONG
+    late = np.abs(path.times - other.times)
+    outcome.time_error = float(np.max(late, initial=0.0)) / case.duration
+    if path.complete:
+        outcome.state_error = _distance(path.end, other)
+    return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.PASSED
+
+
+def _distance(end: np.ndarray, other: Path) -> float:
+    return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
+
+
+def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random.Generator) -> None:
+    """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
+    known, moved = len(path.kinds) + 1, 0.0
+    for _ in range(_PERTURBED):
+        drive, start = _moved(case, rng)
+        other = _exact_path(case, drive, start)
+        if other is None:
+            continue
+        known = min(known, _common(exact.kinds, other.kinds))
+        if exact.complete and other.complete and exact.kinds == other.kinds:
+            moved = max(moved, _distance(other.end, exact))
+    outcome.sensitivity = moved
+    if outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds):
+        outcome.verdict = Verdict.BEYOND_INPUT
+    elif outcome.verdict is Verdict.INACCURATE and outcome.state_error <= 4 * moved:
+        outcome.verdict = Verdict.BEYOND_INPUT
+
+
+def _common(left: list[str], right: list[str]) -> int:
+    """Number of leading events that two motions share; all, and one more, if they are the same."""
+    if left == right:
+        return len(left) + 1
+    return next((k for k, pair in enumerate(zip(left, right, strict=False)) if pair[0] != pair[1]),
+                min(len(left), len(right)))  # fmt: skip
+
+
+def _moved(case: Case, rng: np.random.Generator) -> tuple[LeadScrew, tuple[float, ...]]:
+    def move(value: float) -> float:
+        return value * (1 + rng.uniform(-_LAST_PLACES, _LAST_PLACES) * _EPS)
+
+    values = {key: move(value) for key, value in case.drive}
+    # On θ′ = 0 to the last digit it has to stay: a motion that starts there is one that has just stopped.
+    start = list(map(move, case.start))
+    if case.start[1] == -case.drive.input_speed:
+        start[1] = -values["input_speed"]
+    return type(case.drive).model_construct(**values), tuple(start)
+
+
+def _path(case: Case, kinds: list[str], times: np.ndarray, end, size, complete: bool) -> Path:
+    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
+    kept: list[int] = []
+    instant = _INSTANT * case.duration
+    for k, kind in enumerate(kinds):
+        if times[k] <= instant:
+            continue
+        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
+            kept.pop()
+            continue
+        kept.append(k)
+    return Path([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)
+
+
+def _engine_path(motion: Motion, case: Case) -> Path:
+    names: Callable = EventKind if motion.start_state.size == 2 else ThreadsEvent
+    counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    kinds = [names(kind).name.lower() for kind in motion.kind[counted]]
+    size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
+    return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
+
+
+def _stepper_path(case: Case, size: np.ndarray) -> Path | None:
+    """The stepper's motion, or None where it would take too many steps; ``size`` of the motion, which it does not note."""
+    constants = stepper.constants(dict(case.drive))
+    rates = np.abs(constants.rates)
+    if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * stepper.PART:
+        return None
+    times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
+    complete, count, u, w = stepper.run(constants, *case.start, case.duration, times, kinds)
+    names = [stepper.KINDS[kind] for kind in kinds[:count]]
+    return _path(case, names, times[:count], (u, w), size, complete)
+
+
+def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
+    """The reference's motion, or None where it gives up because no digit of it can decide."""
+    try:
+        if isinstance(drive, ThreadsDrive):
+            result = threads_reference.simulate(dict(drive), start, case.duration)
+            visited = [event.state for event in result.events]
+            end, complete = result.state, True
+        else:
+            result = rigid_reference.simulate(dict(drive), *start, case.duration, max_events=MOST_EVENTS)
+            visited = [(event.u_before, event.w_before) for event in result.events]
+            visited += [(segment.u, segment.w) for segment in result.segments]
+            end, complete = (result.u, result.w), result.complete
+    except (ArithmeticError, AssertionError):
+        return None
+    size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
+    times = np.array([float(event.time) for event in result.events])
+    return _path(case, [event.kind for event in result.events], times, end, size, complete)
