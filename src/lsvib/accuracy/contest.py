@@ -4,10 +4,14 @@ Times are processor times of this process: on a quiet machine the same as by the
 inflated by what others do.
 """
 
+import os
 import statistics
+import sys
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,13 +21,14 @@ from lsvib.accuracy.references import reference
 from lsvib.accuracy.result import Errors, Reference, Run, errors
 from lsvib.accuracy.scenes import Scene, scene
 
+_TURN = 3e-3  # [s], at least, of an entry in a round
 _WARM_UP = 0.01  # of the duration, discarded: loads, compiles and fills caches
 
 
 @dataclass(frozen=True)
 class Budget:
-    """``repeats``: runs of each entry at most; ``seconds`` after which an entry is not repeated again; ``limit`` [s] of
-    one run, after which it gives up.
+    """``repeats``: rounds; ``seconds`` after which an entry is left out of further rounds; ``limit`` [s] of one run,
+    after which it gives up.
     """
 
     repeats: int
@@ -54,23 +59,30 @@ class Entry:
 
 
 def contest(
-    name: str, settings: Mapping[str, Sequence[float]], budget: Budget, duration: float | None = None
+    name: str, settings: Mapping[str, Sequence[float]], budget: Budget, shorten: float = 1.0
 ) -> tuple[Scene, Reference, list[Entry]]:
     """Run the methods with their settings on a scene, and its reference.
 
-    Each round runs every entry once, so that a slow spell of the machine hits all alike. Methods for non-stiff problems
-    are left out of a stiff scene. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``settings``: for each method its tolerances, steps or widths, none to leave it out; [0] where there is nothing to
+    set. Each round runs every entry, so that a slow spell of the machine hits all alike. Methods for non-stiff problems
+    are left out of a stiff scene; ``shorten`` cuts the scene to that part of its duration. Raises ``InputError`` if a
+    name is wrong or a package is missing.
     """
-    this = scene(name, duration)
+    this = scene(name, shorten)
     truth = reference(this)
     hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
+    with _quiet():
+        entries = _compete(this, truth, hybrid, limit, settings, budget)
+    return this, truth, entries
+
+
+def _compete(this: Scene, truth: Reference, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
     entries, functions = [], []
     for method_name, values in settings.items():
         method = find_method(method_name)
-        if method.explicit and not this.explicit:
+        if not values or (method.explicit and not this.explicit):
             continue
         clock = Clock(budget.limit)
-        values = values or [0.0]
         _warm_up(method, this, values[0], clock)
         for setting in values:
             entries.append(Entry(method_name, setting))
@@ -79,26 +91,44 @@ def contest(
         for entry, function in zip(entries, functions, strict=True):
             if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
                 _run(entry, function, truth)
-    return this, truth, entries
+    return entries
 
 
 def _warm_up(method, this: Scene, setting: float, clock: Clock) -> None:
-    short = Hybrid(scene(this.name, _WARM_UP * this.duration))
-    try:
+    short = Hybrid(replace(this, duration=_WARM_UP * this.duration))
+    with suppress(GaveUp):  # then the whole run gives up too, and is counted
         method.prepare(short, setting, clock, 1000)().run()
-    except GaveUp:
-        pass  # then the whole run does so too, and is counted
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Silence what solvers print or warn of, also from compiled code: a run that fails is counted, not described."""
+    sys.stderr.flush()
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _run(entry: Entry, function, truth: Reference) -> None:
-    start = time.process_time()
+    """Run an entry once, or a quick one so often that caches and clock have settled; compare its first result."""
+    total, outcome = 0.0, None
     try:
-        outcome = function()
+        while total < _TURN:
+            start = time.process_time()
+            outcome = function()
+            entry.seconds.append(time.process_time() - start)
+            total += entry.seconds[-1]
     except GaveUp as reason:
         entry.failure = str(reason)
         entry.errors = errors(Run(np.array([np.nan]), failure=entry.failure), truth)
         return
-    entry.seconds.append(time.process_time() - start)
     if entry.errors is None:
         run = outcome.run()
         entry.errors, entry.failure = errors(run, truth), run.failure

@@ -120,7 +120,11 @@ class Hybrid:
                 value = row[:-1] @ state + row[-1]
                 size = _ROUNDING * (np.abs(row[:-1]) @ np.abs(state) + abs(row[-1]))
                 if not (
-                    value > size if test == Test.POSITIVE else abs(value) <= size if test == Test.ZERO else value >= -size
+                    value > size
+                    if test == Test.POSITIVE
+                    else abs(value) <= size
+                    if test == Test.ZERO
+                    else value >= -size
                 ):
                     break
             else:
@@ -197,14 +201,18 @@ def fields(automaton: Automaton) -> np.ndarray:
 
 
 def arc_extremes(automaton: Automaton, modes, starts, times, end: float, window: float) -> tuple[float, float]:
-    """Smallest and largest u [rad] over the arcs that start after ``window`` [s], in closed form."""
+    """Smallest and largest u [rad] from ``window`` [s] on over arcs with these modes, states and times of start."""
     low, high = np.inf, -np.inf
-    angle = np.zeros(len(starts[0]) + 1)
+    flow, state = automaton.tables.flow, np.empty(len(starts[0]))
+    angle = np.zeros(state.size + 1)
     angle[0] = 1.0
     for mode, start, begin, stop in zip(modes, starts, times, [*times[1:], end], strict=True):
-        if begin >= window or stop == end:
-            a, b = flows.extremes(automaton.tables.flow, int(mode), np.asarray(start), angle, stop - begin)
-            low, high = min(low, a), max(high, b)
+        if stop < window:
+            continue
+        late = max(window - begin, 0.0)
+        flows.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
+        a, b = flows.extremes(flow, int(mode), state, angle, stop - begin - late)
+        low, high = min(low, a), max(high, b)
     return low, high
 
 

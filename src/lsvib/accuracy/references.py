@@ -18,22 +18,21 @@ def reference(scene: Scene) -> Reference:
 def _rigid(scene: Scene) -> Reference:
     result = rigid.simulate(dict(scene.drive), *scene.state, scene.duration, dps=_DIGITS, max_events=1_000_000)
     with mp.workdps(_DIGITS + rigid.GUARD_DIGITS):
-        angles = []
+        angles = [result.u]
         ends = [segment.time for segment in result.segments[1:]] + [result.time]
         for segment, end in zip(result.segments, ends, strict=True):
-            if segment.time < scene.window and end < result.time:
+            if end < scene.window:
                 continue
-            angles.append(segment.u)
-            if segment.mode != rigid.REST:
-                flow = rigid.Flow(result.drive, segment.mode[0] * segment.mode[1], segment.u, segment.w)
-                turns = flow.extrema((mpf(1), mpf(0), mpf(0)), end - segment.time)
-                angles += [flow.state(tau)[0] for tau in turns]
-        angles.append(result.u)
+            stay, late = end - segment.time, max(scene.window - segment.time, mpf(0))
+            if segment.mode == rigid.REST:
+                angles.append(segment.u + segment.w * late)
+                continue
+            flow = rigid.Flow(result.drive, segment.mode[0] * segment.mode[1], segment.u, segment.w)
+            turns = flow.extrema((mpf(1), mpf(0), mpf(0)), stay)
+            angles += [flow.state(tau)[0] for tau in [late, stay, *turns] if tau >= late]
     visited = [[s.u, s.w] for s in result.segments] + [[e.u_before, e.w_before] for e in result.events]
     kinds = [event.kind for event in result.events]
-    return _rounded(
-        (result.u, result.w), result.events, kinds, result.segments[0].mode == rigid.REST, angles, visited
-    )
+    return _rounded((result.u, result.w), result.events, kinds, result.segments[0].mode == rigid.REST, angles, visited)
 
 
 def _threads(scene: Scene) -> Reference:
@@ -43,11 +42,12 @@ def _threads(scene: Scene) -> Reference:
         row = [mpf(1), mpf(0), mpf(0), mpf(0), mpf(0)]
         for start, _, arc, stay in result.arcs:
             visited += [arc.state(mpf(0)), arc.state(stay)]
-            if start < scene.window and start + stay < result.time:
+            if start + stay < scene.window:
                 continue
+            late = max(scene.window - start, mpf(0))
             angle = threads.Function(arc, row)
-            turns = angle.derivative().roots(mpf(0), stay) if stay else ()
-            angles += [angle(mpf(0)), angle(stay), *(angle(t) for t in turns)]
+            turns = angle.derivative().roots(late, stay) if stay > late else ()
+            angles += [angle(late), angle(stay), *(angle(t) for t in turns)]
     kinds = [event.kind for event in result.events]
     return _rounded(result.state, result.events, kinds, result.arcs[0][1].startswith("rest"), angles, visited)
 

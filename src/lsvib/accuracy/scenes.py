@@ -1,7 +1,7 @@
 """The scenes on which methods are compared: drive, start, duration and the sizes that errors are measured in."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Scene:
 
     @property
     def scales(self) -> np.ndarray:
-        """Typical sizes of the coordinates (n), for absolute tolerances: 0.1 rad, Ω, and what N_0 does to the contact."""
+        """Typical sizes of the coordinates (n), for absolute tolerances: 0.1 rad, Ω, and what N_0 does to a contact."""
         sizes = [0.1, abs(self.drive.input_speed)]
         if isinstance(self.drive, ThreadsDrive):
             normal = abs(float(coefficients(self.drive).net_force))
@@ -62,7 +62,7 @@ class Scene:
 
 def _stick_slip() -> Scene:
     drive = LeadScrew.of(mass=1, translation_damping=1e3, axial_force=40)
-    return Scene("stick_slip", "stick–slip, R = 40 N", "rigid", drive, (0.01, 0.0), 0.5, 2e-4)
+    return Scene("stick_slip", "stick–slip, 40 N", "rigid", drive, (0.01, 0.0), 0.5, 2e-4)
 
 
 def _graze(name: str, title: str, side: int) -> Scene:
@@ -72,41 +72,39 @@ def _graze(name: str, title: str, side: int) -> Scene:
 
 
 def _graze_above() -> Scene:
-    return _graze("graze_above", "just above the stick force", 1)
+    return _graze("graze_above", "just above stick force", 1)
 
 
 def _graze_below() -> Scene:
-    return _graze("graze_below", "just below the stick force", -1)
+    return _graze("graze_below", "just below stick force", -1)
 
 
 def _sprag_slip() -> Scene:
     drive = LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)
-    return Scene("sprag_slip", "sprag–slip, Painlevé regime", "rigid", drive, (0.1, 0.0), 0.5, 2e-4)
+    return Scene("sprag_slip", "sprag–slip, Painlevé", "rigid", drive, (0.1, 0.0), 0.5, 2e-4)
 
 
 def _sprag_graze() -> Scene:
     drive = LeadScrew.of(mass=11, support_damping=1e-3)
     drive = drive.replace(axial_force=global_stability_force(drive) * (1 - _NEAR))
-    return Scene(
-        "sprag_graze", "sprag–slip, seizure just reached", "rigid", drive, (0.06, -drive.input_speed), 0.5, 2e-4
-    )
+    return Scene("sprag_graze", "seizure just reached", "rigid", drive, (0.06, -drive.input_speed), 0.5, 2e-4)
 
 
 def _stiff_contact() -> Scene:
     drive = ThreadsDrive.of(mass=11, axial_force=100)
     state = tuple(float(x) for x in seated_state(drive, 0.005, 0.0))
-    return Scene("stiff_contact", "stiff contact of Fig. 8.10", "threads", drive, state, 0.05, 5e-5, explicit=False)
+    return Scene("stiff_contact", "stiff contact, Fig. 8.10", "threads", drive, state, 0.05, 5e-5, explicit=False)
 
 
 def _near_critical() -> Scene:
     drive = LeadScrew.of(translation_damping=1e3, axial_force=40)
     drive = drive.replace(mass=critical_mass(drive) * (1 - _GAMMA))
-    return Scene("near_critical", "near-critical mass, Γ₊ = 10⁻⁹ I", "rigid", drive, (0.01, 0.0), 0.3, 2e-4)
+    return Scene("near_critical", "near-critical mass", "rigid", drive, (0.01, 0.0), 0.3, 2e-4)
 
 
 def _long_run() -> Scene:
     drive = LeadScrew.of(mass=1, translation_damping=1e3, axial_force=40)
-    return Scene("long_run", "stick–slip, 1000 periods", "rigid", drive, (0.01, 0.0), 13.5, 2e-4)
+    return Scene("long_run", "1000 periods", "rigid", drive, (0.01, 0.0), 13.5, 2e-4)
 
 
 _SCENES: dict[str, Callable[[], Scene]] = {
@@ -122,9 +120,9 @@ _SCENES: dict[str, Callable[[], Scene]] = {
 NAMES = tuple(_SCENES)
 
 
-def scene(name: str, duration: float | None = None) -> Scene:
-    """Return a scene by name, with its own duration or another one [s]; ``InputError`` if there is none of that name."""
+def scene(name: str, shorten: float = 1.0) -> Scene:
+    """Return a scene by name, cut to a part of its duration; ``InputError`` if there is none of that name."""
     if name not in _SCENES:
         raise InputError(f"scene = {name!r} is not one of {', '.join(NAMES)}.")
     found = _SCENES[name]()
-    return found if duration is None else Scene(**{**vars(found), "duration": float(duration)})
+    return replace(found, duration=shorten * found.duration)

@@ -1,4 +1,4 @@
-"""CVODE of SUNDIALS through scikit-sundae, with its own root finding, started again in the new mode after each event."""
+"""CVODE of SUNDIALS through scikit-sundae, with its root finding, started again in the new mode after each event."""
 
 from collections.abc import Callable
 
@@ -15,9 +15,10 @@ _ROOT = 2  # CVODE's return value at an event
 def prepare(
     hybrid: Hybrid, setting: float, clock: Clock, max_events: int, solver: str, capped: bool = False
 ) -> Callable:
-    """Return a function that runs CVODE (``solver``: Adams or BDF) at relative tolerance ``setting``; ``capped``: step cap.
+    """Return a function that runs CVODE (``solver``: Adams or BDF) at relative tolerance ``setting``.
 
-    Absolute tolerances are ``setting`` times the sizes of the coordinates; BDF is given the Jacobian.
+    ``capped``: with the scene's step cap. Absolute tolerances are ``setting`` times the sizes of the coordinates; BDF
+    is given the Jacobian.
     """
     scene = hybrid.scene
     options = {

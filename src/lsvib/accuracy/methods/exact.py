@@ -56,6 +56,7 @@ def _rounded(tables: Tables) -> Tables:
     def round_floats(value):
         if isinstance(value, tuple):
             return type(value)(*map(round_floats, value))
-        return value.astype(np.float32).astype(float) if getattr(value, "dtype", None) == float else value
+        real = isinstance(value, np.ndarray) and value.dtype.kind == "f"
+        return value.astype(np.float32).astype(float) if real else value
 
     return tables._replace(**{name: round_floats(value) for name, value in tables._asdict().items()})
