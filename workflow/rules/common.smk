@@ -92,9 +92,10 @@ def remove_leftovers():
 
 
 def print_results(started):
-    """Print where the figures are and the table of checks, unless the table is older than this run."""
-    records = Path("results/checks.json")
-    if records.exists() and records.stat().st_mtime >= started:
-        checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
-        print(f"\n{terminal_table(checks)}\n")
-        print("Figures: results/figures   datasets: results/datasets   checks: results/checks.md, results/checks.json")
+    """Print where the figures are and each table of checks that is not older than this run."""
+    for folder in ("results", "results/accuracy"):
+        records = Path(folder, "checks.json")
+        if records.exists() and records.stat().st_mtime >= started:
+            checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
+            print(f"\n{terminal_table(checks)}\n")
+            print(f"Figures: results/figures   datasets: results/datasets   checks: {folder}/checks.md, {records}")
