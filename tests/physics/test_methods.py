@@ -97,9 +97,9 @@ def test_an_endless_chain_of_events_gives_up():
 def test_the_clock_stops_a_run():
     clock = Clock(0.0)
     clock.start()
+    clock.calls = 63
     with pytest.raises(GaveUp, match="over 0 s"):
-        for _ in range(64):
-            clock.check()
+        clock.check()
 
 
 def test_a_missing_package_is_one_sentence(monkeypatch):
