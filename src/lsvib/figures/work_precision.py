@@ -53,6 +53,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
+    axes.margins(x=0.1)
     axes.set(xscale="log", yscale="log", ylim=(_LEAST / 3, 30))
     axes.set_yticks([1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0])
     for k, name in enumerate(names):
@@ -65,7 +66,8 @@ def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
         colour, marker, dashes = _STYLES[name]
         size = 9 if name == "exact" else 3.5
         axes.plot(seconds[ran], error[ran], color=colour, linestyle=dashes, linewidth=0.7, alpha=0.8)
-        axes.plot(seconds[good], error[good], color=colour, marker=marker, markersize=size, linestyle="")
+        face = "white" if dashes == ":" else colour
+        axes.plot(seconds[good], error[good], color=colour, marker=marker, markersize=size, linestyle="", mfc=face)
         axes.plot(seconds[ran & ~good], error[ran & ~good], color=colour, marker="x", markersize=4, linestyle="")
     engine = float(scene.run_time.isel(method=names.index("exact"), tolerance=0))
     axes.axvline(_CLAIM * engine, color=style.GREY, linestyle=":", linewidth=0.8, zorder=0)
@@ -79,7 +81,7 @@ def _gave_up(axes: Axes, scene: xr.Dataset) -> None:
     drawn = [name in _STYLES for name in scene.method.attrs["flag_meanings"].split()]
     lost = int((scene.verdict.values[drawn] == codes["gave up"]).sum())
     if lost:
-        axes.text(0.97, 0.03, f"gave up: {lost} runs", transform=axes.transAxes, fontsize=6, ha="right")
+        axes.text(0.97, 0.03, f"{lost} gave up", transform=axes.transAxes, fontsize=6, ha="right")
 
 
 def _handles(dataset: xr.Dataset, names: list[str]) -> list[Line2D]:
@@ -89,8 +91,8 @@ def _handles(dataset: xr.Dataset, names: list[str]) -> list[Line2D]:
             continue
         colour, marker, dashes = _STYLES[name]
         size = 8 if name == "exact" else 4
-        handles.append(
-            Line2D([], [], color=colour, marker=marker, linestyle=dashes, linewidth=0.8, markersize=size, label=label)
-        )
+        face = "white" if dashes == ":" else colour
+        line = {"color": colour, "marker": marker, "linestyle": dashes, "mfc": face}
+        handles.append(Line2D([], [], linewidth=0.8, markersize=size, label=label, **line))
     handles.append(Line2D([], [], color=style.BLACK, marker="x", linestyle="", markersize=4, label="wrong motion"))
     return handles
