@@ -25,7 +25,7 @@ _CONTROLS = {
     "smoothing_width": ("rad s-1", "width of the smoothed jump of friction"),
 }
 _RIVALS = (Family.GENERAL, Family.FIXED_STEP, Family.SMOOTHED)
-_SOURCE = "issue: error against run time"
+_SOURCE = "docs/accuracy.md"
 _PACKAGES = ("scipy", "scikit-sundae", "mpmath")
 
 
@@ -165,7 +165,7 @@ class _Table:
                 "the preparation of a method (tables, compilation) is not in it",
                 "processor": _processor(),
                 "processor_cores": os.cpu_count() or 0,
-                "operating_system": platform.platform(terse=True),
+                "operating_system": platform.system(),
                 "rival_versions": json.dumps(_versions()),
             },
         )
