@@ -15,8 +15,11 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|basin_sweep",
+    figure=r"fig8_\d\d|limit_process|basin_sweep|work_precision|stability_sweeps|ablation",
 
+
+# Figures whose datasets measure run times.
+TIMED = {"work_precision", "ablation"}
 
 # What each script imports of ours besides the module of its figure.
 SCRIPT_IMPORTS = {
@@ -81,6 +84,11 @@ def engine(wildcards):
     return "results/engine.txt" if any(module.startswith("lsvib.core.") for module in modules) else []
 
 
+def cores(wildcards):
+    """Return the cores of a dataset's job: all of them if run times are measured, so that nothing runs beside it."""
+    return workflow.cores if wildcards.figure in TIMED else 1
+
+
 def caption(wildcards):
     """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
     return Path(workflow.basedir, "workflow", "report", f"{wildcards.figure}.rst").read_text(encoding="utf-8")
@@ -93,9 +101,10 @@ def remove_leftovers():
 
 
 def print_results(started):
-    """Print where the figures are and the table of checks, unless the table is older than this run."""
-    records = Path("results/checks.json")
-    if records.exists() and records.stat().st_mtime >= started:
-        checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
-        print(f"\n{terminal_table(checks)}\n")
-        print("Figures: results/figures   datasets: results/datasets   checks: results/checks.md, results/checks.json")
+    """Print where the figures are and each table of checks that is not older than this run."""
+    for folder in ("results", "results/accuracy"):
+        records = Path(folder, "checks.json")
+        if records.exists() and records.stat().st_mtime >= started:
+            checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
+            print(f"\n{terminal_table(checks)}\n")
+            print(f"Figures: results/figures   datasets: results/datasets   checks: {folder}/checks.md, {records}")
