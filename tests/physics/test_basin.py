@@ -222,6 +222,10 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
         ({"mass": 11, "support_damping": 0, "axial_force": -10}, "attracts nothing"),
         ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "not covered"),
         (
+            {"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16},
+            "without a turn",
+        ),
+        (
             {**FAST_NUT, "axial_force": 40.56},
             "rest does not settle",
         ),

@@ -72,7 +72,8 @@ def drawn_from_file(figure: str, path: Path) -> tuple[Figure, list[str]]:
     write_dataset(dataset_of(figure), path)
     drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(path))
     drawn.draw_without_rendering()
-    names = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
+    legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
+    names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert names
     assert len(names) == len(set(names))
     return drawn, names

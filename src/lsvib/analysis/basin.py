@@ -119,6 +119,11 @@ def _require_attraction(c: Coefficients) -> None:
 
 def _continuous(drive: LeadScrew, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """The basin for Γ₊ > 0: the inside of the cycle to which a motion from the equilibrium winds backwards."""
+    if c.damping[1] < 0 and c.damping[1] ** 2 >= 4 * drive.exact().coupling_stiffness * c.gamma[1]:
+        raise InputError(
+            f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
+            "without a turn; the basin of such a drive is not covered."
+        )
     back = backward_drive(drive)
     mode = MotionMode.SLIP_FORWARD_NEGATIVE if c.steady_law < 0 else MotionMode.SLIP_FORWARD_POSITIVE
     # Slip from (start, 0) never leaves |u| <= start, |w| <= start √(k/Γ_0).
