@@ -8,7 +8,7 @@ rising. A root is then refined to 40 digits by secant steps inside its bracket.
 
 from mpmath import mp, mpf
 
-from reference.threads import SPARE_DIGITS, Drive, Event, Result, name
+from lsvib.accuracy.reference.threads import SPARE_DIGITS, Drive, Event, Result, name
 
 STEPS_PER_SCALE = 40
 

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.attraction import Axis, Grid, mapper
+from lsvib.analysis.attraction import mapper
 from lsvib.analysis.basin import Basin, Boundary, basin
 from lsvib.analysis.clipping import Window
 from lsvib.analysis.curves import sampled
 from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import Axis, Grid
 from lsvib.analysis.thresholds import global_stability_force
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.attraction import COORDINATES, Axis, Grid, Mapper, mapper
+from lsvib.analysis.attraction import Mapper, mapper
+from lsvib.analysis.grid import COORDINATES, Axis, Grid
 from lsvib.datasets.assembly import Window, gather, write_tile
 from lsvib.datasets.attraction import axis_coordinate, global_attributes, surroundings, variable_attributes
 from lsvib.errors import InputError

@@ -21,7 +21,6 @@ from enum import IntEnum
 
 import numpy as np
 
-
 from lsvib.core.status import Test
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
