@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from lsvib.analysis.attraction import mapper
-from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.grid import Grid
-from lsvib.analysis.orbits import settled_orbit
 from lsvib.datasets import attraction_limit
 from lsvib.models.parameters import NutDrive, SupportDrive, ThreadsDrive
 
@@ -21,7 +20,7 @@ def test_labels_against_the_return_map(kind, model):
     found = mapped.cells(grid, quantities=("label", "time", "seizures", "first_event"))
     for (i, j), label in np.ndenumerate(found["label"]):
         state = mapped.kind.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
-        assert settled_orbit(mapped.automaton, state).label == label
+        assert steady_state(mapped.automaton, state).label == label
     assert Attractor.UNRESOLVED not in found["label"]
     assert np.isfinite(found["time"]).all()
     again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), threads=2)

@@ -8,7 +8,7 @@ A cell's motion is followed on the exact engine until one of the following holds
   point that they tend to, x + q / (1 − q) Δx, is the cycle's within ``_SAME`` of the cycle's size. (A contact creeps at
   the rate k_c / c_c, so that a motion may come close to its cycle only after thousands of returns.)
 * it diverges: unbounded;
-* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``settled_orbit``); what that leaves open
+* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``steady_state``); what that leaves open
   is unresolved.
 
 Known cycles are those that a few fixed starts reach; so the result does not depend on the grid, tiles or threads.
@@ -20,9 +20,8 @@ import numpy as np
 
 from lsvib.analysis import cycles
 from lsvib.analysis.attraction import Progress, check_quantities, in_blocks
-from lsvib.analysis.cycles import Attractor, SteadyState
+from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.analysis.grid import COORDINATES, Grid
-from lsvib.analysis.orbits import settled_orbit
 from lsvib.core.status import Status
 from lsvib.errors import EngineError, InputError
 from lsvib.models.model import find_model
@@ -52,7 +51,7 @@ class StateMapper:
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = settled_orbit(self.automaton, self.kind.initial_state(drive, {"u": u, "w": w}))
+            found = steady_state(self.automaton, self.kind.initial_state(drive, {"u": u, "w": w}))
             known = [other for other in self.attractors if abs(other.period - found.period) <= 1e-6 * other.period]
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
@@ -117,7 +116,7 @@ class StateMapper:
                     return cycle.label, time + float(motion.time[last]), sprags + self._sprags(motion, last + 1), first
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
-        label = settled_orbit(self.automaton, state).label
+        label = steady_state(self.automaton, state).label
         return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
 
     def _sprags(self, motion: Motion, count: int) -> int:

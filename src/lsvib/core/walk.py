@@ -33,6 +33,7 @@ _LOST = int(Found.UNDECIDED)
 _POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
 _STEPS = 1_000_000
 _LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
+_BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
 _GROWTH = 8.0  # of the exponent of a growing term within one step
 
 
@@ -139,7 +140,7 @@ def _first_step(rows, values, amplitudes):
     shortest = math.inf
     for guard in range(values.shape[0]):
         best = 0.0
-        for k in range(2):
+        for k in range(3):
             curve = 0.0
             for pair in range(rows.shape[0]):
                 if rows[pair, BETA] > 0.0:
@@ -210,10 +211,10 @@ def _decide(rows, here, there, amplitudes, guard, decays, step, rounding, starts
     if least - low < rounding:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > rounding:
-            return _POSITIVE, 1.0
+            return _POSITIVE, _BEYOND_ROUNDING
         if there[guard, 0] <= -rounding:
-            return _ROOT, 1.0
-        return _POSITIVE if starts_on_surface else _TOUCHES, 1.0
+            return _ROOT, _BEYOND_ROUNDING
+        return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
     return _UNDECIDED, slack
 
 
