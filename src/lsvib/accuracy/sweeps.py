@@ -29,6 +29,7 @@ from lsvib.models.threads import ThreadsEvent, threads_drive
 TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
 MOST_EVENTS = 60
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+_AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
 _INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _LAST_PLACES = 16
@@ -42,8 +43,9 @@ class Verdict(IntEnum):
     PASSED = 0
     REFUSED = 1  # one clear sentence instead of a motion
     BEYOND_INPUT = 2  # the digits that decide are not in the input
-    INACCURATE = 3  # the right events, an error above the tolerance
-    WRONG = 4  # other events
+    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
+    INACCURATE = 4  # the right events, an error above the tolerance
+    WRONG = 5  # other events
 
 
 class Judge(IntEnum):
@@ -96,7 +98,7 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outco
     except LsvibError:
         return Outcome(Verdict.REFUSED, Judge.NONE)
     path = _engine_path(motion, case)
-    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), path=path)
+    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=automaton.condition, path=path)
     if not np.isfinite(path.end).all():
         return outcome
     quick = _stepper_path(case, path.size) if is_rigid else None
@@ -109,9 +111,12 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outco
     if exact is None:
         return outcome
     if quick is not None:
-        outcome.stepper_agrees = quick.kinds == exact.kinds
+        outcome.stepper_agrees = quick.kinds == exact.kinds or _same_but_corners(quick, exact, case)
     outcome.verdict = _compare(outcome, path, exact, case)
-    if outcome.verdict is not Verdict.PASSED or thorough:
+    if outcome.verdict is Verdict.WRONG and _same_but_corners(path, exact, case):
+        outcome.verdict = Verdict.CORNER
+        outcome.state_error = _distance(path.end, exact)
+    if outcome.verdict not in (Verdict.PASSED, Verdict.CORNER) or thorough:
         _weigh(outcome, path, exact, case, rng)
     return outcome
 
@@ -126,6 +131,24 @@ def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
     if path.complete:
         outcome.state_error = _distance(path.end, other)
     return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.PASSED
+
+
+def _same_but_corners(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
+    tokens = [_without_clusters(x, _AT_ONCE * case.duration) for x in (path, other)]
+    both = path.complete and other.complete
+    return both and tokens[0] == tokens[1] and _distance(path.end, other) <= TOLERANCE
+
+
+def _without_clusters(path: Path, gap: float) -> list[str]:
+    """Kinds of events, with each run of events that follow each other within ``gap`` [s] as one."""
+    tokens: list[str] = []
+    for k, kind in enumerate(path.kinds):
+        if k and path.times[k] - path.times[k - 1] <= gap:
+            tokens[-1] = "corner"
+        else:
+            tokens.append(kind)
+    return tokens
 
 
 def _distance(end: np.ndarray, other: Path) -> float:
