@@ -19,6 +19,7 @@ STARTED = time.time()
 include: "workflow/rules/common.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/checks.smk"
+include: "workflow/rules/accuracy.smk"
 
 
 rule all:

@@ -15,8 +15,11 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process",
+    figure=r"fig8_\d\d|limit_process|work_precision|stability_sweeps|ablation",
 
+
+# Figures whose datasets measure run times.
+TIMED = {"work_precision", "ablation"}
 
 # What each script imports of ours besides the module of its figure.
 SCRIPT_IMPORTS = {
@@ -70,6 +73,11 @@ def engine(wildcards):
     """Return the marker of the compiled engine if the figure's dataset reaches ``lsvib.core``, else nothing."""
     modules = imports(f"lsvib.datasets.{wildcards.figure}")
     return "results/engine.txt" if any(module.startswith("lsvib.core.") for module in modules) else []
+
+
+def cores(wildcards):
+    """Return the cores of a dataset's job: all of them if run times are measured, so that nothing runs beside it."""
+    return workflow.cores if wildcards.figure in TIMED else 1
 
 
 def caption(wildcards):

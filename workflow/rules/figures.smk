@@ -29,6 +29,7 @@ rule dataset:
         "logs/dataset/{figure}.log",
     benchmark:
         "benchmarks/dataset/{figure}.tsv"
+    threads: cores
     params:
         settings=lookup(within=config, dpath="{figure}"),
     message:

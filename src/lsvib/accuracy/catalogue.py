@@ -1,0 +1,117 @@
+"""The methods that are compared: their families, settings and the functions that prepare them.
+
+A method's module is loaded when it is used, since it may need a package that only the target ``accuracy`` requires.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from importlib.util import find_spec
+from typing import Any
+
+from lsvib.accuracy.hybrid import Clock, Hybrid
+from lsvib.errors import InputError
+
+_PACKAGES = {"scipy": "scipy", "sksundae": "scikit-sundae"}  # import name: package
+
+
+class Family(IntEnum):
+    """Kinds of methods."""
+
+    EXACT = 0  # this engine
+    GENERAL = 1  # general solvers with events, adaptive
+    FIXED_STEP = 2  # Runge–Kutta with a fixed step, made for this drive
+    SMOOTHED = 3  # friction without a jump
+
+
+def _exact() -> Callable:
+    from lsvib.accuracy.methods.exact import prepare
+
+    return prepare
+
+
+def _scipy_events() -> Callable:
+    from lsvib.accuracy.methods.scipy_events import prepare
+
+    return prepare
+
+
+def _cvode() -> Callable:
+    from lsvib.accuracy.methods.cvode import prepare
+
+    return prepare
+
+
+def _smoothed() -> Callable:
+    from lsvib.accuracy.methods.smoothed import prepare
+
+    return prepare
+
+
+def _fixed_step() -> Callable:
+    from lsvib.accuracy.methods.fixed_step import prepare
+
+    return prepare
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method: ``control`` is what its setting is, ``relative_tolerance`` [1], ``time_step`` [s], ``smoothing_width``
+    [rad/s] or ``none``; ``load`` returns the function that prepares what is timed; ``needs``: a package by its import
+    name; ``explicit``: bounded region of stability, so no method for stiff scenes.
+    """
+
+    label: str
+    family: Family
+    load: Callable[[], Callable]
+    control: str = "relative_tolerance"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    needs: str | None = None
+    explicit: bool = False
+
+    def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+        """Return the function to time; ``InputError`` if the package is missing."""
+        if self.needs and find_spec(self.needs) is None:
+            raise InputError(
+                f"The package {_PACKAGES[self.needs]}, which {self.label} needs, is not installed; "
+                "run pip install -r requirements-accuracy.txt."
+            )
+        return self.load()(hybrid, setting, clock, max_events, **self.options)
+
+
+def _with_scipy(label: str, **options) -> Method:
+    explicit = options["solver"] in ("RK45", "DOP853")
+    return Method(label, Family.GENERAL, _scipy_events, options=options, needs="scipy", explicit=explicit)
+
+
+def _with_cvode(label: str, **options) -> Method:
+    explicit = options["solver"] == "Adams"
+    return Method(label, Family.GENERAL, _cvode, options=options, needs="sksundae", explicit=explicit)
+
+
+METHODS = {
+    "exact": Method("lsvib", Family.EXACT, _exact, "none"),
+    "exact_single": Method("lsvib, float32 tables", Family.EXACT, _exact, "none", {"single": True}),
+    "rk45": _with_scipy("RK45", solver="RK45"),
+    "dop853": _with_scipy("DOP853", solver="DOP853"),
+    "dop853_capped": _with_scipy("DOP853, step cap", solver="DOP853", capped=True),
+    "radau": _with_scipy("Radau", solver="Radau"),
+    "bdf": _with_scipy("BDF", solver="BDF"),
+    "lsoda": _with_scipy("LSODA", solver="LSODA"),
+    "lsoda_capped": _with_scipy("LSODA, step cap", solver="LSODA", capped=True),
+    "cvode_adams": _with_cvode("CVODE Adams", solver="Adams"),
+    "cvode_bdf": _with_cvode("CVODE BDF", solver="BDF"),
+    "cvode_bdf_capped": _with_cvode("CVODE BDF, step cap", solver="BDF", capped=True),
+    "smoothed": Method("smoothed friction", Family.SMOOTHED, _smoothed, "smoothing_width", needs="sksundae"),
+    "rk4": Method("RK4, fixed step", Family.FIXED_STEP, _fixed_step, "time_step", explicit=True),
+    "rk4_refined": Method(
+        "RK4, refined events", Family.FIXED_STEP, _fixed_step, "time_step", {"refined": True}, explicit=True
+    ),
+}
+
+
+def find_method(name: str) -> Method:
+    """Return a method by name; ``InputError`` if there is none of that name."""
+    if name not in METHODS:
+        raise InputError(f"method = {name!r} is not one of {', '.join(METHODS)}.")
+    return METHODS[name]

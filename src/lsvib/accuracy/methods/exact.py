@@ -1,0 +1,62 @@
+"""This engine; and the same with its tables rounded to single precision, as a map in float32 would have them."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, arc_extremes, counted
+from lsvib.accuracy.result import Run
+from lsvib.core.status import Status
+from lsvib.core.tables import Tables
+from lsvib.errors import EngineError
+from lsvib.models.motion import Motion, follow
+
+
+class _Followed:
+    def __init__(self, hybrid: Hybrid, motion: Motion) -> None:
+        self.hybrid, self.motion = hybrid, motion
+
+    def run(self) -> Run:
+        motion, scene = self.motion, self.hybrid.scene
+        ours = counted(motion.kind)
+        modes, starts, _, _ = motion.arcs()
+        times = [0.0, *motion.time]
+        return Run(
+            end_state=motion.end_state,
+            times=motion.time[ours],
+            kinds=[self.hybrid.names[int(kind)] for kind in motion.kind[ours]],
+            extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, scene.window),
+        )
+
+
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, single: bool = False) -> Callable:
+    """Return a function that runs the engine on the scene; ``single``: with tables and start rounded to float32.
+
+    The rounded tables are computed with in double precision, so its error is the least that a float32 engine has: it
+    cannot be faster than this one by more than the exponentials of single precision are, and has no digits to spare.
+    """
+    automaton, state = hybrid.automaton, np.array(hybrid.scene.state)
+    if single:
+        automaton = type(automaton)(**{**vars(automaton), "tables": _rounded(automaton.tables)})
+        state = state.astype(np.float32).astype(float)
+
+    def run() -> _Followed:
+        try:
+            motion = follow(automaton, state, hybrid.scene.duration, max_events=max_events)
+        except EngineError as error:
+            raise GaveUp(str(error)) from None
+        if motion.status == Status.EVENTS_FULL:
+            raise GaveUp(f"over {max_events} events")
+        return _Followed(hybrid, motion)
+
+    return run
+
+
+def _rounded(tables: Tables) -> Tables:
+    def round_floats(value):
+        if isinstance(value, tuple):
+            return type(value)(*map(round_floats, value))
+        real = isinstance(value, np.ndarray) and value.dtype.kind == "f"
+        return value.astype(np.float32).astype(float) if real else value
+
+    return tables._replace(**{name: round_floats(value) for name, value in tables._asdict().items()})

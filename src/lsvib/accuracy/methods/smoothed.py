@@ -1,0 +1,122 @@
+"""Friction without a jump: sgn θ′ is replaced by tanh(θ′/ε), and a stiff solver (CVODE, BDF) integrates in one go.
+
+No event, no restart; what practitioners do. Rigid drive outside the Painlevé region, (8.16) and (8.17) with
+μ_s = μ tanh(θ′/ε) sgn Q; drive with compliant threads, (8.6) with friction μ |N| tanh(θ′/ε). In the Painlevé region
+the smoothed rigid drive does not exist – on the way from Γ₋ to Γ₊ < 0 the effective inertia is zero – so there the
+contact is made compliant as well, with the stiffness and damping of Fig. 8.10.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from sksundae.cvode import CVODE
+
+from lsvib.accuracy.hybrid import Clock, Hybrid
+from lsvib.accuracy.result import Run
+from lsvib.accuracy.scenes import Scene
+from lsvib.core.jit import kernel
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import ThreadsDrive
+from lsvib.models.threads import seated_state
+
+_TOLERANCE = 1e-7  # relative; below the error of any width ε
+_STEPS = 2_000_000
+_STANDS = 5.0  # a screw slower than so many ε stands
+
+
+class _Sampled:
+    def __init__(self, scene: Scene, width: float, found) -> None:
+        self.scene, self.width, self.found = scene, width, found
+
+    def run(self) -> Run:
+        times, states = np.asarray(self.found.t), np.asarray(self.found.y)
+        if not self.found.success:
+            return Run(end_state=states[-1], failure=str(self.found.message))
+        steady = times >= self.scene.window
+        standing = np.abs(states[:, 1] + self.scene.drive.input_speed) < _STANDS * self.width
+        return Run(
+            end_state=states[-1],
+            stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
+            extremes=_extremes(times[steady], states[steady, 0], states[steady, 1]),
+        )
+
+
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable[[], _Sampled]:
+    """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
+    scene = hybrid.scene
+    drive, state = scene.drive, np.array(scene.state)
+    compliant = scene.model == "threads"
+    if not compliant and coefficients(drive).paradox:
+        drive, compliant = ThreadsDrive.of(drive.model_dump()), True
+        state = seated_state(drive, *state)
+    numbers = _threads_numbers(drive) if compliant else _rigid_numbers(drive)
+    rate = _threads_rate if compliant else _rigid_rate
+    scales = np.array([0.1, abs(drive.input_speed), 1e-6, 1e-6])[: state.size]
+
+    def field(t, x, out):
+        clock.check()
+        rate(numbers, setting, x, out)
+
+    solver = CVODE(field, method="BDF", rtol=_TOLERANCE, atol=_TOLERANCE * scales, max_num_steps=_STEPS)
+
+    def run() -> _Sampled:
+        clock.start()
+        return _Sampled(scene, setting, solver.solve(np.array([0.0, scene.duration]), state))
+
+    return run
+
+
+def _rigid_numbers(drive) -> tuple[float, ...]:
+    c = coefficients(drive)
+    values = (
+        drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
+        drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
+        c.net_force, c.xi[c.steady_law], *c.q_row,
+    )  # fmt: skip
+    return tuple(float(value) for value in values)
+
+
+def _threads_numbers(drive: ThreadsDrive) -> tuple[float, ...]:
+    values = (
+        drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
+        drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
+        drive.axial_force, coefficients(drive).deflection, math.cos(drive.lead_angle), math.sin(drive.lead_angle),
+        drive.contact_stiffness, drive.contact_damping,
+    )  # fmt: skip
+    return tuple(float(value) for value in values)
+
+
+@kernel
+def _rigid_rate(numbers, width, state, out):
+    r, tan, inertia, k, c, mu, speed, m, cx, net_force, xi0, q_u, q_w, q_0 = numbers
+    u, w = state[0], state[1]
+    q = q_u * u + q_w * w + q_0
+    mu_s = mu * math.tanh((w + speed) / width) * (1.0 if q >= 0.0 else -1.0)
+    xi = (mu_s - tan) / (1.0 + mu_s * tan)
+    lever = xi * r * r * tan
+    out[0] = w
+    out[1] = (r * (xi0 - xi) * net_force - (c - lever * cx) * w - k * u) / (inertia - lever * m)
+
+
+@kernel
+def _threads_rate(numbers, width, state, out):
+    r, tan, inertia, k, c, mu, speed, m, cx, force, z0, cos, sin, kc, cc = numbers
+    u, w, e, v = state[0], state[1], state[2], state[3]
+    turning = w + speed
+    normal = cos * (kc * e + cc * v)
+    friction = mu * abs(normal) * math.tanh(turning / width)
+    acceleration = (-k * (z0 + u) - c * turning - r * (friction * cos - normal * sin)) / inertia
+    nut = (force - cx * (v + r * tan * turning) - normal * cos - friction * sin) / m
+    out[0], out[1], out[2], out[3] = w, acceleration, v, nut - r * tan * acceleration
+
+
+def _extremes(times: np.ndarray, u: np.ndarray, w: np.ndarray) -> tuple[float, float]:
+    """Extremes of u at the steps, and of the cubic between two steps where w changes sign."""
+    found = [float(u.min()), float(u.max())] if u.size else [math.nan]
+    for i in np.flatnonzero((w[1:] < 0) != (w[:-1] < 0)):
+        x, h = w[i] / (w[i] - w[i + 1]), times[i + 1] - times[i]
+        y = 1 - x
+        rise = u[i] * (1 + 2 * x) * y * y + u[i + 1] * (3 - 2 * x) * x * x
+        found.append(float(rise + h * x * y * (w[i] * y - w[i + 1] * x)))
+    return min(found), max(found)

@@ -1,0 +1,95 @@
+"""Error against run time: one panel for each scene, every method a line, wrong motions marked by crosses."""
+
+import math
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from lsvib.figures import style
+
+_STYLES = {  # method: colour, marker, dashes
+    "exact": (style.BLACK, "*", "-"),
+    "exact_single": (style.BLACK, "P", ":"),
+    "rk45": (style.SKY, "o", "-"),
+    "dop853": (style.BLUE, "o", "-"),
+    "dop853_capped": (style.BLUE, "o", ":"),
+    "radau": (style.PURPLE, "v", "-"),
+    "bdf": (style.PURPLE, "^", "--"),
+    "lsoda": (style.GREEN, "s", "-"),
+    "lsoda_capped": (style.GREEN, "s", ":"),
+    "cvode_adams": (style.VERMILION, "D", "--"),
+    "cvode_bdf": (style.VERMILION, "D", "-"),
+    "cvode_bdf_capped": (style.VERMILION, "D", ":"),
+    "smoothed": (style.GREY, "p", "-"),
+    "rk4": (style.ORANGE, ">", "--"),
+    "rk4_refined": (style.ORANGE, ">", "-"),
+}
+_LEAST = 1e-16  # errors below are drawn there
+_CLAIM = 100.0  # times the engine's run time
+_COLUMNS = 4
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the error of the final state against run time, scene by scene; methods share one legend below."""
+    count = dataset.sizes["scene"]
+    rows = math.ceil(count / _COLUMNS)
+    figure = style.new_figure(style.DOUBLE, 2.35 * rows + 1.0)
+    panels = np.ravel(figure.subplots(rows, min(count, _COLUMNS), sharey=True, squeeze=False))
+    names = dataset.method.attrs["flag_meanings"].split()
+    titles = dataset.scene.attrs["labels"].split("; ")
+    right = {word: value for value, word in style.flag_names(dataset.verdict).items()}["right"]
+    for k, axes in enumerate(panels):
+        if k >= count:
+            axes.set_visible(False)
+            continue
+        _panel(axes, dataset.isel(scene=k), names, right)
+        axes.set_title(f"({chr(97 + k)}) {titles[k]}", fontsize=7)
+        if k >= count - _COLUMNS:
+            axes.set_xlabel("Run time [s]")
+        if k % _COLUMNS == 0:
+            axes.set_ylabel("Error of the final state")
+    figure.legend(handles=_handles(dataset, names), loc="outside lower center", ncols=5, fontsize=6.5)
+    return figure
+
+
+def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
+    axes.set(xscale="log", yscale="log", ylim=(_LEAST / 3, 30))
+    axes.set_yticks([1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0])
+    for k, name in enumerate(names):
+        method = scene.isel(method=k)
+        seconds, error = method.run_time.values, np.maximum(method.state_error.values, _LEAST)
+        ran = np.isfinite(error) & np.isfinite(seconds)
+        good = ran & (method.verdict.values == right)
+        colour, marker, dashes = _STYLES[name]
+        size = 9 if name == "exact" else 3.5
+        axes.plot(seconds[ran], error[ran], color=colour, linestyle=dashes, linewidth=0.7, alpha=0.8)
+        axes.plot(seconds[good], error[good], color=colour, marker=marker, markersize=size, linestyle="")
+        axes.plot(seconds[ran & ~good], error[ran & ~good], color=colour, marker="x", markersize=4, linestyle="")
+    engine = float(scene.run_time.isel(method=names.index("exact"), tolerance=0))
+    axes.axvline(_CLAIM * engine, color=style.GREY, linestyle=":", linewidth=0.8, zorder=0)
+    axes.text(_CLAIM * engine, 2.0, f" {_CLAIM:g}×", fontsize=6, color=style.GREY, va="bottom")
+    _gave_up(axes, scene)
+
+
+def _gave_up(axes: Axes, scene: xr.Dataset) -> None:
+    """Say how many runs ended without a result."""
+    codes = {word: value for value, word in style.flag_names(scene.verdict).items()}
+    lost = int((scene.verdict == codes["gave up"]).sum())
+    if lost:
+        axes.text(0.03, 0.03, f"gave up: {lost}", transform=axes.transAxes, fontsize=6)
+
+
+def _handles(dataset: xr.Dataset, names: list[str]) -> list[Line2D]:
+    handles = []
+    for name, label in zip(names, dataset.method.attrs["labels"].split("; "), strict=True):
+        colour, marker, dashes = _STYLES[name]
+        size = 8 if name == "exact" else 4
+        handles.append(
+            Line2D([], [], color=colour, marker=marker, linestyle=dashes, linewidth=0.8, markersize=size, label=label)
+        )
+    handles.append(Line2D([], [], color=style.BLACK, marker="x", linestyle="", markersize=4, label="wrong motion"))
+    return handles

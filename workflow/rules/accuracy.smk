@@ -1,0 +1,46 @@
+"""Accuracy, stability and cost of the engine beside other methods: target `accuracy`, not part of `all`."""
+
+
+rule accuracy:
+    """Draw the figures of accuracy and judge their checks; needs requirements-accuracy.txt."""
+    input:
+        collect("results/figures/{figure}.{format}", figure=config["accuracy_figures"], format=["png", "pdf"]),
+        collect("results/accuracy/{name}", name=["checks.md", "verdict.txt", "table.md"]),
+    message:
+        "All figures of accuracy are drawn and all their checks passed"
+
+
+use rule checks as accuracy_checks with:
+    input:
+        sources=source_files(imports("lsvib.datasets.checks")),
+        checks=collect("results/checks/{figure}.json", figure=config["accuracy_figures"]),
+    output:
+        json="results/accuracy/checks.json",
+        table="results/accuracy/checks.md",
+    log:
+        "logs/accuracy_checks.log",
+
+
+use rule verdict as accuracy_verdict with:
+    input:
+        sources=source_files(imports("lsvib.datasets.checks")),
+        checks="results/accuracy/checks.json",
+    output:
+        "results/accuracy/verdict.txt",
+    log:
+        "logs/accuracy_verdict.log",
+
+
+rule accuracy_table:
+    """Write the measured run times and errors as the tables of docs/accuracy.md."""
+    input:
+        dataset="results/datasets/work_precision.nc",
+        sources=source_files(imports("lsvib.datasets.work_precision_table")),
+    output:
+        "results/accuracy/table.md",
+    log:
+        "logs/accuracy_table.log",
+    message:
+        "Writing the tables of accuracy"
+    script:
+        "../scripts/accuracy_table.py"
