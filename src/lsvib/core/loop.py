@@ -108,7 +108,8 @@ def apply_reset(tables, transition, state, scratch):
         for j in range(state.size):
             total += row[j] * state[j]
         scratch[i] = total
-    state[:] = scratch
+    for i in range(state.size):  # element by element: assigning arrays compiles numba's text of the error as well
+        state[i] = scratch[i]
 
 
 @kernel
@@ -167,7 +168,8 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             mode = tables.branch_mode[branch]
             kind, sign = tables.branch_kind[branch], tables.branch_sign[branch]
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
-        after[count] = state
+        for i in range(n):
+            after[count, i] = state[i]
         count += 1
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count

@@ -30,7 +30,18 @@ import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator, scaled
+from lsvib.models.automaton import (
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Surface,
+    Transition,
+    assemble,
+    eigenform,
+    oscillator,
+    scaled,
+)
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, LeadScrew
