@@ -10,8 +10,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(find_spec("lsvib").origin).parent
-DATASETS = sorted(path.stem for path in (PACKAGE / "datasets").glob("fig8_*.py"))
-FIGURES = sorted(path.stem for path in (PACKAGE / "figures").glob("fig8_*.py"))
+ACCURACY = ["ablation", "stability_sweeps"]
+DATASETS = sorted(path.stem for path in (PACKAGE / "datasets").glob("fig8_*.py")) + ACCURACY
+FIGURES = sorted(path.stem for path in (PACKAGE / "figures").glob("fig8_*.py")) + ACCURACY
+EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
 
 
@@ -33,7 +35,7 @@ def test_the_package_itself_loads_nothing_heavy():
     assert not names & HEAVY
 
 
-@pytest.mark.parametrize("module", ["datasets.fig8_03", "datasets.fig8_08", "analysis.stability", "datasets.writer"])
+@pytest.mark.parametrize("module", [*(f"datasets.{n}" for n in EIGENVALUES), "analysis.stability", "datasets.writer"])
 def test_no_engine_where_none_is_needed(module):
     assert "numba" not in loaded(f"import lsvib.{module}")
 

@@ -2,9 +2,9 @@
 
 It shares with the engine neither the flow (no characteristic roots: the series of the equation of motion, eq. 8.16) nor
 the search (steps of a fixed part of the fastest time), nor the coefficients (those of
-:mod:`lsvib.accuracy.reference.rigid`, rounded). It is a hundred times faster than that reference and good for about ten
-digits, so that it can judge every case of a sweep; the reference judges those in which the two disagree. It can miss what happens
-within a step, and its work grows with the stiffness.
+:mod:`lsvib.accuracy.reference.rigid`, rounded). It is a hundred times faster than that reference and
+good for about ten digits, so that it can judge every case of a sweep; the reference judges those in which engine and
+stepper disagree. It can miss what happens within a step, and its work grows with the stiffness.
 """
 
 import math

@@ -146,7 +146,7 @@ def _input_speed(rng) -> Case:
     return _case(rng, Family.INPUT_SPEED, Group.ONLY, level, drive)
 
 
-_THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] = {
+THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] = {
     Group.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
     Group.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
     Group.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
@@ -156,13 +156,13 @@ _THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] 
 
 def threshold(group: Group) -> tuple[float, LeadScrew]:
     """Return a threshold of the axial force [N] and the drive of the chapter that has it."""
-    compute, changes = _THRESHOLDS[group]
+    compute, changes = THRESHOLDS[group]
     drive = LeadScrew.of(changes)
     return compute(drive), drive
 
 
 def _axial_force(rng) -> Case:
-    group = (Group.ZERO, *_THRESHOLDS)[rng.integers(1 + len(_THRESHOLDS))]
+    group = (Group.ZERO, *THRESHOLDS)[rng.integers(1 + len(THRESHOLDS))]
     if group == Group.ZERO:
         level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
         drive = _some_drive(rng, axial_force=_sign(rng) * 10.0**level)
@@ -192,7 +192,7 @@ def _time_span(rng) -> Case:
 
 def _start(rng) -> Case:
     drive = _some_drive(rng)
-    time, size = _scales(drive)
+    _, size = _scales(drive)
     c = coefficients(drive)
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     u, w = size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5)

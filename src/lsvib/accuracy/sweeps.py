@@ -3,9 +3,9 @@
 A case passes if the engine reports the events of an independent computation, in order, and its final state and event
 times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.accuracy.stepper`; where it disagrees, or
 the drive is too stiff for it, the reference with 40 digits decides (always, for compliant threads). Where the engine
-disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16 units of its last
-place, the size below which the engine takes a sum for zero: if that changes its own answer as early, the case
-is decided by digits that double precision does not have.
+disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16 units of its
+last place, the size below which the engine takes a sum for zero: if that changes its own answer as early, the case is
+decided by digits that double precision does not have.
 """
 
 import math
@@ -20,7 +20,7 @@ from lsvib.accuracy.reference import rigid as rigid_reference
 from lsvib.accuracy.reference import threads as threads_reference
 from lsvib.accuracy.sweep_cases import Case
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.errors import LsvibError
+from lsvib.errors import InputError, LsvibError
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 from lsvib.models.rigid import EventKind, rigid_drive
@@ -29,6 +29,7 @@ from lsvib.models.threads import ThreadsEvent, threads_drive
 TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
 MOST_EVENTS = 60
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+_AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
 _INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _LAST_PLACES = 16
@@ -42,8 +43,9 @@ class Verdict(IntEnum):
     PASSED = 0
     REFUSED = 1  # one clear sentence instead of a motion
     BEYOND_INPUT = 2  # the digits that decide are not in the input
-    INACCURATE = 3  # the right events, an error above the tolerance
-    WRONG = 4  # other events
+    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
+    INACCURATE = 4  # the right events, an error above the tolerance
+    WRONG = 5  # other events
 
 
 class Judge(IntEnum):
@@ -56,7 +58,7 @@ class Judge(IntEnum):
 
 @dataclass(frozen=True)
 class Path:
-    """A motion as far as judges compare it: kinds and times [s] of events, the final state, the size of each coordinate.
+    """A motion as far as judges compare it: kinds and times [s] of events, final state, size of each coordinate.
 
     ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
     """
@@ -72,7 +74,7 @@ class Path:
 class Outcome:
     """Verdict on a case; errors are relative to the size of the motion, nan where nobody computed them.
 
-    ``sensitivity``: change of the reference's final state under a change of the input in its last places.
+    ``sensitivity``: what a change of the input in its last places changes in the reference's final state and times.
     ``stepper_agrees``: whether the stepper had the events of the reference (None: it was not asked).
     """
 
@@ -96,7 +98,7 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outco
     except LsvibError:
         return Outcome(Verdict.REFUSED, Judge.NONE)
     path = _engine_path(motion, case)
-    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), path=path)
+    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=automaton.condition, path=path)
     if not np.isfinite(path.end).all():
         return outcome
     quick = _stepper_path(case, path.size) if is_rigid else None
@@ -109,9 +111,12 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outco
     if exact is None:
         return outcome
     if quick is not None:
-        outcome.stepper_agrees = quick.kinds == exact.kinds
+        outcome.stepper_agrees = quick.kinds == exact.kinds or _same_but_corners(quick, exact, case)
     outcome.verdict = _compare(outcome, path, exact, case)
-    if outcome.verdict is not Verdict.PASSED or thorough:
+    if outcome.verdict is Verdict.WRONG and _same_but_corners(path, exact, case):
+        outcome.verdict = Verdict.CORNER
+        outcome.state_error = _distance(path.end, exact)
+    if outcome.verdict not in (Verdict.PASSED, Verdict.CORNER) or thorough:
         _weigh(outcome, path, exact, case, rng)
     return outcome
 
@@ -128,6 +133,26 @@ def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
     return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.PASSED
 
 
+def _same_but_corners(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
+    tokens = [_without_clusters(x, _AT_ONCE * case.duration) for x in (path, other)]
+    if not (path.complete and other.complete and len(tokens[0]) == len(tokens[1])):
+        return False
+    agree = all(a == b or "corner" in (a, b) for a, b in zip(*tokens, strict=True))
+    return agree and _distance(path.end, other) <= TOLERANCE
+
+
+def _without_clusters(path: Path, gap: float) -> list[str]:
+    """Kinds of events, with each run of events that follow each other within ``gap`` [s] as one."""
+    tokens: list[str] = []
+    for k, kind in enumerate(path.kinds):
+        if k and path.times[k] - path.times[k - 1] <= gap:
+            tokens[-1] = "corner"
+        else:
+            tokens.append(kind)
+    return tokens
+
+
 def _distance(end: np.ndarray, other: Path) -> float:
     return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
 
@@ -136,17 +161,20 @@ def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random
     """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
     known, moved = len(path.kinds) + 1, 0.0
     for _ in range(_PERTURBED):
-        drive, start = _moved(case, rng)
-        other = _exact_path(case, drive, start)
+        try:
+            other = _exact_path(case, *_moved(case, rng))
+        except InputError:  # moved out of the domain
+            continue
         if other is None:
             continue
         known = min(known, _common(exact.kinds, other.kinds))
-        if exact.complete and other.complete and exact.kinds == other.kinds:
-            moved = max(moved, _distance(other.end, exact))
+        if exact.complete == other.complete and exact.kinds == other.kinds:
+            moved = max(moved, float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration)
+            moved = max(moved, _distance(other.end, exact)) if exact.complete else moved
     outcome.sensitivity = moved
-    if (outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds)) or (
-        outcome.verdict is Verdict.INACCURATE and outcome.state_error <= 4 * moved
-    ):
+    undecided = outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds)
+    error = np.fmax(outcome.state_error, outcome.time_error)  # the first is nan if the motion was cut off
+    if undecided or (outcome.verdict is Verdict.INACCURATE and error <= 4 * moved):
         outcome.verdict = Verdict.BEYOND_INPUT
 
 
@@ -193,7 +221,7 @@ def _engine_path(motion: Motion, case: Case) -> Path:
 
 
 def _stepper_path(case: Case, size: np.ndarray) -> Path | None:
-    """The stepper's motion, or None where it would take too many steps; ``size`` of the motion, which it does not note."""
+    """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
     constants = stepper.constants(dict(case.drive))
     rates = np.abs(constants.rates)
     if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * stepper.PART:

@@ -108,7 +108,7 @@ def apply_reset(tables, transition, state, scratch):
         for j in range(state.size):
             total += row[j] * state[j]
         scratch[i] = total
-    for i in range(state.size):
+    for i in range(state.size):  # element by element: assigning arrays compiles numba's text of the error as well
         state[i] = scratch[i]
 
 

@@ -8,15 +8,16 @@ from lsvib.core.status import Test
 from lsvib.core.tables import Tables
 
 
-def compile_engine() -> None:
-    """Compile and cache each entry point for either kind of flow, on an oscillator that bounces off a surface."""
+def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
+    """Compile and cache each entry point for the kinds of flow, on an oscillator that bounces off a surface."""
     row = np.zeros(planar.COLUMNS)
     row[[planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
     one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
-    for flow in (np.array([row]), ModalFlow(one, np.array([[row]]), same, same, field)):
-        _bounce(flow)
+    flows_of = {"planar": np.array([row]), "modal": ModalFlow(one, np.array([[row]]), same, same, field)}
+    for kind in kinds:
+        _bounce(flows_of[kind])
 
 
 def _bounce(flow) -> None:

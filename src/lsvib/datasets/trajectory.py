@@ -68,6 +68,8 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
     data |= _events(scene, motion)
+    # Two states are carried without a modal form, so that nothing amplifies rounding.
+    form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
     return xr.Dataset(
         data,
         coords={
@@ -83,6 +85,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.initial)),
+            **form,
         },
     )
 

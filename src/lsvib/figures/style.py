@@ -7,6 +7,7 @@ from functools import wraps
 from typing import Any
 
 import matplotlib
+import numpy as np
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -87,7 +88,8 @@ def unit(units: str) -> str:
 def flag_names(variable: xr.DataArray) -> dict[int, str]:
     """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
     words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
-    return dict(zip((int(value) for value in variable.attrs["flag_values"]), words, strict=True))
+    # A single flag comes back from a file as a scalar.
+    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
 
 
 def save(figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str]) -> None:

@@ -39,7 +39,7 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more); ``exact`` is the
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``LinearMode`` (more); ``exact`` is the
     :func:`eigenform` of the oscillator, where it has one.
     """
 
@@ -73,7 +73,8 @@ class Automaton:
     """A model ready to run: the engine's tables, the code of each mode and the observables.
 
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
-    mode. ``rest_codes`` are the codes of the modes at rest; a motion sprags in modes of ``sprag_codes`` and at events
+    mode. ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
+    ``rest_codes`` are the codes of the modes at rest; a motion sprags in modes of ``sprag_codes`` and at events
     of ``sprag_kinds``.
     """
 
@@ -81,6 +82,7 @@ class Automaton:
     codes: np.ndarray
     states: tuple[str, ...]
     observables: dict[str, np.ndarray]
+    condition: float = 1.0
     rest_codes: tuple[int, ...] = ()
     sprag_codes: tuple[int, ...] = ()
     sprag_kinds: tuple[int, ...] = ()
@@ -191,6 +193,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+        condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
         **kinds,
     )
 

@@ -8,13 +8,14 @@ know, or so nearly that it would lose more than six digits, all modes of the mod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from functools import cached_property
 
 import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.blocks import BlockFlow
 from lsvib.core.modal import ModalFlow
-from lsvib.models.blocks import block_flow, block_mode
+from lsvib.models.blocks import BlockMode, block_flow, block_mode
 from lsvib.models.field import Field, exact_field
 from lsvib.models.modes import ModalMode, modal_flow, modal_mode
 
@@ -26,6 +27,16 @@ class LinearMode:
     field: Field
     modal: ModalMode | None
     refusal: str = ""
+
+    @cached_property
+    def blocks(self) -> BlockMode:
+        """The mode in blocks."""
+        return block_mode(self.field)
+
+    @property
+    def condition(self) -> float:
+        """Largest amplification of rounding by the modal form, or by the blocks where there is none."""
+        return self.blocks.condition if self.modal is None else self.modal.condition
 
     @property
     def time_scales(self) -> list[float]:
@@ -50,5 +61,5 @@ def linear_mode(
 def flow_of(modes: Sequence[LinearMode]) -> ModalFlow | BlockFlow:
     """Put the modes of a model together in one table, in modal form if all have one, else in blocks."""
     if any(mode.refusal for mode in modes):
-        return block_flow([block_mode(mode.field) for mode in modes])
+        return block_flow([mode.blocks for mode in modes])
     return modal_flow([mode.modal for mode in modes])
