@@ -258,6 +258,8 @@ def attraction(
     starts = Grid.parse(grid)
     mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
     wanted = list(dict.fromkeys(["label", *quantities]))
+    if figure is not None and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
+        raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     if refine and (wanted != ["label"] or figure is not None or model != "rigid"):
         raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
     mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
@@ -269,7 +271,8 @@ def attraction(
         found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
         seconds, counts = perf_counter() - begin, refined.count(found["label"])
         dataset = attraction_map(mapped, starts, found)
-    result = summary(counts, None, seconds)
+    area = dataset["basin_area"].item() if "basin_area" in dataset else None
+    result = summary(counts, area, seconds)
     write_dataset(dataset, out)
     if figure is not None:
         from lsvib.figures.attraction import draw
@@ -283,6 +286,8 @@ def attraction(
     for name, fraction in result["fractions"].items():
         print(f"{name.replace('_', ' ')}: {fraction:.6g} of {result['cells']} cells")
     print(f"unresolved: {result['unresolved']} cells")
+    if area is not None:
+        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
     print(f"{result['cells_per_second']:.3g} cells per second")
 
 

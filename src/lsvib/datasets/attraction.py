@@ -8,30 +8,31 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.attraction import Mapper
+from lsvib.analysis.basin import Basin, basin
+from lsvib.analysis.clipping import Window
 from lsvib.analysis.cycles import Attractor
 from lsvib.analysis.grid import COORDINATES, Axis, Grid
 from lsvib.analysis.refinement import RefinedMap, count
 from lsvib.datasets import phase
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import flags, quantity
+from lsvib.errors import InputError
 
 _CYCLE_SAMPLES = 400
+_BOUNDARY_SAMPLES = 100  # of each arc
 
 
-def attraction_map(
-    mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray], boundary: Mapping[str, Any] | None = None
-) -> xr.Dataset:
+def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
     """Return the dataset of a map.
 
-    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid;
-    ``boundary``, variables of an exact boundary to add, if there is one. The coordinates are those of the grid's axes,
-    at the middles of the cells. Besides the quantities of the map: ``fraction`` of each attractor; ``cycle_angle`` and
-    ``cycle_velocity``, the cycles; the lines Q = 0 and θ′ = 0. Times that never come are missing.
+    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid.
+    The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
+    ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
     """
     dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
     data = {name: (dims, _values(name, array), variable_attributes(mapper, name)) for name, array in found.items()}
     return xr.Dataset(
-        data | fractions(count(found["label"])) | surroundings(mapper) | dict(boundary or {}),
+        data | fractions(count(found["label"])) | surroundings(mapper, grid),
         coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
         attrs=global_attributes(mapper, grid),
     )
@@ -55,7 +56,7 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
             "label": ("block", label, variable_attributes(mapper, "label")),
         }
         | fractions(refined.counts())
-        | surroundings(mapper),
+        | surroundings(mapper, refined.grid),
         attrs=global_attributes(mapper, refined.grid),
     )
 
@@ -89,17 +90,54 @@ def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
     }
 
 
-def surroundings(mapper: Mapper) -> dict[str, tuple]:
-    """Return the lines Q = 0 and θ′ = 0 of a drive and its limit cycles, for the figure."""
-    lines = phase.lines([mapper.drive])
-    data = {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items()}
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
+    """Return what is drawn around a map in the plane of u and w.
+
+    Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
+    :mod:`lsvib.analysis.basin` covers the drive, the exact boundary of the basin of steady sliding and the area of the
+    basin within the map.
+    """
+    data: dict[str, tuple] = {}
+    if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
+        return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
     points = np.array([phase.sample(orbit, _CYCLE_SAMPLES)[1][:, :2] for orbit in orbits])
     if orbits:
         dims = ("cycle", "sample")
         data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on a limit cycle", "$u$"))
         data["cycle_velocity"] = (dims, points[..., 1], attributes("rad s-1", "rate on a limit cycle", r"$\dot u$"))
+    if mapper.model != "rigid":
+        return data
+    lines = phase.lines([mapper.drive])
+    data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items()}
+    found = exact_basin(mapper)
+    if found is not None:
+        window = window_of(grid)
+        line = found.line(window, _BOUNDARY_SAMPLES)
+        names = (("boundary_angle", "rad", "deviation", "$u$"), ("boundary_velocity", "rad s-1", "rate", r"$\dot u$"))
+        for k, (name, unit, what, symbol) in enumerate(names):
+            data[name] = ("boundary_point", line[:, k], attributes(unit, f"{what} on the exact boundary", symbol))
+        data["basin_area"] = (
+            (),
+            found.area(window),
+            attributes("rad2 s-1", "area of the basin of steady sliding within the map, exact"),
+        )
     return data
+
+
+def exact_basin(mapper: Mapper) -> Basin | None:
+    """Return the exact basin of steady sliding, or None for a model or a drive that it is not known for."""
+    if mapper.model != "rigid":
+        return None
+    try:
+        return basin(mapper.drive)
+    except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
+        return None
+
+
+def window_of(grid: Grid) -> Window:
+    """Return the rectangle of a map in u and w."""
+    return Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
 
 
 def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:

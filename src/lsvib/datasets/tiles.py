@@ -95,7 +95,7 @@ def gather_map(
     """
     grid, mapped = grid_of(settings), mapper_of(settings)
     places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
-    gather(_frame(mapped, grid).assign(surroundings(mapped)), settings, places, path, progress)
+    gather(_frame(mapped, grid).assign(surroundings(mapped, grid)), settings, places, path, progress)
 
 
 def _dimensions(grid: Grid) -> tuple[str, str]:

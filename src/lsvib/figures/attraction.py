@@ -31,7 +31,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     _draw_attractors(axes, dataset)
     limits = _limits(dataset)
     axes.axis(limits)
-    phase.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
+    if "contact_line_angle" in dataset:
+        phase.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     phase.label_axes(axes, dataset)
     phase.legend(figure, [axes], 2, first)
     return figure
@@ -43,12 +44,13 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
     image = np.ones((*label.shape, 3))
     share = _shares(dataset)
     names, patches = style.flag_names(label), []
+    fractions = dict(zip(dataset.attractor.values.tolist(), dataset.fraction.values.tolist(), strict=True))
     for value, name in names.items():
         here = label.values == value
         if here.any():
             colour = np.array(to_rgb(_COLOURS[name]))
             image[here] = 1 - share[here][:, None] * (1 - colour)
-            part = f"{here.mean():.1%}"
+            part = f"{fractions[int(value)]:.2%}"
             later = _latest(dataset, here)
             patches.append(Patch(color=_COLOURS[name], label=f"{name.replace(' cycle', '')}: {part}{later}"))
     axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)
