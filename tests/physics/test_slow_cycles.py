@@ -78,6 +78,19 @@ def test_the_cycle_is_that_of_the_motion_though_others_attract(model, parameters
     assert far.min() <= 1e-9 * np.abs(cycle.state).max()
 
 
+def test_the_period_is_the_shortest():
+    """A complex pair near the third roots of one: three returns come nearest, but one is the period."""
+    parameters = {
+        "support_damping": 0.0, "nut_damping": 0.0,
+        "mass": 2.316488574, "friction_coefficient": 0.3730940239, "axial_force": 139.5779178,
+        "input_speed": 21.1421218, "translation_damping": 133.2130792, "nut_inertia": 1.289840457e-05,
+        "nut_stiffness": 4.943884351,
+    }  # fmt: skip
+    cycle = steady_state(*build("nut", parameters, -0.0783490385, 43.85294688))
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
+    assert (cycle.returns, cycle.orbit.time.size) == (1, 2)
+
+
 def test_chaos_is_unresolved():
     """Two motions that start 1e-9 apart are far apart after 1000 events, and there is no cycle to find."""
     parameters = {

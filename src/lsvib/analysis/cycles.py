@@ -189,24 +189,30 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     size[size == 0] = 1.0  # zero at every event: any scale does
     changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
     repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
-    if repeats.size:
-        returns = int(repeats[0])
-        section = Section(automaton, key, points[-1], size, returns, longest)
-        found = section.fixed_point(points[-1 - returns :: -returns][::-1]) if size.size > 2 else None
-        return _cycle(section, found or section.repeated())
-    if len(points) < 4:
+    if len(points) < 4 and not repeats.size:
         return None
-    nearest = int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
-    for returns in (n for n in range(1, nearest + 1) if nearest % n == 0):
-        section = Section(automaton, key, points[-1], size, returns, longest)
+    nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
+    section = Section(automaton, key, points[-1], size, nearest, longest)
+    if repeats.size and size.size == 2:
+        return _cycle(section, section.repeated())
+    divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
+    for returns in divisors:  # a slow cycle may seem to repeat later than it does
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
+        section = Section(automaton, key, points[-1], size, returns, longest)
         found = section.fixed_point(before) if len(before) else None
-        if found is not None:
-            if np.abs(found.state / size).max() >= _CORNER:
-                return _cycle(section, found)
+        if found is None:
+            continue
+        if np.abs(found.state / size).max() < _CORNER:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
-    return None
+            continue
+        for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
+            there = Section(automaton, key, found.state, size, fewer, longest)
+            again = there.fixed_point(before)
+            if again is not None and (np.abs(again.state - found.state) <= _CORNER * size).all():
+                return _cycle(there, again)
+        return _cycle(section, found)
+    return _cycle(section, section.repeated()) if repeats.size else None
 
 
 def _cycle(section: Section, found: FixedPoint) -> SteadyState | None:

@@ -32,7 +32,7 @@ _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a sect
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 _MARGIN = 1e-6  # by which multipliers must lie inside the unit circle, well beyond their error
 _WATCHED = 10  # states of the motion on the section, at least, each of which must be closer than the one before
-_THERE = 1e-6  # distance within which it need not come closer, for rounding in a stiff contact
+_THERE = 1e-6  # distance within which it is there, well above rounding even in a stiff contact
 _LONGEST = 1000  # events in one return
 _PATIENCE = 10  # returns of the longest duration seen that are waited for the next one
 _ONE_PLANE = 1e-9  # relative singular value below which surfaces are one
@@ -191,9 +191,7 @@ class Section:
         return FixedPoint(self.state(old), slope, width)
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
-        """Solve by Newton's method from the origin; see whether the motion, ``earlier`` (k, d), comes closer."""
-        if len(earlier) < _WATCHED:
-            return None
+        """Solve by Newton's method from the origin; the motion, ``earlier`` (k, d), must come closer or be there."""
         place, length = np.zeros(self.dimension), math.inf
         for _ in range(_NEWTONS):
             slopes, gap = self.jacobian(place), self.excess(place)
@@ -210,10 +208,11 @@ class Section:
         leading = largest(slopes)
         if not abs(leading) < 1 - _MARGIN:
             return None
-        away = np.vstack([earlier, np.zeros(self.dimension)]) - place
-        distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
-        if (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
-            return None
+        if np.abs(place).max() > _THERE:
+            away = np.vstack([earlier, np.zeros(self.dimension)]) - place
+            distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
+            if len(earlier) < _WATCHED or (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
+                return None
         return FixedPoint(self.state(place), leading, math.nan)
 
 
