@@ -11,7 +11,7 @@ import numpy as np
 
 from lsvib.accuracy.hybrid import Clock, Hybrid, fields
 from lsvib.accuracy.result import Run
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.loop import apply_reset, choose_branch, put_on_surface
 from lsvib.models.motion import enter
 
@@ -113,7 +113,7 @@ def _cut(tables, field, guard, state, h, refinements, rates, trial, out):
     return fraction
 
 
-@kernel
+@allocating_kernel
 def _march(tables, fields, mode, state, step, t_end, window, refinements, times, kinds, extremes):
     """Follow the motion; ``state`` (n) becomes the final one. Returns (status, number of events)."""
     n = state.size
