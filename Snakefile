@@ -20,6 +20,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/checks.smk"
 include: "workflow/rules/accuracy.smk"
+include: "workflow/rules/attraction.smk"
 
 
 rule all:

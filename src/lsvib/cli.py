@@ -29,7 +29,7 @@ AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one J
 
 @app.command
 def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Compute the chapter's thresholds: critical mass, critical friction, and the forces of Fig. 8.6.
+    """Compute the chapter's thresholds: critical mass and friction, the forces of Fig. 8.6, that of global stability.
 
     Examples of use:
 
@@ -45,9 +45,9 @@ def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
         return
     for name, entry in table.items():
         if entry["value"] is None:
-            print(f"{name:18s} none: {entry['reason']}")
+            print(f"{name:22s} none: {entry['reason']}")
             continue
-        line = f"{name:18s} {entry['value']:.12g} {entry['unit']}"
+        line = f"{name:22s} {entry['value']:.12g} {entry['unit']}"
         if entry["expected"] is not None:
             verdict = "pass" if entry["passed"] else "FAIL"
             line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
@@ -155,7 +155,7 @@ def figure(
     out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
     as_json: AsJson = False,
 ) -> None:
-    """Build one figure of the chapter: its dataset, its checks, and the picture as PNG and PDF.
+    """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
     Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
 
@@ -165,10 +165,12 @@ def figure(
 
         lsvib figure 8.9 --set support_damping=4e-4 --out mine
 
+        lsvib figure limit_process
+
     Parameters
     ----------
     number:
-        Number of the figure in the chapter, e.g. 8.6.
+        Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
     from importlib import import_module
     from importlib.util import find_spec
@@ -177,12 +179,11 @@ def figure(
     from lsvib.files import write_json
     from lsvib.models.scene import read_yaml
 
-    chapter, _, rest = number.partition(".")
-    name = f"fig{chapter}_{rest.zfill(2)}"
     settings = read_yaml(config)
-    if name not in settings or not name.isidentifier() or find_spec(f"lsvib.datasets.{name}") is None:
-        known = ", ".join(f"8.{int(key[5:])}" for key in settings if key.startswith("fig8_"))
-        raise InputError(f"figure {number} is not one of those in {config}: {known}.")
+    labels = {name: _label(name) for name, section in settings.items() if isinstance(section, dict)}
+    name = next((name for name, label in labels.items() if number in (name, label)), number)
+    if name not in labels or find_spec(f"lsvib.datasets.{name}") is None:
+        raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
     section = settings[name]
     section["drive"] = {**section.get("drive", {}), **_pairs(changes)}
     module = import_module(f"lsvib.datasets.{name}")
@@ -205,6 +206,106 @@ def figure(
     print(f"wrote {picture}, its PDF, dataset and checks")
     if not changes and not all(check.passed for check in checks):
         raise LsvibError(f"figure {number}: a check failed; see the lines above.")
+
+
+@app.command
+def attraction(
+    *,
+    grid: Annotated[
+        list[str],
+        Parameter(consume_multiple=True, help="Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", **_ONE_VALUE),
+    ],
+    out: Path,
+    model: Annotated[str, Parameter(help="rigid or threads.")] = "rigid",
+    changes: Changes = None,
+    resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
+    quantities: Annotated[
+        list[str],
+        Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **_ONE_VALUE),
+    ] = ["label"],  # noqa: B006
+    threads: Annotated[int, Parameter(help="Number of threads.")] = 1,
+    refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
+    figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Map the region of attraction: the attractor of the motion from every start of a grid.
+
+    Examples of use:
+
+        lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
+        w=-150:150:2000 --out map.nc --threads 2
+
+        lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write.
+    """
+    from time import perf_counter
+
+    from lsvib.analysis import refinement as refined
+    from lsvib.analysis.attraction import mapper
+    from lsvib.analysis.grid import Grid
+    from lsvib.datasets.attraction import attraction_map, refined_map, summary
+    from lsvib.datasets.writer import write_dataset
+    from lsvib.models.model import find_model
+
+    if not 1 <= threads <= 4096:
+        raise InputError(f"threads = {threads} is outside the allowed range 1 <= threads <= 4096.")
+    if resume not in ("contact_sign", "at_once"):
+        raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
+    starts = Grid.parse(grid)
+    mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
+    wanted = list(dict.fromkeys(["label", *quantities]))
+    if figure is not None and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
+        raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
+    if refine and (wanted != ["label"] or figure is not None or model != "rigid"):
+        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
+    mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
+    begin = perf_counter()
+    if refine:
+        blocks = refined.refine(mapped, starts)
+        seconds, counts, dataset = perf_counter() - begin, blocks.counts(), refined_map(mapped, blocks)
+    else:
+        found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
+        seconds, counts = perf_counter() - begin, refined.count(found["label"])
+        dataset = attraction_map(mapped, starts, found)
+    area = dataset["basin_area"].item() if "basin_area" in dataset else None
+    result = summary(counts, area, seconds)
+    write_dataset(dataset, out)
+    if figure is not None:
+        from lsvib.figures.attraction import draw
+        from lsvib.figures.style import save
+
+        save(draw(dataset), figure, figure.with_suffix(".pdf"))
+    if as_json:
+        _print_json(result)
+        return
+    print(f"wrote {out}")
+    for name, fraction in result["fractions"].items():
+        print(f"{name.replace('_', ' ')}: {fraction:.6g} of {result['cells']} cells")
+    print(f"unresolved: {result['unresolved']} cells")
+    if area is not None:
+        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
+    print(f"{result['cells_per_second']:.3g} cells per second")
+
+
+class _Progress:
+    """Tell on the error stream how far a map is: a line that is rewritten, or in a log one line for every 5 %."""
+
+    def __init__(self) -> None:
+        self.shown = -1
+
+    def __call__(self, done: int, total: int) -> None:
+        terminal = sys.stderr.isatty()
+        percent = 100 * done // total
+        step = percent if terminal else percent // 5
+        if step == self.shown:
+            return
+        self.shown = step
+        end = "\n" if done == total or not terminal else ""
+        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} rows", end=end, file=sys.stderr, flush=True)
 
 
 @app.command
@@ -246,6 +347,12 @@ def config(
         return
     for key, entry in fields.items():
         print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+
+
+def _label(name: str) -> str:
+    """Number of a figure of the chapter by its name: 8.6 for fig8_06; other figures keep their name."""
+    chapter, _, number = name.removeprefix("fig").partition("_")
+    return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name
 
 
 def _pairs(items: list[str] | None) -> dict[str, str]:

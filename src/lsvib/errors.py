@@ -11,3 +11,7 @@ class InputError(LsvibError, ValueError):
 
 class EngineError(LsvibError, RuntimeError):
     """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""
+
+
+class DivergenceError(EngineError):
+    """The motion grows without bound."""

@@ -1,21 +1,17 @@
 """Figures 8.10 and 8.13 and the limit process: every check passes and fails on spoiled data; what they are made of."""
 
 import math
-from functools import cache
-from importlib import import_module
 
 import numpy as np
 import pytest
-import xarray as xr
-from test_figures import draft, scale, set_to
+from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, drawn_from_file, scale, set_to
 
 from lsvib.analysis import limit_process
-from lsvib.analysis.cycles import Attractor, orbit_extremes
+from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
 from lsvib.analysis.impact import seizure_impulses
 from lsvib.analysis.limit_process import Family, Region
-from lsvib.analysis.orbits import Orbit, farthest, settled_orbit
+from lsvib.analysis.orbits import Orbit, farthest
 from lsvib.datasets.limit_process import Verdict
-from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
@@ -51,34 +47,19 @@ EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for wor
 VISCOUS = ThreadsDrive.of(mass=11.0, axial_force=50.0)
 
 
-@cache
-def dataset_of(figure: str) -> xr.Dataset:
-    return import_module(f"lsvib.datasets.{figure}").build(draft(figure))
-
-
 @pytest.mark.parametrize("figure", SPOILERS)
 def test_every_check_passes_and_has_a_spoiler(figure):
-    checks = import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))
-    assert [check.sentence() for check in checks if not check.passed] == []
-    for check in checks:
-        assert sum(words in check.claim for words in SPOILERS[figure]) == 1, check.claim
-    assert len(checks) == len(SPOILERS[figure])
+    assert_checks_pass(figure, SPOILERS[figure])
 
 
 @pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
 def test_check_fails_on_spoiled_data(figure, words):
-    checks = import_module(f"lsvib.datasets.{figure}").checks(SPOILERS[figure][words](dataset_of(figure)))
-    assert [check.passed for check in checks if words in check.claim] == [False]
+    assert_check_fails(figure, words, SPOILERS[figure][words])
 
 
 @pytest.mark.parametrize("figure", SPOILERS)
 def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
-    write_dataset(dataset_of(figure), tmp_path / "a.nc")
-    drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(tmp_path / "a.nc"))
-    drawn.draw_without_rendering()
-    names = [text.get_text() for text in drawn.legends[0].get_texts()]
-    assert names
-    assert len(names) == len(set(names))
+    drawn_from_file(figure, tmp_path / "a.nc")
 
 
 def test_farthest_point_from_a_polygon():
@@ -88,7 +69,7 @@ def test_farthest_point_from_a_polygon():
 
 
 def test_distance_of_shifted_cycles_is_the_shift():
-    cycle = settled_orbit(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
+    cycle = steady_state(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
     orbit = Orbit.of(cycle.orbit, (cycle.amplitude, VISCOUS.input_speed))
     shift = np.array([0.01, 0.0])
     shifted = Orbit(orbit.scales, orbit.polygon + shift, orbit.points + shift)
@@ -97,11 +78,11 @@ def test_distance_of_shifted_cycles_is_the_shift():
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
-def test_settled_orbit_is_where_the_motion_ends(stiffness):
+def test_steady_state_is_where_the_motion_ends(stiffness):
     """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
     drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
     automaton = threads_drive(drive)
-    cycle = settled_orbit(automaton, seated_state(drive, 0.003, 0.0))
+    cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
     kind, mode = cycle.orbit.kind[-1], cycle.orbit.mode[-1]
@@ -113,7 +94,7 @@ def test_settled_orbit_is_where_the_motion_ends(stiffness):
 
 def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
     automaton = threads_drive(VISCOUS)
-    cycle = settled_orbit(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
+    cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
     row = automaton.observables["normal_force"]
     (stop,) = cycle.after[cycle.kind == ThreadsEvent.STICK]
     assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)

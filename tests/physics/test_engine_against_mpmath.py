@@ -2,8 +2,11 @@
 
 Tolerances. The final state may be off by 1e-12 of the size of the motion, as the project demands: none of these motions
 is chaotic (a change of the start grows at most some 50-fold). The largest error in 9000 uniformly random motions was
-6e-13, after 110 events. A root's rounding is that of its state over the speed of its guard, so event times are asked to
-1e-12 s, 1e-9 of the drive's time scale of 2 ms; the largest error there was 1e-15 s.
+6e-13, after 110 events. In 36 000 motions drawn by hypothesis it was 4e-12, after a hundred seizures: their times had
+added up to an error of 1e-15 s, and the state changed by its size in 0.3 ms at the end (see the test of a steep end);
+larger ones came only from starts next to the smallest numbers of all. A root's rounding is that of its state over the
+speed of its guard, so event times are asked to 1e-12 s, 1e-9 of the drive's time scale of 2 ms; the largest error there
+was 1e-15 s.
 """
 
 from itertools import groupby
@@ -77,6 +80,21 @@ def test_near_the_critical_mass(mass, rule):
         result = compare(drive, start, 0.03, rule)
         assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
         assert result.state_error <= TOLERANCE
+
+
+def test_error_at_a_steep_end_is_that_of_the_time():
+    """The worst of 36 000 motions: the error is the lateness of the last event times the rate of the state."""
+    drive = LeadScrew.of(
+        mass=11.6, friction_coefficient=0.2170224845100462, axial_force=199.0, input_speed=10.1,
+        support_damping=0.006365836536317553,
+    )  # fmt: skip
+    result = compare(drive, (0.250100961806174, 0.0), 0.04608121613075532)
+    assert result.kinds == result.reference_kinds
+    assert result.time_error < 3e-15  # about 100 events, each good to the last bit of 0.05 s, 7e-18 s, and its state's
+    end = float(result.reference.time)
+    states = [[float(x) for x in state_at(result.reference, t)[:2]] for t in (end - 1e-9, end)]
+    rate = np.abs(np.diff(states, axis=0)[0]) / 1e-9 / (0.2501, 10.1)
+    assert result.state_error <= 1.5 * rate.max() * result.time_error + 1e-13
 
 
 def test_start_in_an_inconsistent_sector_seizes_at_once():

@@ -1,23 +1,19 @@
 """Figures 8.1, 8.2 and 8.15: every check passes and fails on spoiled data; closed-form arcs against mpmath."""
 
 import math
-from functools import cache
-from importlib import import_module
 from time import perf_counter
 
 import mpmath
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_figures import draft, scale, set_to
+from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, drawn_from_file, scale, set_to
 
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Outcome, Paradox
 from lsvib.analysis.modes import Mode, undamped_class
 from lsvib.datasets import contact
-from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.models.linear import support_model
 from lsvib.models.parameters import SupportDrive, ThreadsDrive
@@ -64,34 +60,20 @@ FLOWS = {
 }
 
 
-@cache
-def dataset_of(figure: str) -> xr.Dataset:
-    return import_module(f"lsvib.datasets.{figure}").build(draft(figure))
-
-
 @pytest.mark.parametrize("figure", SPOILERS)
 def test_every_check_passes_and_has_a_spoiler(figure):
-    checks = import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))
-    assert [check.sentence() for check in checks if not check.passed] == []
-    for check in checks:
-        assert sum(words in check.claim for words in SPOILERS[figure]) == 1, check.claim
-    assert len(checks) == len(SPOILERS[figure])
+    assert_checks_pass(figure, SPOILERS[figure])
 
 
 @pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
 def test_check_fails_on_spoiled_data(figure, words):
-    spoiled = SPOILERS[figure][words](dataset_of(figure))
-    checks = import_module(f"lsvib.datasets.{figure}").checks(spoiled)
-    assert [check.passed for check in checks if words in check.claim] == [False]
+    assert_check_fails(figure, words, SPOILERS[figure][words])
 
 
 @pytest.mark.parametrize("figure", SPOILERS)
 def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
-    write_dataset(dataset_of(figure), tmp_path / "a.nc")
-    drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(tmp_path / "a.nc"))
-    drawn.draw_without_rendering()
-    names = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
-    assert len(names) == len(set(names)) > 3
+    _, names = drawn_from_file(figure, tmp_path / "a.nc")
+    assert len(names) > 3
 
 
 @pytest.mark.threshold

@@ -67,10 +67,12 @@ def test_table_has_a_line_for_each_check():
     assert len({len(head), len(rule), len(first), len(second)}) == 1
 
 
-def test_terminal_table_fits_a_terminal_and_loses_no_word():
+@pytest.mark.parametrize("figure", ["fig8_12", "limit_process"])
+def test_terminal_table_fits_a_terminal_and_loses_no_word(figure):
     claim = "a claim much too long for one line of the table of checks, with |N| in it, so that it must go on below"
-    table = terminal_table([("fig8_12", Check.holds(claim, "Fig. 8.12", "word " * 20, False))])
+    table = terminal_table([(figure, Check.holds(claim, "Fig. 8.12", "word " * 20, False))])
     assert max(map(len, table.splitlines())) <= 120
     assert table.split().count("word") == 20
     assert all(word in table for word in claim.split())
     assert "FAIL" in table
+    assert sum(line.startswith(figure) for line in table.splitlines()) == 1

@@ -19,6 +19,7 @@ from lsvib.models.rigid import rigid_drive
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
 MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
+CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
     "time": "s",
     "angle_deviation": "rad",
@@ -70,6 +71,9 @@ def test_thresholds_json(run):
     code, out, error = run("thresholds", "--json")
     assert (code, error) == (0, "")
     table = json.loads(out)
+    described = table.pop("global_stability_force")  # without a number in the chapter
+    assert described["unit"] == "N"
+    assert all(described[key] is None for key in ("expected", "tolerance", "relative_error", "passed"))
     assert set(table) == {"critical_mass", "critical_friction", "onset_force", "stick_force", "detach_force"}
     for entry in table.values():
         assert {"value", "unit", "expected", "tolerance", "relative_error", "passed"} <= set(entry)
@@ -93,7 +97,7 @@ def test_thresholds_away_from_the_chapter(run):
 def test_text_output(run):
     code, out, _ = run("thresholds")
     assert code == 0
-    assert len(out.splitlines()) == 5
+    assert len(out.splitlines()) == 6
     assert out.count("pass") == 5
     assert "unstable" in run("stability", "--set", "mass=11")[1]
     assert len(run("config")[1].splitlines()) == len(LeadScrew.model_fields)
@@ -185,12 +189,25 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["simulate", *MOTION], "--out"),
         (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
         (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
+        (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
         (["nonsense"], "nonsense"),
         (["thresholds", "--nonsense"], "--nonsense"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
     assert words in refused(run, *arguments)
+
+
+def test_unknown_figure_is_refused_with_all_that_there_are(run, tmp_path):
+    (tmp_path / "figures.yaml").write_text("figures: [fig8_06]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\n")
+    sentence = refused(run, "figure", "8.99", "--config", "figures.yaml")
+    assert sentence.rstrip().endswith("figure 8.99 is not one of those in figures.yaml: 8.6, limit_process.")
+
+
+@pytest.mark.parametrize("number", ["8.3", "fig8_03"])
+def test_figure_by_number_or_name(run, number):
+    run("figure", number, "--config", str(CONFIG), "--out", "built")
+    assert Path("built/figures/fig8_03.png").is_file()
 
 
 @pytest.mark.parametrize(
@@ -211,3 +228,81 @@ def test_installed_command_and_help():
         shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
         assert f"lsvib {name}" in shown
         assert "Example" in shown
+
+
+GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
+
+
+def test_attraction_json_and_dataset(run):
+    code, out, error = run("attraction", *DRIVE, *GRID, "--quantities", "time", "seizures", "first_event",
+                           "--out", "map.nc", "--figure", "map.png", "--json")  # fmt: skip
+    assert code == 0
+    result = json.loads(out)
+    assert set(result) == {"cells", "fractions", "unresolved", "exact_basin_area", "cells_per_second"}
+    assert result["cells"] == 1200
+    assert result["unresolved"] == 0
+    assert sum(result["fractions"].values()) == pytest.approx(1.0, abs=1e-15)
+    assert error.splitlines()[-1] == "100 % of 30 rows"
+    with xr.open_dataset("map.nc") as written:
+        assert written.label.dims == ("velocity_deviation", "angle_deviation")
+        assert written.angle_deviation.values[0] == -0.1 + 0.5 * 0.2 / 40
+        assert (written.label == 0).mean().item() == result["fractions"]["steady_sliding"]
+        assert written.fraction.sel(attractor=2).item() == result["fractions"]["sprag_slip_cycle"]
+        assert {"time", "seizures", "first_event", "cycle_angle", "contact_line_angle"} <= set(written)
+        assert np.isfinite(written.time).all()
+    assert Path("map.png").stat().st_size > 10_000
+    assert Path("map.pdf").is_file()
+
+
+def test_refined_attraction_is_the_full_one(run):
+    grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
+    full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
+    code, out, _ = run("attraction", *DRIVE, *grid, "--refine", "--out", "blocks.nc", "--json")
+    assert code == 0
+    assert json.loads(out)["fractions"] == full["fractions"]
+    with xr.open_dataset("blocks.nc") as blocks, xr.open_dataset("full.nc") as written:
+        painted = np.empty((600, 600))
+        for level, row, column, label in zip(
+            *(blocks[name].values.astype(int) for name in ("level", "row", "column", "label")), strict=True
+        ):
+            painted[row << level : (row + 1) << level, column << level : (column + 1) << level] = label
+        assert np.array_equal(painted, written.label.values)
+
+
+@pytest.mark.parametrize(
+    ("grid", "word"),
+    [
+        (["u=-0.1:0.1:40"], "two axes"),
+        (["u=-0.1:0.1:40", "u=0:1:10"], "u is given twice"),
+        (["u=-0.1:0.1:40", "q=0:1:10"], "'q'"),
+        (["u=0.1:0.1:40", "w=0:1:10"], "start < stop"),
+        (["u=0.1:nan:40", "w=0:1:10"], "start < stop"),
+        (["u=-0.1:0.1:0", "w=0:1:10"], "count = 0"),
+        (["u=-0.1:0.1:2.5", "w=0:1:10"], "count = 2.5"),
+        (["u=-0.1:0.1", "w=0:1:10"], "KEY=START:STOP:COUNT"),
+        (["u=-0.1:x:4", "w=0:1:10"], "not a number"),
+        (["u=-0.1:0.1:4", "w=0:1:10", "e=0"], "u and w"),
+        (["u=-0.1:0.1:4", "e=0:1:10"], "u and w"),
+    ],
+)
+def test_attraction_refuses_a_bad_grid(run, grid, word):
+    assert word in refused(run, "attraction", *DRIVE, "--grid", *grid, "--out", "map.nc")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--quantities", "tim"], "'tim'"),
+        (["--threads", "0"], "threads = 0"),
+        (["--resume", "later"], "'later'"),
+        (["--model", "elastic"], "'elastic'"),
+        (["--refine", "--quantities", "time"], "refine"),
+    ],
+)
+def test_attraction_refuses(run, arguments, word):
+    assert word in refused(run, "attraction", *DRIVE, *GRID, "--out", "map.nc", *arguments)
+
+
+def test_a_slice_needs_all_coordinates(run):
+    error = refused(run, "attraction", "--model", "threads", "--grid", "u=0:1:4", "e=0:1:4", "--out", "map.nc")
+    assert "needs the coordinate w" in error

@@ -34,8 +34,12 @@ def test_requirements_pin_what_the_project_declares():
     tools = [re.split("[>=]", text)[0] for text in extras["dev"]]
     assert set(pins("requirements.txt")) == set(names)
     assert set(pins("requirements-dev.txt")) == set(tools)
+    rivals = [re.split("[>=]", text)[0] for text in extras["accuracy"]]
+    assert set(pins("requirements-accuracy.txt")) == set(rivals)
     assert (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()[-1] == "-e ."
-    assert "-r requirements.txt" in (ROOT / "requirements-dev.txt").read_text(encoding="utf-8").splitlines()
+    for name, base in (("accuracy", "requirements.txt"), ("dev", "requirements-accuracy.txt")):
+        lines = (ROOT / f"requirements-{name}.txt").read_text(encoding="utf-8").splitlines()
+        assert f"-r {base}" in lines
 
 
 def test_installed_versions_are_the_pinned_ones():

@@ -33,10 +33,10 @@ class Project:
             text=True,
         )
 
-    def start(self) -> subprocess.Popen:
+    def start(self, *arguments: str) -> subprocess.Popen:
         """Start Snakemake in a process group of its own."""
         return subprocess.Popen(
-            self.command,
+            [*self.command, *arguments],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,

@@ -133,13 +133,23 @@ def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
     assert not list((fresh.folder / "results").rglob("*.*"))
 
 
+def test_accuracy_is_a_target_of_its_own(fresh):
+    """It needs packages that the figures of the chapter do not need, and neither builds the other."""
+    jobs = fresh.plan("accuracy", "--configfile", "config/draft.yaml")
+    assert jobs >= {"Compiling the engine", "Computing work_precision", "Drawing work_precision"}
+    assert not jobs & {"Computing fig8_03", "Drawing fig8_03"}
+    assert "Computing work_precision" not in fresh.plan()
+
+
 def test_lint_asks_for_nothing_but_conda(fresh):
     """Everything comes from requirements.txt, so the lint that demands conda or a container for each rule stays."""
     run = fresh("--lint")
     demands = re.findall(r"^    \* (.*)$", run.stdout, re.MULTILINE)
     rules = re.findall(r"^Lints for rule (\w+)", run.stdout, re.MULTILINE)
     assert set(demands) == {"Specify a conda environment or container for each rule.:"}
-    assert sorted(rules) == ["checks", "compile_engine", "dataset", "figure", "verdict"]
+    names = ["checks", "compile_engine", "dataset", "figure", "verdict"]
+    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile"]
+    assert sorted(rules) == sorted([*names, *attraction, "accuracy_checks", "accuracy_table", "accuracy_verdict"])
     assert "Lints for snakefile" not in run.stdout
 
 

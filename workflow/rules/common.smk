@@ -15,7 +15,7 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|work_precision|stability_sweeps|ablation",
+    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|ablation",
 
 
 # Figures whose datasets measure run times.
@@ -26,6 +26,10 @@ SCRIPT_IMPORTS = {
     "datasets": ("lsvib.datasets.checks", "lsvib.datasets.writer"),
     "figures": ("lsvib.datasets.writer", "lsvib.figures.style"),
 }
+
+# The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
+# configuration file changes the order.
+MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
 
 
 @cache
@@ -69,6 +73,11 @@ def sources(kind):
     return files
 
 
+def map_sources():
+    """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
+    return source_files(imports("lsvib.datasets.tiles") | imports(f"lsvib.models.{MAP.get('model', 'rigid')}"))
+
+
 def engine(wildcards):
     """Return the marker of the compiled engine if the figure's dataset reaches ``lsvib.core``, else nothing."""
     modules = imports(f"lsvib.datasets.{wildcards.figure}")
@@ -92,9 +101,10 @@ def remove_leftovers():
 
 
 def print_results(started):
-    """Print where the figures are and the table of checks, unless the table is older than this run."""
-    records = Path("results/checks.json")
-    if records.exists() and records.stat().st_mtime >= started:
-        checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
-        print(f"\n{terminal_table(checks)}\n")
-        print("Figures: results/figures   datasets: results/datasets   checks: results/checks.md, results/checks.json")
+    """Print where the figures are and each table of checks that is not older than this run."""
+    for folder in ("results", "results/accuracy"):
+        records = Path(folder, "checks.json")
+        if records.exists() and records.stat().st_mtime >= started:
+            checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
+            print(f"\n{terminal_table(checks)}\n")
+            print(f"Figures: results/figures   datasets: results/datasets   checks: {folder}/checks.md, {records}")

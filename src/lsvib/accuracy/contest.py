@@ -4,6 +4,7 @@ Times are processor times of this process: on a quiet machine the same as by the
 inflated by what others do.
 """
 
+import ctypes
 import os
 import statistics
 import sys
@@ -103,17 +104,23 @@ def _warm_up(method, this: Scene, setting: float, clock: Clock) -> None:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Silence what solvers print or warn of, also from compiled code: a run that fails is counted, not described."""
+    flush = ctypes.CDLL(None).fflush  # what compiled code has printed may still be in its buffers
+    flush(None)
+    kept = [os.dup(1), os.dup(2)]
+    sys.stdout.flush()
     sys.stderr.flush()
-    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
+    with open(os.devnull, "w") as nowhere:
+        try:
+            for stream in (1, 2):
+                os.dup2(nowhere.fileno(), stream)
+            with warnings.catch_warnings(), np.errstate(all="ignore"):
+                warnings.simplefilter("ignore")
+                yield
+        finally:
+            flush(None)
+            for stream, copy in zip((1, 2), kept, strict=True):
+                os.dup2(copy, stream)
+                os.close(copy)
 
 
 def _run(entry: Entry, function, truth: Reference) -> None:

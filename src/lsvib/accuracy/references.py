@@ -59,5 +59,5 @@ def _rounded(end_state, events, kinds, starts_at_rest, angles, visited) -> Refer
         kinds=kinds,
         stops=count_stops(kinds, starts_at_rest),
         extremes=(float(min(angles)), float(max(angles))),
-        sizes=np.abs(np.array([[float(x) for x in state] for state in visited])).max(axis=0),
+        sizes=np.abs(np.array([[float(x) for x in state] for state in [*visited, end_state]])).max(axis=0),
     )

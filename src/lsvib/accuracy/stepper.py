@@ -14,7 +14,7 @@ import numpy as np
 from mpmath import mp
 
 from lsvib.accuracy.reference.rigid import Drive
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 
 KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
 _REVERSAL_OF_CONTACT, _STICK, _REVERSAL, _RELEASE, _SEIZURE = range(5)
@@ -144,7 +144,7 @@ def _resumed(c, u, sign):
     return _by_band(c, u)
 
 
-@kernel
+@allocating_kernel
 def run(c, u, w, t_end, times, kinds):
     """Follow the motion from (u [rad], w [rad/s]) to t_end [s]; events are written to ``times`` and ``kinds``.
 

@@ -24,3 +24,6 @@ THRESHOLDS = {
     "stick_force": Claim(34.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
     "detach_force": Claim(46.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
 }
+
+# Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
+GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}

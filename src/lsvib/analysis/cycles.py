@@ -1,10 +1,9 @@
-"""The attractor that a motion reaches, decided by the return map of its events; exact means and extremes over a cycle.
+"""The attractor that a motion of any model reaches; exact means and extremes over a cycle.
 
 A motion either *settles* – the engine proves that no guard can fire again, so it stays in one linear mode for ever – or
-its events recur. Events of one kind that enter one mode lie on one surface, on which the motion induces a return map.
-The motion has reached its cycle when the map returns the same state to rounding; a map that converges slowly is solved
-for its fixed point by the secant method and enclosed: P(s) − s is positive on its left and negative on its right, so a
-fixed point lies between. Its multiplier P′ is measured; it attracts if |P′| < 1. No waiting time enters.
+its events recur. Then the return map of its events decides (:mod:`lsvib.analysis.return_map`): the motion has reached
+its cycle when the map returns the same state to rounding; if it converges slowly, the map is solved for the fixed
+point that the motion approaches. No waiting time enters.
 """
 
 import math
@@ -13,18 +12,18 @@ from enum import IntEnum
 
 import numpy as np
 
+from lsvib.analysis.return_map import ROUNDING, FixedPoint, Section, section_key
 from lsvib.core import flows, planar
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Status
-from lsvib.errors import EngineError
+from lsvib.core.blocks import BlockFlow
+from lsvib.core.status import Status
+from lsvib.errors import DivergenceError, EngineError
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import Motion, follow
 
-_CHUNK = 64
-_PERIODS = 8  # longest cycle, in returns to the section, that is looked for
-_ROUNDING = 16 * planar.EPS
+_CHUNK = 64  # events looked at first; then twice as many, and so on
+_PERIODS = 64  # returns to the section in the longest cycle that is seen to repeat
+_SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
-_ENCLOSURE = 1e-9  # half width, in scales of the motion, of the first interval tried around a fixed point
-_SLOPE_STEP = 1e-5  # half step of the central difference for the slope of the return map
 _CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
 
 
@@ -37,6 +36,7 @@ class Attractor(IntEnum):
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # pure slip
     UNBOUNDED = 4
+    REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,10 @@ class SteadyState:
     """The attractor of a motion.
 
     ``label``; for a cycle: ``orbit``, one period as a motion from a point on the section; ``returns``, returns to the
-    section in a period; ``residual``, change of the section state over one period relative to its size; ``enclosure``,
-    half width of the interval that is proved to hold the fixed point, relative to its size (0 if the section state
-    repeats to the last bit); ``multiplier``, slope of the return map there. ``state`` is the equilibrium or the section
-    state.
+    section in a period; ``residual`` [1], change of the section state over one period relative to the size of the
+    motion; ``enclosure`` [1], half width of the interval that is proved to hold the fixed point, relative to that size
+    (0 if the section state repeats to the last bit, nan if the section is no line); ``multiplier`` [1] of the return
+    map, the largest. ``state`` (n) is the equilibrium or the section state.
     """
 
     label: Attractor
@@ -73,7 +73,7 @@ class SteadyState:
     @property
     def amplitude(self) -> float:
         """Half the peak-to-peak of u [rad]."""
-        low, high = self.extremes(np.array([1.0, 0.0, 0.0]))
+        low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
         return 0.5 * (high - low)
 
 
@@ -113,166 +113,120 @@ def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
 
 
 def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:
-    """Find the attractor of the motion from ``state`` (n).
+    """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
     Exits:
 
-    * SETTLED: steady sliding in a damped mode, at its equilibrium; in an undamped one a slip cycle, in one that grows
-      unbounded, unless the motion is at rest there;
-    * the section state repeats after 1 to 8 returns, or a fixed point of the return map is enclosed: a cycle, named
-      sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed point is the origin;
+    * the motion settles, see :func:`settled`: steady sliding, rest, an oscillation for ever, or unbounded;
+    * the section state repeats after 1 to 64 returns, or an attracting fixed point of the map of 1 to 8 returns is
+      found: a cycle, named sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed
+      point is the origin;
     * the motion grows without bound: unbounded;
-    * ``max_events``: unresolved.
+    * ``max_events``, or a next event that the engine cannot decide: unresolved. So remain motions with no attracting
+      cycle – chaotic and quasi-periodic ones, above all where nothing damps – and, of the cycles that attract slowly,
+      those with a multiplier within 1e-6 of the unit circle, with more than 8 returns, or where the return map has no
+      derivative.
     """
     state = np.array(state, dtype=float)
-    used = 0
+    used, chunk = 0, _CHUNK
     while used < max_events:
         try:
-            motion = follow(automaton, state, math.inf, mode=mode, max_events=_CHUNK)
-        except EngineError:
+            motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
+        except DivergenceError:
             return SteadyState(Attractor.UNBOUNDED, state)
+        except EngineError:
+            return SteadyState(Attractor.UNRESOLVED, state)
         if motion.status == Status.SETTLED:
-            return _settled(automaton, motion)
+            return settled(automaton, motion)
         cycle = _recurrence(automaton, motion)
         if cycle is not None:
             return cycle
         used += motion.time.size
+        chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
     return SteadyState(Attractor.UNRESOLVED, state)
 
 
-def _settled(automaton: Automaton, motion: Motion) -> SteadyState:
-    flow = automaton.tables.flow
-    if not isinstance(flow, np.ndarray):
-        field = flow.field[motion.end_mode]
+def settled(automaton: Automaton, motion: Motion) -> SteadyState:
+    """Where a motion goes that never leaves its last mode, which is a sum of oscillators: one, or one to a pair.
+
+    Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; if one alone
+    goes on for ever, a cycle; unresolved if several do, since their frequencies have no common period.
+    """
+    flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
+    if automaton.codes[mode] in automaton.rest_codes:
+        return SteadyState(Attractor.REST, state)
+    if isinstance(flow, BlockFlow):  # it settles only where all that moves dies away
+        field = flow.field[mode]
         return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
-    row = flow[motion.end_mode]
-    equilibrium = np.array([row[planar.EQUILIBRIUM], 0.0])
-    if row[planar.ALPHA] > 0 or np.array_equal(motion.end_state, equilibrium):
+    if isinstance(flow, np.ndarray):
+        rows, equilibrium = flow[mode][None], np.array([flow[mode, planar.EQUILIBRIUM], 0.0])
+        excited = np.array([(state != equilibrium).any()])
+    else:
+        rows, field, table = flow.oscillators[mode], flow.field[mode], flow.to_modal[mode]
+        equilibrium = np.linalg.solve(field[:, :-1], -field[:, -1])
+        rounding = ROUNDING * (np.abs(table[:, :-1]) @ np.abs(state) + np.abs(table[:, -1]))
+        excited = (np.abs(table[:, :-1] @ state + table[:, -1]) > rounding).reshape(-1, 2).any(axis=1)
+    damping = rows[:, planar.ALPHA]
+    undamped = np.abs(damping) <= ROUNDING * rows[:, planar.BETA]
+    if (excited & ~undamped & (damping < 0)).any():
+        return SteadyState(Attractor.UNBOUNDED, state)
+    lasting = np.flatnonzero(excited & undamped & (rows[:, planar.BETA] > 0))
+    if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
-    if row[planar.ALPHA] < 0:
-        return SteadyState(Attractor.UNBOUNDED, motion.end_state)
-    orbit = follow(automaton, motion.end_state, 2 * math.pi / row[planar.BETA], mode=motion.end_mode)
-    return SteadyState(Attractor.OTHER_CYCLE, motion.end_state, orbit, 1, 0.0, 0.0, 1.0)
+    if lasting.size > 1:
+        return SteadyState(Attractor.UNRESOLVED, state)
+    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], planar.BETA], mode=mode)
+    return SteadyState(Attractor.OTHER_CYCLE, state, orbit, 1, 0.0, 0.0, 1.0)
 
 
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
-    """The cycle that the last events of a motion lie on, or None if they do not tell."""
-    key = _section(motion)
-    points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])]
-    size = np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny)
-    for returns in range(1, min(_PERIODS, len(points) - 1) + 1):
-        if (np.abs(points[-1] - points[-1 - returns]) <= _REPEATS[size.size > 2] * size).all():
-            section = _Section(automaton, key, returns, points[-1], size)
-            return section.cycle(0.0, 0.0)
-    if len(points) < 4:
+    """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
+    key = section_key(motion)
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0  # zero at every event: any scale does
+    changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
+    repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
+    if len(points) < 4 and not repeats.size:
         return None
-    return _fixed_point(_Section(automaton, key, 1, points[-1], size), (points[-2] - points[-1]) / size)
+    nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
+    section = Section(automaton, key, points[-1], size, nearest, longest)
+    if repeats.size and size.size == 2:
+        return _cycle(section, section.repeated())
+    divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
+    for returns in divisors:  # a slow cycle may seem to repeat later than it does
+        before = points[-1 - returns : len(points) // 2 : -returns][::-1]
+        section = Section(automaton, key, points[-1], size, returns, longest)
+        found = section.fixed_point(before) if len(before) else None
+        if found is None:
+            continue
+        if np.abs(found.state / size).max() < _CORNER:
+            if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
+                return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
+            continue
+        for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
+            there = Section(automaton, key, found.state, size, fewer, longest)
+            again = there.fixed_point(before)
+            if again is not None and (np.abs(again.state - found.state) <= _CORNER * size).all():
+                return _cycle(there, again)
+        return _cycle(section, found)
+    return _cycle(section, section.repeated()) if repeats.size else None
 
 
-def _section(motion: Motion) -> tuple[int, int]:
-    """Kind and mode of the events to watch: the rarest of the last ones, the latest if several."""
-    ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
-    pairs = list(zip(motion.kind[ours].tolist(), motion.mode[ours].tolist(), strict=True))
-    recent = pairs[len(pairs) // 2 :]
-    return min(reversed(recent), key=recent.count)
-
-
-class _Section:
-    """A line of states that events of one kind (``key``: kind, mode after) enter on, and the return map along it.
-
-    A point is ``origin`` + s · ``direction``; s counts in scales of the motion. Where two surfaces meet, as on release
-    from rest, the section is a single point and ``direction`` is zero; so it is where the state has more than two
-    coordinates, and a cycle must then show by itself.
-    """
-
-    def __init__(
-        self, automaton: Automaton, key: tuple[int, int], returns: int, origin: np.ndarray, size: np.ndarray
-    ) -> None:
-        self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
-        rows = automaton.tables.surfaces
-        values = rows[:, :-1] @ origin + rows[:, -1]
-        met = rows[np.abs(values) <= _ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1]))]
-        line = origin.size == 2 and len(met) == 1
-        tangent = np.array([-met[0, 1], met[0, 0]]) if line else np.zeros(origin.size)
-        largest = np.abs(tangent / size).max()
-        self.direction = tangent / largest if largest > 0 else tangent
-        self.axis = int(np.argmax(np.abs(self.direction / size)))
-
-    def come_back(self, point: np.ndarray) -> Motion | None:
-        """The motion from a point until it has returned ``returns`` times, or None if it does not."""
-        motion, events = None, 0
-        state = point
-        for _ in range(self.returns):
-            try:
-                motion = follow(self.automaton, state, math.inf, mode=self.key[1], stop=self.key, max_events=1000)
-            except EngineError:
-                return None
-            if motion.status != Status.STOP_EVENT:
-                return None
-            state, events = motion.end_state, events + motion.time.size
-        if self.returns > 1:
-            motion = follow(self.automaton, point, math.inf, mode=self.key[1], max_events=events)
-        return motion
-
-    def excess(self, s: float) -> float:
-        """P(s) − s; nan if the motion does not come back."""
-        motion = self.come_back(self.origin + s * self.direction)
-        if motion is None:
-            return math.nan
-        return (motion.end_state[self.axis] - self.origin[self.axis]) / self.direction[self.axis] - s
-
-    def slope(self, s: float) -> float:
-        """P′(s), by a central difference."""
-        return 1 + (self.excess(s + _SLOPE_STEP) - self.excess(s - _SLOPE_STEP)) / (2 * _SLOPE_STEP)
-
-    def cycle(self, s: float, enclosure: float) -> SteadyState | None:
-        """The cycle through the fixed point s."""
-        point = self.origin + s * self.direction
-        orbit = self.come_back(point)
-        if orbit is None:
-            return None
-        modes = self.automaton.codes[orbit.arcs()[0]]
-        if np.isin(orbit.kind, self.automaton.sprag_kinds).any() or np.isin(modes, self.automaton.sprag_codes).any():
-            label = Attractor.SPRAG_SLIP_CYCLE
-        elif np.isin(modes, self.automaton.rest_codes).any():
-            label = Attractor.STICK_SLIP_CYCLE
-        else:
-            label = Attractor.OTHER_CYCLE
-        residual = float(np.max(np.abs(orbit.end_state - point) / self.size))
-        multiplier = 0.0 if point.size == 2 else math.nan
-        if self.direction.any():
-            multiplier = self.slope(s)
-        return SteadyState(label, point, orbit, self.returns, residual, enclosure, multiplier)
-
-
-def _fixed_point(section: _Section, last_step: np.ndarray) -> SteadyState | None:
-    """Solve the return map for its fixed point near the last return by the secant method, and enclose it."""
-    if not section.direction.any():
+def _cycle(section: Section, found: FixedPoint) -> SteadyState | None:
+    """The cycle through a fixed point of the return map; None if its motion does not come back."""
+    orbit = section.come_back(found.state)
+    if orbit is None:
         return None
-    older, old = float(last_step[section.axis]) * section.size[section.axis] / section.direction[section.axis], 0.0
-    f_older, f_old = section.excess(older), section.excess(old)
-    for _ in range(60):
-        if abs(f_old) <= planar.EPS or f_old == f_older:
-            break
-        new = old - f_old * (old - older) / (f_old - f_older)
-        f_new = section.excess(new)
-        if math.isnan(f_new):
-            return None
-        older, f_older, old, f_old = old, f_old, new, f_new
-        if abs(old - older) <= planar.EPS:
-            break
-    width = _ENCLOSURE
-    if not abs(f_old) <= _ROUNDING or not section.excess(old - width) > 0 > section.excess(old + width):
-        return None
-    if not abs(section.slope(old)) < 1:
-        return None
-    point = section.origin + old * section.direction
-    if np.abs(point / section.size).max() < _CORNER:
-        here = section.origin / section.size
-        if not np.abs(here).max() < np.abs(here + last_step).max():
-            return None  # it grows away from the corner
-        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(point))
-    while width > _ROUNDING and section.excess(old - width / 4) > 0 > section.excess(old + width / 4):
-        width /= 4
-    return section.cycle(old, width)
+    automaton = orbit.automaton
+    modes = automaton.codes[orbit.arcs()[0]]
+    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
+        label = Attractor.SPRAG_SLIP_CYCLE
+    elif np.isin(modes, automaton.rest_codes).any():
+        label = Attractor.STICK_SLIP_CYCLE
+    else:
+        label = Attractor.OTHER_CYCLE
+    residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
+    return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)

@@ -28,7 +28,7 @@ import numpy as np
 
 from lsvib.analysis.cycles import orbit_extremes, steady_state
 from lsvib.analysis.impact import seizure_impulses
-from lsvib.analysis.orbits import Orbit, rest_count, rest_duration, settled_orbit
+from lsvib.analysis.orbits import Orbit, rest_count, rest_duration
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton
 from lsvib.models.coefficients import coefficients
@@ -38,7 +38,7 @@ from lsvib.models.rigid import EventKind, MotionMode, Resume, rigid_drive
 from lsvib.models.threads import ThreadsEvent, seated_state
 
 _SAME = 1e-9  # relative difference in time of two rigid motions that is none
-_EVENTS = 500  # of a compliant motion in which its cycle must show
+_EVENTS = 1000  # of a compliant motion in which its cycle must show
 
 
 class Family(IntEnum):
@@ -188,7 +188,7 @@ def deviations(branch: Branch, drive: ThreadsDrive, automaton: Automaton) -> dic
     """
     seated = seated_state(drive, *branch.start)
     if branch.impact is None:
-        motion = settled_orbit(automaton, seated, max_events=_EVENTS).orbit
+        motion = steady_state(automaton, seated, max_events=_EVENTS).orbit
     else:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:

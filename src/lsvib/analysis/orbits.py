@@ -1,10 +1,4 @@
-"""Cycles of models with many states, and how far two orbits lie apart in the phase plane.
-
-A contact of finite stiffness creeps: in slip its deflection follows at the rate k_c / c_c, so that the return map of a
-cycle of period T has the multiplier exp(−T k_c / c_c), close to one in the viscous limit. All other multipliers are
-small. The fixed point is therefore extrapolated along the slow direction (Aitken's method for vectors): with the last
-steps d₁, d₂ of the map and λ = d₁·d₂ / d₁·d₁, it lies near x + λ / (1 − λ) d₂.
-"""
+"""Curves of motions in the phase plane, how far two of them lie apart, and how much of a motion is rest."""
 
 import math
 from dataclasses import dataclass
@@ -12,58 +6,10 @@ from typing import Self
 
 import numpy as np
 
-from lsvib.analysis.cycles import SteadyState, steady_state
-from lsvib.core.status import Status
-from lsvib.errors import EngineError
-from lsvib.models.automaton import Automaton
-from lsvib.models.motion import Motion, follow
+from lsvib.models.motion import Motion
 
-_APPROACH = 64  # events after which the return map is watched; a return that takes more is not extrapolated
-_RETURNS = 4  # of the map before each extrapolation, in which the fast multipliers die out
-_ROUNDS = 12
 _BLOCK = 8  # points whose distances are formed at once, so that the arrays stay in the cache
-_SAME = 1e-13  # relative change of the section state in one return that is rounding
 _MEASURED = 40  # points of a curve, besides its arcs' ends, whose distance is measured
-
-
-def settled_orbit(automaton: Automaton, state, *, max_events: int = 20_000) -> SteadyState:
-    """Return the attractor of the motion from ``state`` (n), as :func:`lsvib.analysis.cycles.steady_state` does.
-
-    The slow direction of the return map is extrapolated first, which only changes where the search starts.
-    """
-    try:
-        start, mode = _extrapolated(automaton, np.array(state, dtype=float))
-    except EngineError:
-        start, mode = state, None
-    with np.errstate(invalid="ignore"):  # of an elastic contact e = 0 at every N = 0, so that it has no scale there
-        return steady_state(automaton, start, mode=mode, max_events=max_events)
-
-
-def _extrapolated(automaton: Automaton, state: np.ndarray) -> tuple[np.ndarray, int | None]:
-    """A state near the fixed point of the return map, and its mode; the motion's last state where none is found."""
-    motion = follow(automaton, state, math.inf, max_events=_APPROACH)
-    if motion.status == Status.SETTLED:
-        return state, None
-    recent = np.stack([motion.kind, motion.mode], axis=1)[motion.time.size // 2 :]
-    pairs, counts = np.unique(recent, axis=0, return_counts=True)
-    kind, mode = pairs[np.argmin(counts)].tolist()
-    point = motion.after[(motion.kind == kind) & (motion.mode == mode)][-1]
-    for _ in range(_ROUNDS):
-        path = [point]
-        for _ in range(_RETURNS):
-            back = follow(automaton, path[-1], math.inf, mode=mode, stop=(kind, mode), max_events=_APPROACH)
-            if back.status != Status.STOP_EVENT:
-                return motion.end_state, motion.end_mode
-            path.append(back.end_state)
-        size = np.maximum(np.abs(path[-1]), 1e-300)
-        before, last = (path[-2] - path[-3]) / size, (path[-1] - path[-2]) / size
-        point = path[-1]
-        if np.abs(last).max() <= _SAME:
-            break
-        slope = float(before @ last) / float(before @ before)
-        if 0 < slope < 1:
-            point = point + slope / (1 - slope) * (path[-1] - path[-2])
-    return point, mode
 
 
 def curve(motion: Motion, count: int) -> np.ndarray:
@@ -123,6 +69,7 @@ def rest_duration(motion: Motion) -> float:
 
 
 def rest_count(motion: Motion) -> int:
-    """Return how often a motion comes to rest."""
-    codes = motion.automaton.codes[motion.arcs()[0]]
+    """Return how often a motion comes to rest; a rest that only begins as the motion ends is none."""
+    modes, _, _, durations = motion.arcs()
+    codes = motion.automaton.codes[modes[durations > 0]]
     return int(np.isin(codes, motion.automaton.rest_codes).sum())

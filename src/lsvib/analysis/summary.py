@@ -18,6 +18,7 @@ _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "onset_force": thresholds.onset_force,
     "stick_force": thresholds.stick_force,
     "detach_force": thresholds.detach_force,
+    "global_stability_force": thresholds.global_stability_force,
 }
 _ABSENT = {
     "critical_mass": "The drive is not self-locking, so no mass makes the effective inertia vanish.",
@@ -31,38 +32,59 @@ def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[
     A change of ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial
     support; there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
     ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
-    four None if ``changes`` leave the chapter's parameters – and ``reason`` if there is no such threshold (value None).
-    Raises ``InputError`` for unacceptable parameters.
+    four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
+    number – and ``reason`` if there is no such threshold (value None). Raises ``InputError`` for unacceptable
+    parameters.
     """
-    table = {}
-    for name, claim in chapter.THRESHOLDS.items():
-        kind = SupportDrive if name == "critical_friction" else LeadScrew
-        original = kind.of(claim.drive)
-        known = {key: value for key, value in (changes or {}).items() if key != "screw_mass" or kind is SupportDrive}
-        drive = original.replace(**known)
-        reason = None
-        try:
-            value = _COMPUTE[name](drive)
-        except thresholds.NoThreshold as absent:
-            value, reason = None, str(absent)
-        if value is None and reason is None:
-            reason = _ABSENT[name]
-        as_printed = drive == original
-        error = abs(value - claim.value) / claim.value if as_printed and value is not None else None
-        table[name] = {
-            "value": value,
-            "unit": claim.unit,
-            "expected": claim.value if as_printed else None,
-            "tolerance": claim.tolerance if as_printed else None,
-            "relative_error": error,
-            "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
-            "source": claim.source,
-        }
-        if kind is SupportDrive:
-            table[name]["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
-        if reason:
-            table[name]["reason"] = reason
+    changes = changes or {}
+    table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
+    drive = LeadScrew.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
+    value, reason = _value_or_reason("global_stability_force", drive)
+    table["global_stability_force"] = {
+        "value": value,
+        "unit": "N",
+        **dict.fromkeys(("expected", "tolerance", "relative_error", "passed")),
+        "source": "end of Sect. 8.7",
+        **({"reason": reason} if reason else {}),
+    }
     return table
+
+
+def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The entry of a threshold that the chapter prints."""
+    kind = SupportDrive if name == "critical_friction" else LeadScrew
+    original = kind.of(claim.drive)
+    drive = original.replace(**(changes if kind is SupportDrive else _without_screw(changes)))
+    value, reason = _value_or_reason(name, drive)
+    as_printed = drive == original
+    error = abs(value - claim.value) / claim.value if as_printed and value is not None else None
+    entry = {
+        "value": value,
+        "unit": claim.unit,
+        "expected": claim.value if as_printed else None,
+        "tolerance": claim.tolerance if as_printed else None,
+        "relative_error": error,
+        "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
+        "source": claim.source,
+    }
+    if kind is SupportDrive:
+        entry["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
+    if reason:
+        entry["reason"] = reason
+    return entry
+
+
+def _without_screw(changes: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in changes.items() if key != "screw_mass"}
+
+
+def _value_or_reason(name: str, drive: LeadScrew) -> tuple[float | None, str | None]:
+    """A threshold, or None and why there is none."""
+    try:
+        value = _COMPUTE[name](drive)
+    except thresholds.NoThreshold as absent:
+        return None, str(absent)
+    return value, None if value is not None else _ABSENT[name]
 
 
 def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The axial forces at which the steady state changes kind: roots of closed-form conditions or of the return map."""
 
 import math
+from decimal import Decimal
 
 import numpy as np
 
@@ -9,11 +10,11 @@ from lsvib.core import planar
 from lsvib.core.status import Found
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
-from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
-from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.models.rigid import MotionMode, rigid_drive
 
-_INSIDE = 1e-9  # relative distance from the threshold at which the seizure next to it is looked at
+_GRID = 1000  # times at which the returns of slip are looked at, before the largest is refined
+_GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 
 
 class NoThreshold(InputError):
@@ -100,43 +101,71 @@ def detach_force(drive: LeadScrew) -> float:
 
 
 def global_stability_force(drive: LeadScrew) -> float:
-    """Axial force R [N] beyond which steady sliding is globally stable in the Painlevé region (end of Sect. 8.7).
+    """Axial force R [N] against the motion beyond which steady sliding is globally stable (Γ₊ ≤ 0, end of Sect. 8.7).
 
-    Every seizure ends in rest, and rest ends at u = c Ω / k whatever R is; the slip under law −1 that follows reaches
-    the origin unless it meets Q = Q_uw(u, w) + Γ₋ R = 0. It touches that line at R = −max(Q_uw) / Γ₋ (Ω > 0). For c_x =
-    0 and Γ₊ < 0, as in the chapter; raises ``NoThreshold`` otherwise.
+    Slip under law −1 does not depend on R except through Q = Q_uw(u, w) + Γ₋ R̃, so that it meets Q = 0 at R̃ = −max Q_uw
+    / Γ₋ at the latest (Ω > 0). Two kinds of motion can go on for ever:
+
+    * from the end of rest, u = C₋ Ω / k, to a seizure, then rest again: until that slip no longer touches Q = 0;
+    * from θ′ = 0 at u = x to a seizure at the same u, without rest. With w(x) the rate of slip coming back to u =
+      x, this cycle has R̃ = −Q_uw(x, w(x)) / Γ₋; the last of them, at the maximum over x, has the multiplier 1.
+
+    The one that ends last decides; there is no other threshold, see docs/basin.md. Raises ``NoThreshold`` outside the
+    Painlevé region, without damping, and where steady sliding is globally stable under every force against the motion.
     """
     c = coefficients(drive)
-    if not c.paradox or drive.translation_damping != 0:
+    if not c.paradox:
         raise NoThreshold(
-            "the threshold of global stability is defined for the Painleve region without translation damping."
+            "the drive is not in the Painleve region (effective inertia of law + positive), where forces against the "
+            "motion start no cycle of seizures."
         )
-    if drive.support_damping == 0:
-        raise NoThreshold("without support damping steady sliding attracts nothing.")
-    direction = math.copysign(1.0, drive.input_speed)
-    against = drive.replace(axial_force=-direction)
-    automaton = rigid_drive(against)
-    code = MotionMode.SLIP_FORWARD_NEGATIVE if direction > 0 else MotionMode.SLIP_BACKWARD_POSITIVE
-    mode = int(np.flatnonzero(automaton.codes == code)[0])
-    start = np.array([drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed])
+    if c.damping[-1] <= 0:
+        raise NoThreshold("without damping steady sliding attracts nothing.")
+    speed = abs(drive.input_speed)
+    # With R̃ < 0 the flow is that about steady sliding, whatever R̃ is.
+    automaton = rigid_drive(drive.replace(input_speed=speed, axial_force=-1.0))
+    mode = automaton.codes.tolist().index(MotionMode.SLIP_FORWARD_NEGATIVE)
+    flow = automaton.tables.flow
+    released = np.array([float(c.damping[-1]) * speed / drive.coupling_stiffness, -speed])
     q = np.array([float(c.q_row[0]), float(c.q_row[1]), 0.0])
     # The extremes along a decaying flow lie within its first turn, or within a few times its slowest time.
-    row = automaton.tables.flow[mode]
+    row = flow[mode]
     horizon = 2 * math.pi / row[planar.BETA] if row[planar.BETA] > 0 else 40 / abs(row[planar.R1])
-    low, high = planar.extremes(automaton.tables.flow, mode, start, q, horizon)
-    reach = high if direction > 0 else -low
-    if reach <= 0:
-        raise NoThreshold("slip from rest never turns back towards Q = 0 for this drive, so rest starts no cycle.")
-    force = -direction * reach / float(c.gamma[-1])
-    nearby = drive.replace(axial_force=force * (1 - _INSIDE))
-    if direction * _seizure_angle(nearby, start) < direction * start[0]:
-        raise NoThreshold(
-            "a seizure at the threshold does not lead to rest for this drive, so cycles without rest decide."
-        )
-    return force
+    _, reach = planar.extremes(flow, mode, released, q, horizon)
+    if q[1] > 0:  # otherwise a seizure is followed by slip backward or rest, and by no cycle but that with rest
+        reach = max(reach, _widest_return(row, speed, q, released[0]))
+    d = drive.exact()
+    onset = d.pitch_radius * d.tan_lead * d.translation_damping * abs(d.input_speed)
+    force = onset - Decimal(reach) / c.gamma[-1]
+    if not force < -Decimal(planar.ROUNDING) * abs(onset):
+        raise NoThreshold("steady sliding is globally stable under every axial force against the motion.")
+    return math.copysign(float(force), -drive.input_speed)
 
 
-def _seizure_angle(drive: LeadScrew, start: np.ndarray) -> float:
-    """Angle u [rad] at which the slip from ``start`` seizes."""
-    motion = follow(rigid_drive(drive), start, math.inf, stop=(EventKind.SEIZURE, -1), max_events=2)
-    return float(motion.before[-1, 0])
+def _widest_return(row: np.ndarray, speed: float, q: np.ndarray, largest: float) -> float:
+    """Largest Q_uw at which slip from θ′ = 0 at u = x < ``largest`` [rad] comes back to u = x for the first time.
+
+    With the responses S and C of the flow, slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the
+    rate w = −Ω S′ − a₀ x S then: the maximum is one over τ.
+    """
+
+    def returned(time: float) -> tuple[float, float]:
+        c, s, s_rate = planar.responses(row, time)
+        x = -speed * s / (1.0 - c) if c < 1.0 else math.inf
+        return x, -speed * s_rate - row[planar.A0] * x * s
+
+    def height(time: float) -> float:
+        x, w = returned(time)
+        return q[0] * x + q[1] * w
+
+    times = row[planar.TIME_SCALE] * np.linspace(0.0, 2 * math.pi, _GRID)[1:]
+    back = [returned(t) for t in times]
+    count = next((k for k, (x, w) in enumerate(back) if not (x < largest and w > 0)), len(back))
+    if count == 0:
+        return -math.inf
+    best = max(range(count), key=lambda k: height(times[k]))
+    low, high = times[max(best - 1, 0)], times[min(best + 1, count - 1)]
+    for _ in range(100):
+        left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+        low, high = (left, high) if height(left) < height(right) else (low, right)
+    return height(0.5 * (low + high))

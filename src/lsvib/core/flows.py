@@ -1,18 +1,24 @@
 """One name for each kernel that depends on the kind of flow; the choice is made by type when a kernel is compiled.
 
-A flow is either a plain table of oscillators (two states, :mod:`lsvib.core.planar`) or a ``ModalFlow``
-(:mod:`lsvib.core.modal`). Since the choice is by type, a planar model compiles none of the modal kernels.
+A flow is a plain table of oscillators (two states, :mod:`lsvib.core.planar`), a ``ModalFlow``
+(:mod:`lsvib.core.modal`), or a ``BlockFlow`` (:mod:`lsvib.core.blocks`). Since the choice is by type, a model compiles
+none of the kernels of the other kinds.
 """
+
+import math
 
 import numpy as np
 from numba import types
 from numba.extending import overload
 
-from lsvib.core import modal, planar, walk
-from lsvib.core.jit import kernel
+from lsvib.core import block_walk, blocks, modal, planar, walk
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.status import Found
 
 _NONE = int(Found.NONE)
+_CROSSING = int(Found.CROSSING)
+_LOST = int(Found.UNDECIDED)
+_MANY = 1_000_000  # extremes in one arc
 
 
 @kernel
@@ -25,22 +31,76 @@ def _planar_first_crossing(flow, mode, state, guards, on_surface, limit):
     return found, first, when
 
 
-def _by_kind(planar_kernel, modal_kernel):
+def _by_kind(planar_kernel, modal_kernel, block_kernel):
     """Return a function for Python that chooses by type, registered so that kernels choose when they are compiled."""
 
+    def chosen(is_array, flow_type):
+        if is_array:
+            return planar_kernel
+        return block_kernel if flow_type is blocks.BlockFlow else modal_kernel
+
     def choose(flow, *arguments):
-        return (planar_kernel if isinstance(flow, np.ndarray) else modal_kernel)(flow, *arguments)
+        return chosen(isinstance(flow, np.ndarray), type(flow))(flow, *arguments)
 
     def choose_typed(flow, *arguments):
-        chosen = planar_kernel if isinstance(flow, types.Array) else modal_kernel
-        return lambda flow, *arguments: chosen(flow, *arguments)
+        kernel_of_type = chosen(isinstance(flow, types.Array), getattr(flow, "instance_class", None))
+        return lambda flow, *arguments: kernel_of_type(flow, *arguments)
 
     overload(choose)(choose_typed)
     return choose
 
 
-advance = _by_kind(planar.advance, modal.advance)
-magnitudes = _by_kind(planar.magnitudes, modal.magnitudes)
-guard_at = _by_kind(planar.guard_at, modal.guard_at)
-first_crossing = _by_kind(_planar_first_crossing, walk.first_crossing)
-extremes = _by_kind(planar.extremes, walk.extremes)
+advance = _by_kind(planar.advance, modal.advance, blocks.advance)
+magnitudes = _by_kind(planar.magnitudes, modal.magnitudes, blocks.magnitudes)
+guard_at = _by_kind(planar.guard_at, modal.guard_at, modal.guard_at)
+first_crossing = _by_kind(_planar_first_crossing, walk.first_crossing, block_walk.first_crossing)
+
+
+@allocating_kernel
+def _searched_extremes(flow, mode, state, functional, duration):
+    """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
+
+    The rate of the function is affine in the state as well; its roots are isolated one after the other.
+    Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest), infinite if the search for a
+    root does not end.
+    """
+    n = state.size
+    guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
+    rate, here = np.zeros(n + 1), state.copy()
+    for i in range(n):
+        for j in range(n + 1):
+            rate[j] += functional[i] * flow.field[mode, i, j]
+    low = high = _at(functional, here)
+    if not rate.any():
+        return low, high
+    passed, sign = 0.0, 0.0
+    for _ in range(_MANY):
+        value, size, slope, _, _, _ = modal.guard_at(flow, mode, here, np.abs(here), rate)
+        on_surface[0] = sign != 0.0 or abs(value) <= size
+        if sign == 0.0:
+            sign = math.copysign(1.0, slope if on_surface[0] else value)
+        guards[0] = sign * rate
+        found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
+        if found == _LOST:
+            return -math.inf, math.inf
+        if found == _NONE:
+            break
+        passed += stay
+        advance(flow, mode, here, stay, here)
+        low, high = min(low, _at(functional, here)), max(high, _at(functional, here))
+        if found == _CROSSING:
+            sign = -sign
+    advance(flow, mode, state, duration, here)
+    return min(low, _at(functional, here)), max(high, _at(functional, here))
+
+
+@kernel
+def _at(functional, state):
+    """Value of an affine function of the state."""
+    value = functional[state.size]
+    for i in range(state.size):
+        value += functional[i] * state[i]
+    return value
+
+
+extremes = _by_kind(planar.extremes, _searched_extremes, _searched_extremes)

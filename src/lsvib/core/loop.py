@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from lsvib.core import flows
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
@@ -21,8 +21,8 @@ _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
-_MANY = 24  # so many shortest stays in a row are an accumulation
-_LARGEST = 1e150
+MANY = 24  # so many shortest stays in a row are an accumulation
+LARGEST = 1e150  # a state beyond it has left the range of numbers
 
 
 @kernel
@@ -120,6 +120,17 @@ def apply_reset(tables, transition, state, scratch):
 
 
 @kernel
+def arrive(tables, mode, state, scale, guard, stay):
+    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
+    if stay > 0.0:
+        flows.magnitudes(tables.flow, mode, state, stay, scale)
+        flows.advance(tables.flow, mode, state, stay, state)
+        put_on_surface(tables, guard, state, scale)
+    for i in range(state.size):
+        scale[i] = max(scale[i], abs(state[i]))
+
+
+@allocating_kernel
 def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
@@ -147,20 +158,16 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             return Status.TIME_REACHED, mode, count
         if count == times.size:
             return Status.EVENTS_FULL, mode, count
-        if stay > 0.0:
-            flows.magnitudes(tables.flow, mode, state, stay, scale)
-            flows.advance(tables.flow, mode, state, stay, state)
-            put_on_surface(tables, guard, state, scale)
-        _add_time(clock, stay)
+        arrive(tables, mode, state, scale, guard, stay)
+        add_time(clock, stay)
         for i in range(n):
             before[count, i] = state[i]
-            scale[i] = max(scale[i], abs(state[i]))
-            if not abs(state[i]) < _LARGEST:
+            if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
         short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
         if found == _GRAZE:
             kind, sign = GRAZE_KIND, 0
-        elif short_stays == _MANY:
+        elif short_stays == MANY:
             short_stays = 0
             mode = tables.beyond_accumulation[mode]
             if mode < 0:
@@ -183,7 +190,7 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
 
 
 @kernel
-def _add_time(clock, stay):
+def add_time(clock, stay):
     """Add to a compensated sum, so that a million short stays lose no digits."""
     total = clock[0] + stay
     if abs(clock[0]) >= abs(stay):

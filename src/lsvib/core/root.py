@@ -1,5 +1,7 @@
 """The step that both searches polish a root with."""
 
+import math
+
 from lsvib.core.jit import kernel
 
 _PATIENCE = 8  # steps before bisection takes turns
@@ -8,13 +10,19 @@ _LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
 
 @kernel
 def next_guess(t, value, slope, curvature, low, high, rate, count):
-    """Halley's step towards the root of a falling function between ``low`` and ``high``, or their middle.
+    """A step towards the root of a function that falls there, between ``low`` and ``high``, or their middle.
 
     Arguments: present guess t, value and two derivatives there, the bracket, fastest rate of the mode, number of steps
-    so far. The error of Halley's step is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step
-    below 10⁻⁶ of both is the last, so that rounding alone is left. Returns (new guess, whether it is the root).
+    so far. The step goes to the root of the constant plus exponential that has this value and these derivatives (a
+    term that grows or decays fast is met at once), near the root to that of Halley's hyperbola, which is the same to
+    third order. Its error is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step below 10⁻⁶ of
+    both is the last, so that rounding alone is left. Returns (new guess, whether it is the root).
     """
-    new = t - 2.0 * value * slope / (2.0 * slope * slope - value * curvature)
+    bend = value * curvature / (slope * slope)
+    if abs(bend) < 0.1:
+        new = t - 2.0 * value / (slope * (2.0 - bend))
+    else:
+        new = t + math.log1p(-bend) * slope / curvature if bend < 1.0 else math.nan
     if low < new < high and (count < _PATIENCE or count % 2 == 0):
         return new, abs(new - t) * max(rate, abs(curvature / slope)) < _LAST_STEP
     middle = 0.5 * (low + high)

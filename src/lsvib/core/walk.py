@@ -1,15 +1,18 @@
 """The certain search for the first guard that fires in a mode with many states.
 
-With M_k a bound of the k-th derivative of a guard g over [a, b] (:func:`lsvib.core.modal.bound`), h = b − a, and
-|f − chord of f| ≤ max|f″| h²/8 for any f, the search walks from time zero in steps on which every guard is *decided*:
+The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on
+the step: the part of the pairs with complex rates by |f − chord of f| ≤ max|f″| h²/8, h = b − a, with the bounds of
+:func:`lsvib.core.modal.bound`; the part of the pairs with real rates likewise, or term by term, since each term is
+monotone – whichever is narrower. Then, with g ≥ 0 at a,
 
-    min(g_a, g_b)   > M₂ h²/8      g stays positive: no root;
-    min(g′_a, g′_b) > M₃ h²/8      g rises: no root, since it was positive (or zero) at a;
-    max(g′_a, g′_b) < −M₃ h²/8     g falls: one root if g_b ≤ 0, else none;
-    min(g″_a, g″_b) > M₄ h²/8      g is convex: no root if it also starts without falling.
+    g > 0 on [a, b]     no root;
+    g′ > 0              no root;
+    g′ < 0              g falls: one root if g_b ≤ 0, else none;
+    g″ > 0, g′_a ≥ 0    no root;
+    g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
-A step on which a guard is undecided is halved, so no root is passed over. Where halving ends because the whole step is
-below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
+A step on which a guard is undecided is shortened, so no root is passed over. Where shortening ends because the whole
+step is below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
 together are below the guards' constants.
 """
 
@@ -18,7 +21,7 @@ import math
 import numpy as np
 
 from lsvib.core import modal
-from lsvib.core.jit import kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import A0, A1, ALPHA, BETA, EPS, R1, R2
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
@@ -29,29 +32,31 @@ _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
 _STEPS = 1_000_000
-_LONGEST = 64.0  # of the factor by which the tests may pass, so that a step grows at most 5.6-fold
+_LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
+_BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
+_GROWTH = 8.0  # of the exponent of a growing term within one step
 
 
-@kernel
+@allocating_kernel
 def first_crossing(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
     """
-    rows = flow.oscillators[mode]
-    pairs, count, size = rows.shape[0], guards.shape[0], flow.to_modal.shape[1]
-    modal_states = np.empty((3, size))
-    start, there, scratch = modal_states[0], modal_states[1], modal_states[2]
-    forms, rounding = np.empty((count, size + 1)), np.empty(count)
-    amplitudes = np.empty((count, pairs, modal.ORDERS, 4))
-    nodes, factors = np.empty((2, count, 3)), np.empty((3, pairs, 3))
+    pairs, count = flow.pairs[mode], guards.shape[0]
+    rows, size = flow.oscillators[mode, :pairs], 2 * pairs
+    amplitudes, rounding = np.empty((count, pairs, modal.ORDERS, 6)), np.empty(count)
+    forms, modal_states = np.empty((count, size + 1)), np.empty((3, size))
+    nodes, factors = np.empty((2, count, 6)), np.empty((3, pairs, 3))
     values, ahead = nodes[0], nodes[1]
     decays, decays_ahead, largest = factors[0], factors[1], factors[2]
+    start, there, scratch = modal_states[0], modal_states[1], modal_states[2]
     modal.apply(flow.to_modal[mode], state, start)
-    _prepare(flow, mode, start, guards, on_surface, forms, amplitudes, values, rounding)
+    _prepare(flow, mode, rows, start, guards, on_surface, forms, amplitudes, values, rounding)
     modal.flow_with_decays(rows, start, 0.0, there, decays)
-    a, step = 0.0, min(limit, 4.0 / _fastest(rows)) if _fastest(rows) > 0.0 else min(limit, 1.0)
+    longest = _longest_step(rows)
+    a, step = 0.0, min(limit, longest, _first_step(rows, values, amplitudes))
     for _ in range(_STEPS):
         if a >= limit or (limit == math.inf and _never(rows, start, forms, amplitudes, decays, a)):
             return _NONE, -1, limit
@@ -63,8 +68,10 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
         outcome, stretch = _POSITIVE, _LONGEST
         for guard in range(count):
             modal.derivatives(rows, there, forms, guard, ahead)
-            starting = a == 0.0 and on_surface[guard]
-            decision, slack = _decide(values, ahead, amplitudes, guard, largest, b - a, rounding[guard], starting)
+            decision, slack = _decide(
+                rows, values, ahead, amplitudes, guard, (decays, decays_ahead, largest), b - a, rounding[guard],
+                on_surface[guard],
+            )  # fmt: skip
             stretch = min(stretch, slack)
             if decision == _TOUCHES and outcome == _POSITIVE:
                 return _GRAZE, guard, 0.5 * (a + b)
@@ -78,16 +85,16 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
             continue
         if outcome == _ROOT:
             return _earliest(rows, start, forms, ahead, a, b, scratch)
-        a, step = b, (b - a) * max(1.0, 0.7 * math.sqrt(stretch))
-        values[:] = ahead
-        decays[:] = decays_ahead
+        for guard in range(count):
+            on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
+        a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
+        values, ahead, decays, decays_ahead = ahead, values, decays_ahead, decays
     return _LOST, -1, limit
 
 
 @kernel
-def _prepare(flow, mode, start, guards, on_surface, forms, amplitudes, values, rounding):
+def _prepare(flow, mode, rows, start, guards, on_surface, forms, amplitudes, values, rounding):
     """Write the guards in modal form, their bounds' factors, their values at time zero and their rounding."""
-    rows = flow.oscillators[mode]
     size = start.size
     for guard in range(guards.shape[0]):
         form = forms[guard]
@@ -98,7 +105,7 @@ def _prepare(flow, mode, start, guards, on_surface, forms, amplitudes, values, r
             row = rows[pair]
             u, w = start[2 * pair], start[2 * pair + 1]
             value = form[2 * pair] * u + form[2 * pair + 1] * w
-            rate = form[2 * pair] * w - form[2 * pair + 1] * (row[0] * u + row[1] * w)
+            rate = form[2 * pair] * w - form[2 * pair + 1] * (row[A0] * u + row[A1] * w)
             modal.amplitudes(row, value, rate, amplitudes[guard, pair])
             total += abs(form[2 * pair] * u) + abs(form[2 * pair + 1] * w)
         rounding[guard] = 8.0 * EPS * total
@@ -118,34 +125,96 @@ def _fastest(rows):
 
 
 @kernel
-def _decide(here, there, amplitudes, guard, largest, step, rounding, starts_on_surface):
+def _longest_step(rows):
+    """Step [s] on which no term grows beyond e⁸."""
+    growing = 0.0
+    for pair in range(rows.shape[0]):
+        row = rows[pair]
+        growing = max(growing, -row[ALPHA] if row[BETA] > 0.0 else row[R1])
+    return _GROWTH / growing if growing > 0.0 else math.inf
+
+
+@kernel
+def _first_step(rows, values, amplitudes):
+    """Step [s] on which the complex pairs alone let the guards be decided."""
+    shortest = math.inf
+    for guard in range(values.shape[0]):
+        best = 0.0
+        for k in range(3):
+            curve = 0.0
+            for pair in range(rows.shape[0]):
+                if rows[pair, BETA] > 0.0:
+                    curve += modal.bound(amplitudes[guard, pair, k + 2], 1.0, 0.0, 0.0)
+            best = max(best, 4.0 * abs(values[guard, k]) / curve if curve > 0.0 else math.inf)
+        shortest = min(shortest, math.sqrt(best))
+    if 0.0 < shortest < math.inf:
+        return shortest
+    fastest = _fastest(rows)
+    return 1.0 / fastest if fastest > 0.0 else 1.0
+
+
+@kernel
+def _enclosure(rows, here, there, amplitudes, guard, decays, k, eighth):
+    """Bounds from below and above of the k-th derivative of a guard on a step; ``decays`` at both ends, and largest."""
+    least, most = min(here[guard, k], there[guard, k]), max(here[guard, k], there[guard, k])
+    smooth, rough = 0.0, 0.0  # bounds of the second derivative of the complex and of the real pairs
+    below, above = min(here[guard, k + 3], there[guard, k + 3]), max(here[guard, k + 3], there[guard, k + 3])
+    for pair in range(rows.shape[0]):
+        largest = decays[2][pair]
+        bound = modal.bound(amplitudes[guard, pair, k + 2], largest[0], largest[1], largest[2])
+        if rows[pair, BETA] > 0.0:
+            smooth += bound
+        else:
+            rough += bound
+            low, high = modal.range_of_terms(amplitudes[guard, pair, k], decays[0][pair], decays[1][pair])
+            below, above = below + low, above + high
+    low, high = least - (smooth + rough) * eighth, most + (smooth + rough) * eighth
+    if below - smooth * eighth > low:
+        low = min(below - smooth * eighth, least)
+    if above + smooth * eighth < high:
+        high = max(above + smooth * eighth, most)
+    return least, low, most, high
+
+
+@kernel
+def _margin(end, bound):
+    """How many times the width of an enclosure fits between zero and the end that is nearest to it."""
+    width = abs(end - bound)
+    return abs(end) / width if width > 0.0 else _LONGEST
+
+
+@kernel
+def _decide(rows, here, there, amplitudes, guard, decays, step, rounding, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
     eighth = 0.125 * step * step
-    second = modal.bound(amplitudes, guard, 2, largest) * eighth
-    least = min(here[guard, 0], there[guard, 0])
-    if least > second:
-        return _POSITIVE, least / second if second > 0.0 else _LONGEST
-    third = modal.bound(amplitudes, guard, 3, largest) * eighth
-    slowest = min(here[guard, 1], there[guard, 1])
-    if slowest > third:
-        return _POSITIVE, slowest / third if third > 0.0 else _LONGEST
-    fall = -max(here[guard, 1], there[guard, 1])
-    if fall > third:
-        return _ROOT if there[guard, 0] <= 0.0 else _POSITIVE, fall / third if third > 0.0 else _LONGEST
-    slack = max(least / second, slowest / third, fall / third, 0.0)
-    if here[guard, 1] >= 0.0:
-        fourth = modal.bound(amplitudes, guard, 4, largest) * eighth
-        curve = min(here[guard, 2], there[guard, 2])
-        if curve > fourth:
-            return _POSITIVE, curve / fourth if fourth > 0.0 else _LONGEST
-        slack = max(slack, curve / fourth)
-    if second < rounding:
+    least, low, _, _ = _enclosure(rows, here, there, amplitudes, guard, decays, 0, eighth)
+    if low > 0.0:
+        return _POSITIVE, _margin(least, low)
+    after = _ROOT if there[guard, 0] <= 0.0 else _POSITIVE
+    slowest, slow, fastest, fast = _enclosure(rows, here, there, amplitudes, guard, decays, 1, eighth)
+    if slow > 0.0:
+        return _POSITIVE, _margin(slowest, slow)
+    if fast < 0.0:
+        return after, _margin(fastest, fast)
+    flattest, flat, steepest, steep = _enclosure(rows, here, there, amplitudes, guard, decays, 2, eighth)
+    if flat > 0.0 and here[guard, 1] >= 0.0:
+        return _POSITIVE, _margin(flattest, flat)
+    if steep < 0.0:
+        return after, _margin(steepest, steep)
+    slack = 0.0
+    if least > 0.0:
+        slack = _margin(least, low)
+    if slowest > 0.0:
+        slack = max(slack, _margin(slowest, slow))
+    if fastest < 0.0:
+        slack = max(slack, _margin(fastest, fast))
+    if least - low < rounding:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > rounding:
-            return _POSITIVE, 1.0
+            return _POSITIVE, _BEYOND_ROUNDING
         if there[guard, 0] <= -rounding:
-            return _ROOT, 1.0
-        return _POSITIVE if starts_on_surface else _TOUCHES, 1.0
+            return _ROOT, _BEYOND_ROUNDING
+        return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
     return _UNDECIDED, slack
 
 
@@ -201,12 +270,9 @@ def _earliest(rows, start, forms, ahead, a, b, scratch):
 
 @kernel
 def _root(rows, start, forms, guard, low, high, scratch, out):
-    """Root of a guard that falls from positive at ``low`` to not positive at ``high``."""
-    rate = _fastest(rows)
-    t = 0.5 * (low + high)
+    """Root of a guard that is positive from ``low`` on and not after its root; ``out`` holds its row at ``high``."""
+    rate, t = _fastest(rows), high
     for count in range(300):
-        modal.flow_pairs(rows, start, t, scratch)
-        modal.derivatives(rows, scratch, forms, guard, out)
         value, slope, curvature = out[guard, 0], out[guard, 1], out[guard, 2]
         if value > 0.0:
             low = t
@@ -217,51 +283,6 @@ def _root(rows, start, forms, guard, low, high, scratch, out):
         t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
             return t
+        modal.flow_pairs(rows, start, t, scratch)
+        modal.derivatives(rows, scratch, forms, guard, out)
     return t
-
-
-@kernel
-def extremes(flow, mode, state, functional, duration):
-    """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
-
-    The rate of the function is affine in the state as well; its roots are isolated one after the other.
-    Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest), infinite if the search for a
-    root does not end.
-    """
-    n = state.size
-    guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
-    rate, here = np.zeros(n + 1), state.copy()
-    for i in range(n):
-        for j in range(n + 1):
-            rate[j] += functional[i] * flow.field[mode, i, j]
-    low = high = _at(functional, here)
-    if not rate.any():
-        return low, high
-    passed, sign = 0.0, 0.0
-    for _ in range(_STEPS):
-        value, size, slope, _, _, _ = modal.guard_at(flow, mode, here, np.abs(here), rate)
-        on_surface[0] = sign != 0.0 or abs(value) <= size
-        if sign == 0.0:
-            sign = math.copysign(1.0, slope if on_surface[0] else value)
-        guards[0] = sign * rate
-        found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
-        if found == _LOST:
-            return -math.inf, math.inf
-        if found == _NONE:
-            break
-        passed += stay
-        modal.advance(flow, mode, here, stay, here)
-        low, high = min(low, _at(functional, here)), max(high, _at(functional, here))
-        if found == _CROSSING:
-            sign = -sign
-    modal.advance(flow, mode, state, duration, here)
-    return min(low, _at(functional, here)), max(high, _at(functional, here))
-
-
-@kernel
-def _at(functional, state):
-    """Value of an affine function of the state."""
-    value = functional[state.size]
-    for i in range(state.size):
-        value += functional[i] * state[i]
-    return value

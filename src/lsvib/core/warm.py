@@ -13,8 +13,9 @@ def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
     row = np.zeros(planar.COLUMNS)
     row[[planar.A0, planar.BETA, planar.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
-    flows_of = {"planar": np.array([row]), "modal": ModalFlow(np.array([[row]]), same, same, field)}
+    flows_of = {"planar": np.array([row]), "modal": ModalFlow(one, np.array([[row]]), same, same, field)}
     for kind in kinds:
         _bounce(flows_of[kind])
 

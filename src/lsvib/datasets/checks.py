@@ -10,7 +10,8 @@ from typing import Any, Self
 from lsvib.errors import InputError
 
 _COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
-_WIDTHS = (7, 42, 12, 22, 9, 9, 7)  # of the columns in a terminal
+_WIDTHS = (12, 22, 9, 9, 7)  # of the columns in a terminal from the third on
+_FIRST_TWO = 49  # of figure, which is never broken, and claim together
 
 
 @dataclass(frozen=True)
@@ -99,11 +100,13 @@ def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
 
 def terminal_table(checks: Iterable[tuple[str, Check]]) -> str:
     """Return the checks, pairs (figure, check), as a table of at most 120 columns; long cells continue below."""
-    lines = []
-    for row in [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]:
-        cells = [textwrap.wrap(cell, width) or [""] for cell, width in zip(row, _WIDTHS, strict=True)]
+    rows = [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]
+    first = max(len(row[0]) for row in rows)
+    widths, lines = (first, _FIRST_TWO - first, *_WIDTHS), []
+    for row in rows:
+        cells = [textwrap.wrap(cell, width) or [""] for cell, width in zip(row, widths, strict=True)]
         for parts in itertools.zip_longest(*cells, fillvalue=""):
-            lines.append("  ".join(part.ljust(width) for part, width in zip(parts, _WIDTHS, strict=True)).rstrip())
+            lines.append("  ".join(part.ljust(width) for part, width in zip(parts, widths, strict=True)).rstrip())
     return "\n".join(lines)
 
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.analysis.cycles import SteadyState
-from lsvib.analysis.orbits import settled_orbit
+from lsvib.analysis.cycles import SteadyState, steady_state
 from lsvib.datasets import phase
 from lsvib.datasets.phase import ASSUMED, Variables, attributes
 from lsvib.models.automaton import Automaton
@@ -17,7 +16,7 @@ from lsvib.models.threads import seated_state, threads_drive
 def compliant_cycle(drive: ThreadsDrive, start: dict[str, float]) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     automaton = threads_drive(drive)
-    return automaton, settled_orbit(automaton, seated_state(drive, start["u"], start["w"]))
+    return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
 
 
 def contact_parameter(name: str, assumed: bool) -> dict[str, Any]:

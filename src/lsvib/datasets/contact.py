@@ -13,6 +13,7 @@ import xarray as xr
 
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Arc, Flow, Outcome, Paradox
+from lsvib.datasets.checks import Check
 from lsvib.datasets.variables import flags
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -219,3 +220,14 @@ def _rate(long_name: str) -> dict[str, Any]:
 
 def _attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
     return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
+
+
+def energy_check(dataset: xr.Dataset) -> Check:
+    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
+    spread = energy_spread(dataset.isel(case=0))
+    return Check.holds(
+        "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
+        "eqs 8.11, 8.12",
+        f"largest spread {spread:.1e} of the larger of potential and kinetic part",
+        spread < 1e-12,
+    )

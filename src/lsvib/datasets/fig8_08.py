@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets.checks import Check
+from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
@@ -32,24 +33,24 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
     return xr.Dataset(
         {
-            "real_part": (("eigenvalue", "mass"), pair.real.T, _attributes("s-1", "real part", r"Re $\varepsilon$")),
+            "real_part": (("eigenvalue", "mass"), pair.real.T, attributes("s-1", "real part", r"Re $\varepsilon$")),
             "imaginary_part": (
                 ("eigenvalue", "mass"),
                 pair.imag.T,
-                _attributes("rad s-1", "imaginary part", r"Im $\varepsilon$"),
+                attributes("rad s-1", "imaginary part", r"Im $\varepsilon$"),
             ),
-            "effective_inertia": ("mass", inertia, _attributes("kg m2", "effective inertia", r"$\Gamma_+$")),
+            "effective_inertia": ("mass", inertia, attributes("kg m2", "effective inertia", r"$\Gamma_+$")),
             "loss_of_stability": (
                 "damping",
                 losses,
-                _attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
+                attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
             ),
         },
         coords={
-            "mass": ("mass", mass, _attributes("kg", "translating mass", "$m$")),
-            "eigenvalue": ("eigenvalue", np.array([1, 2]), _attributes("1", "index of the eigenvalue", "$i$")),
-            "damping": ("damping", dampings, _attributes("N m s rad-1", "support damping", "$c$")),
-            "critical_mass": ((), critical, _attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+            "mass": ("mass", mass, attributes("kg", "translating mass", "$m$")),
+            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            "damping": ("damping", dampings, attributes("N m s rad-1", "support damping", "$c$")),
+            "critical_mass": ((), critical, attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
         },
         attrs={
             "title": "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
@@ -117,7 +118,3 @@ def _masses(start: float, stop: float, count: int, critical: float) -> np.ndarra
     near = critical * np.geomspace(1e-6, 0.1, count // 4)
     mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near]))
     return mass[(mass >= start) & (mass <= stop) & (mass != critical)]
-
-
-def _attributes(units: str, long_name: str, symbol: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name, "symbol": symbol}

@@ -150,13 +150,12 @@ def _numbers(steady: SteadyState) -> dict[str, float]:
     automaton = steady.orbit.automaton
     deflection = automaton.observables["coupling_deflection"]
     sprags = np.isin(automaton.codes, automaton.sprag_codes)
-    moves = ~np.isin(automaton.codes, automaton.rest_codes)
     low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
     return {
         "attractor": steady.label,
         "largest_deflection": steady.extremes(deflection)[1],
         "sprag_deflection": _extremes(steady.orbit, deflection, sprags)[1],
-        "largest_acceleration": max(map(abs, _extremes(steady.orbit, automaton.tables.flow.field[:, 1], moves))),
+        "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
         "amplitude": 0.5 * (high - low),
         "period": steady.period,
         "residual": steady.residual,

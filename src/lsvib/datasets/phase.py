@@ -12,7 +12,7 @@ from typing import Any, get_args
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets.variables import flags, quantity
+from lsvib.datasets.variables import attributes, flags, quantity
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import Motion, follow
@@ -21,14 +21,10 @@ from lsvib.models.rigid import EventKind, MotionMode, Resume, rigid_drive
 
 RULES = get_args(Resume)  # the first is the limit of a compliant contact, the second the chapter's reading
 ASSUMED = "assumed: not stated in the text"
+_GREEK = ("Omega", "lambda", "mu")
 _ARC = 17  # samples of an arc between two events, if there is room
 
 Variables = dict[str, tuple]
-
-
-def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
-    """Return the attributes of a variable; an empty symbol is left out."""
-    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
 
 
 def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
@@ -39,7 +35,7 @@ def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
 def parameter(name: str, assumed: Sequence[str] = ()) -> dict[str, Any]:
     """Return the attributes of a drive's parameter; if it is among ``assumed``, with a comment that says so."""
     known = LeadScrew.model_fields[name].json_schema_extra
-    symbol = "$\\Omega$" if known["symbol"] == "Omega" else f"${known['symbol']}$"
+    symbol = f"$\\{known['symbol']}$" if known["symbol"] in _GREEK else f"${known['symbol']}$"
     comment = {"comment": ASSUMED} if name in assumed else {}
     return attributes(known["unit"], known["long_name"], symbol, **comment)
 

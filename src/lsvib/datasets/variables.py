@@ -34,3 +34,8 @@ def quantity(name: str) -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive."""
     long_name, units, symbol = _LONG_NAMES[name]
     return {"long_name": long_name, "units": units, "symbol": symbol}
+
+
+def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
+    """Return the attributes of a variable; an empty symbol is left out."""
+    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}

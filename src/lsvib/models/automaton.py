@@ -39,7 +39,7 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more); ``exact`` is the
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``LinearMode`` (more); ``exact`` is the
     :func:`eigenform` of the oscillator, where it has one.
     """
 

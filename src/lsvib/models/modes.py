@@ -2,27 +2,22 @@
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
-subspace of a factor, where m is the inverse of P modulo the factor. Nothing of this is sensitive where the two rates of
-a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of the factor, so (q, q′) is an
-oscillator.
+subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.models.factors`). Nothing of this is
+sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
+the factor, so (q, q′) is an oscillator. Rates repeated without a chain share a factor and get one such row each.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import mpmath
 import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.modal import ModalFlow
-
-_DIGITS = 60
-_TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
-_WORST_CONDITION = 1e12
-_SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
-_APART = 0.25  # relative distance of two real rates from which on each is carried alone
+from lsvib.models.factors import subspaces
+from lsvib.models.field import DIGITS, WORST_CONDITION, Field, amplification
 
 
 @dataclass(frozen=True)
@@ -39,108 +34,20 @@ class ModalMode:
     condition: float
 
 
-def modal_mode(
-    field: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None
-) -> ModalMode:
+def modal_mode(field: Field) -> ModalMode:
     """Decompose a field.
 
-    Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);
-    ``frozen``: coordinates that keep a value in this mode, with that value. Raises ``ArithmeticError`` if rates of
-    different factors coincide, so that double precision cannot carry the modal form (condition above 1e12), or if a
-    zero rate comes with a chain.
+    Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
+    factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
-    with mpmath.workdps(_DIGITS):
-        full = mpmath.matrix([[_exact(x) for x in row] for row in field])
-        n = full.rows
-        kept = {i: _exact(value) for i, value in (frozen or {}).items()}
-        alive = [i for i in range(n) if i not in kept]
-        matrix = mpmath.matrix([[full[i, j] for j in alive] for i in alive])
-        constant = mpmath.matrix([full[i, n] + sum(full[i, j] * value for j, value in kept.items()) for i in alive])
-        scale = [mpmath.mpf(sizes[i]) for i in alive]
+    with mpmath.workdps(DIGITS):
+        matrix, constant, scale = field.reduced()
         pieces = [
             piece
-            for factor, projector, slow in _subspaces(matrix)
+            for factor, projector, slow in subspaces(matrix, scale)
             for piece in _pieces(matrix, constant, factor, projector, scale, slow)
         ]
-        return _tables(full, kept, alive, pieces, sizes)
-
-
-def _exact(number):
-    return mpmath.mpf(number) if isinstance(number, (int, float)) else mpmath.mpf(str(number))
-
-
-def _factors(rates) -> list[list]:
-    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros."""
-    largest = max(abs(rate) for rate in rates)
-    if largest == 0:
-        return [[mpmath.mpf(1), mpmath.mpf(0)]]
-    zeros = [rate for rate in rates if abs(rate) <= _TINY * largest]
-    moving = [rate for rate in rates if abs(rate) > _TINY * largest]
-    upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
-    real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
-    factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
-    while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
-        gaps = [(a - b) / max(abs(a), abs(b)) for a, b in pairwise(real)]
-        k = gaps.index(min(gaps))
-        if gaps[k] > _APART:
-            break
-        a, b = real.pop(k), real.pop(k)
-        factors.append([mpmath.mpf(1), -(a + b), a * b])
-    factors += [[mpmath.mpf(1), -rate] for rate in real]
-    return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
-
-
-def _subspaces(matrix) -> list[tuple[list, mpmath.matrix, bool]]:
-    """Factors of the characteristic polynomial, each with the projector on its subspace, and whether it is slow."""
-    rates = mpmath.eig(matrix, left=False, right=False)
-    factors = _factors(rates)
-    found = []
-    for k, factor in enumerate(factors):
-        others = mpmath.eye(matrix.rows)
-        remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
-        for j, other in enumerate(factors):
-            if j != k:
-                others = others * _polynomial(other, matrix)
-                remainder = _modulo(_product(remainder, other), factor)
-        larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
-        slow = len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
-        found.append((factor, _polynomial(_inverse(remainder, factor), matrix) * others, slow))
-    return found
-
-
-def _polynomial(coefficients, matrix):
-    result = mpmath.zeros(matrix.rows)
-    for coefficient in coefficients:
-        result = result * matrix + coefficient * mpmath.eye(matrix.rows)
-    return result
-
-
-def _product(left, right):
-    result = [mpmath.mpf(0)] * (len(left) + len(right) - 1)
-    for i, x in enumerate(left):
-        for j, y in enumerate(right):
-            result[i + j] += x * y
-    return result
-
-
-def _modulo(polynomial, factor):
-    polynomial = list(polynomial)
-    while len(polynomial) >= len(factor):
-        lead = polynomial.pop(0)
-        for i, coefficient in enumerate(factor[1:]):
-            polynomial[i] -= lead * coefficient
-    return polynomial
-
-
-def _inverse(remainder, factor):
-    """Inverse of a polynomial of lower degree modulo the factor."""
-    remainder = [mpmath.mpf(0)] * (len(factor) - 1 - len(remainder)) + list(remainder)
-    if len(factor) == 2:
-        return [1 / remainder[0]]
-    a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
-    _, a1, a0 = factor
-    norm = b * b - a * b * a1 + a * a * a0
-    return [-a / norm, (b - a * a1) / norm]
+        return _tables(field, pieces)
 
 
 @dataclass(frozen=True)
@@ -151,13 +58,11 @@ class _Piece:
 
 
 def _pieces(matrix, constant, factor, projector, scale, slow: bool) -> list[_Piece]:
-    """The oscillators of one subspace: one for a pair of rates or a single rate, one for each dimension of zeros."""
-    if len(factor) == 3:
-        return [_pair(matrix, constant, factor, projector, scale)]
-    rate = -factor[1]
-    if rate == 0 and mpmath.mnorm(matrix * projector) > _TINY * mpmath.mnorm(matrix) * mpmath.mnorm(projector):
-        raise ArithmeticError("a zero rate of the mode comes with a chain, which the modal form does not carry")
+    """The oscillators of one subspace: one for each pair of rates, or for each dimension where there is one rate."""
     rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+    if len(factor) == 3:
+        return _pairs(matrix, constant, factor, projector, scale, rank // 2)
+    rate = -factor[1]
     rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
     pieces = []
@@ -183,9 +88,31 @@ def _minor(projector, chosen, scale):
     return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
-def _pair(matrix, constant, factor, projector, scale) -> _Piece:
+def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Piece]:
+    """The oscillators of a factor of degree two that ``count`` pairs of rates share, one split off after the other."""
     _, a1, a0 = factor
-    unit = mpmath.sqrt(abs(a0))
+    weights, pieces = mpmath.diag([s * s for s in scale]), []
+    for left in reversed(range(count)):
+        covector = _row_of_pair(matrix, factor, projector, scale)
+        rows = mpmath.matrix([list(covector), list(covector * matrix)])
+        if left:
+            vector = projector * weights * covector.T
+            vectors = mpmath.matrix([list(vector), list(matrix * vector)]).T
+            vectors = vectors * (rows * vectors) ** -1
+            projector = projector - vectors * rows
+        else:
+            vectors = projector * weights * rows.T * (rows * weights * rows.T) ** -1
+        push = (covector * constant)[0]
+        rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
+        into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
+        out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
+        pieces.append(_Piece(_row(a0, a1), into, mpmath.matrix(out)))
+    return pieces
+
+
+def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
+    """A row ℓΠ of the subspace of a pair, as independent of ℓAΠ as can be."""
+    unit = mpmath.sqrt(abs(factor[2]))
     rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
     candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
 
@@ -202,17 +129,7 @@ def _pair(matrix, constant, factor, projector, scale) -> _Piece:
 
     # Rows that the subspace hardly reaches hold rounding only.
     longest = max(map(length, candidates))
-    covector = mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
-    rows2 = mpmath.matrix([list(covector), list(covector * matrix)])
-    weights = mpmath.diag([s * s for s in scale])
-    vectors = projector * weights * rows2.T * (rows2 * weights * rows2.T) ** -1
-    push = (covector * constant)[0]
-    rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
-    into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
-    out = mpmath.matrix(
-        [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
-    )
-    return _Piece(_row(a0, a1), into, out)
+    return mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
 
 
 def _row(a0, a1) -> np.ndarray:
@@ -232,11 +149,11 @@ def _row(a0, a1) -> np.ndarray:
     return row
 
 
-def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Sequence[float]) -> ModalMode:
-    n, count = full.rows, len(pieces)
+def _tables(field: Field, pieces: list[_Piece]) -> ModalMode:
+    n, count, alive = field.rows.rows, len(pieces), field.alive
     to_modal, from_modal = np.zeros((2 * count, n + 1)), np.zeros((n, 2 * count + 1))
     offset = mpmath.zeros(n, 1)
-    for i, value in kept.items():
+    for i, value in field.kept.items():
         offset[i] = value
     for k, piece in enumerate(pieces):
         for half in (0, 1):
@@ -247,20 +164,18 @@ def _tables(full, kept: dict, alive: list[int], pieces: list[_Piece], sizes: Seq
         for j, i in enumerate(alive):
             offset[i] += piece.out[j, 2]
     from_modal[:, -1] = [float(x) for x in offset]
-    size = np.asarray(sizes, dtype=float)
-    spread = np.abs(from_modal[:, :-1]) @ (np.abs(to_modal[:, :-1]) @ size)
-    condition = float(np.max(spread[alive] / size[alive]))
-    if not condition < _WORST_CONDITION:
-        raise ArithmeticError(f"rates of different pairs coincide in a mode (condition number {condition:.1e})")
-    field = np.array([[float(full[i, j]) for j in range(n + 1)] for i in range(n)])
-    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field, condition)
+    condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
+    if not condition < WORST_CONDITION:
+        raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
+    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field.table(), condition)
 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
-    """Put modes together in one table; modes with fewer pairs are filled up with pairs that stay zero."""
+    """Put modes together in one table; modes with fewer pairs leave the rest zero."""
     pairs = max(len(mode.oscillators) for mode in modes)
     n = modes[0].field.shape[0]
     flow = ModalFlow(
+        np.array([len(mode.oscillators) for mode in modes]),
         np.zeros((len(modes), pairs, planar.COLUMNS)),
         np.zeros((len(modes), 2 * pairs, n + 1)),
         np.zeros((len(modes), n, 2 * pairs + 1)),

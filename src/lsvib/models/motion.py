@@ -7,7 +7,7 @@ import numpy as np
 
 from lsvib.core import loop
 from lsvib.core.status import Status
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.automaton import Automaton
 
 _FIRST_CAPACITY = 256
@@ -93,7 +93,7 @@ def follow(
     Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
     there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
     many. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or EVENTS_FULL. Raises ``EngineError``
-    if the motion diverges or the model has no answer.
+    if the model has no answer, ``DivergenceError`` if the motion grows without bound.
     """
     if not t_end >= 0:
         raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
@@ -134,7 +134,7 @@ def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:
 def _complain(status: Status, time: float, state: np.ndarray) -> None:
     where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
     if status == Status.DIVERGED:
-        raise EngineError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
+        raise DivergenceError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
     if status == Status.ACCUMULATED:
         raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
     if status == Status.UNDECIDED:

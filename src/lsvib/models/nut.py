@@ -24,15 +24,12 @@ effective inertia, and with it whether the threads seize, so the rule for what f
 
 from decimal import localcontext
 
-import numpy as np
-
 from lsvib.errors import InputError
 from lsvib.models import friction
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, normal_force, plus, solved
-from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, NutDrive
-from lsvib.models.two_bodies import two_bodies
+from lsvib.models.two_bodies import two_bodies, two_body_model
 
 STATES = ("angle_deviation", "velocity_deviation", "nut_angle", "nut_rate")
 NutMode = mode_enum("NutMode", ("rest",), "screw")
@@ -76,6 +73,7 @@ class _Build:
         self.slip = plus(self.speed, (0, 0, 0, -1, 0))
 
     def bodies(self) -> TwoBodies:
+        """The drive in the words of :mod:`lsvib.models.mechanics`: typical sizes of the state, speeds, laws, resets."""
         d, speed = self.d, abs(float(self.d.input_speed))
         total = d.screw_inertia + d.nut_inertia
         common = plus(scaled(self.speed, d.screw_inertia / total), (0, 0, 0, d.nut_inertia / total, 0))
@@ -155,6 +153,7 @@ class _Build:
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
 
     def observables(self, solution: Solution) -> dict[str, tuple]:
+        """Rows of the observables in one mode: forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]."""
         return {
             "normal_force": normal_force(self.d, solution),
             "axial_contact_force": solution.contact,
@@ -165,40 +164,13 @@ class _Build:
         }
 
 
-def _start(drive: NutDrive, values) -> np.ndarray:
-    return np.array([values["u"], values["w"], values.get("nut_angle", 0.0), values.get("nut_rate", 0.0)])
-
-
-def _of_scene(drive: NutDrive, physics: tuple[str, ...], resume: str) -> Automaton:
-    if resume != "contact_sign":
-        raise InputError(f"resume = {resume!r} is not known to the model nut; it knows contact_sign.")
-    return nut_drive(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
-
-
-MODEL = Model(
+MODEL = two_body_model(
+    name="nut",
     drive=NutDrive,
-    build=_of_scene,
-    start=_start,
+    make=nut_drive,
     modes=NutMode,
     events=NutEvent,
-    required=("u", "w"),
-    optional=("nut_angle", "nut_rate"),
-    terms=(
-        "support_damping",
-        "translation_damping",
-        "axial_force",
-        "nut_damping",
-        "slide_friction",
-        "bearing_friction",
-    ),
-    options=(),
-    outputs=(
-        "normal_force",
-        "axial_contact_force",
-        "coupling_torque",
-        "coupling_deflection",
-        "screw_speed",
-        "nut_speed",
-    ),
+    second=("nut_angle", "nut_rate"),
+    damping="nut_damping",
     equations="Sect. 5.8, eq. 8.33",
 )

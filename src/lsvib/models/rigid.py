@@ -135,7 +135,7 @@ class _Stand:
 
     def __init__(self, c: Coefficients, d) -> None:
         def torque_above(law: int) -> tuple:
-            # (T_r − r_m ξ R) / k as a function of (u, w); k z_0 is inserted so that nothing cancels.
+            """(T_r − r_m ξ R) / k [rad] as a function of (u, w) under a law; k z_0 is inserted: nothing cancels."""
             steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
             return (
                 -1,

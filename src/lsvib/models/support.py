@@ -20,15 +20,12 @@ threads jam while the slide is held (its mass is then in effect infinite), and t
 import math
 from decimal import localcontext
 
-import numpy as np
-
 from lsvib.errors import InputError
 from lsvib.models import friction
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, normal_force, plus, solved
-from lsvib.models.model import Model
 from lsvib.models.parameters import PLACES, SupportDrive
-from lsvib.models.two_bodies import two_bodies
+from lsvib.models.two_bodies import two_bodies, two_body_model
 
 STATES = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
@@ -71,6 +68,7 @@ class _Build:
         self.travel = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
 
     def bodies(self) -> TwoBodies:
+        """The drive in the words of :mod:`lsvib.models.mechanics`: typical sizes of the state, speeds, laws, resets."""
         d = self.d
         rate = float(self.reach * abs(d.input_speed))
         loaded = (abs(float(d.axial_force)) + 1) / float(d.support_stiffness)
@@ -152,6 +150,7 @@ class _Build:
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
 
     def observables(self, solution: Solution) -> dict[str, tuple]:
+        """Rows of the observables in one mode: forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]."""
         return {
             "normal_force": normal_force(self.d, solution),
             "axial_contact_force": solution.contact,
@@ -162,40 +161,13 @@ class _Build:
         }
 
 
-def _start(drive: SupportDrive, values) -> np.ndarray:
-    return np.array([values["u"], values["w"], values.get("screw_shift", 0.0), values.get("shift_rate", 0.0)])
-
-
-def _of_scene(drive: SupportDrive, physics: tuple[str, ...], resume: str) -> Automaton:
-    if resume != "contact_sign":
-        raise InputError(f"resume = {resume!r} is not known to the model support; it knows contact_sign.")
-    return support_drive(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
-
-
-MODEL = Model(
+MODEL = two_body_model(
+    name="support",
     drive=SupportDrive,
-    build=_of_scene,
-    start=_start,
+    make=support_drive,
     modes=SupportMode,
     events=SupportEvent,
-    required=("u", "w"),
-    optional=("screw_shift", "shift_rate"),
-    terms=(
-        "support_damping",
-        "translation_damping",
-        "axial_force",
-        "axial_support_damping",
-        "slide_friction",
-        "bearing_friction",
-    ),
-    options=(),
-    outputs=(
-        "normal_force",
-        "axial_contact_force",
-        "coupling_torque",
-        "coupling_deflection",
-        "screw_speed",
-        "nut_speed",
-    ),
+    second=("screw_shift", "shift_rate"),
+    damping="axial_support_damping",
     equations="eqs 8.23-8.32",
 )

@@ -11,6 +11,7 @@ asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|; the
 Nothing is imposed in the Painlevé region: a seizure is the growth of N under law s = +1, and what follows it comes out.
 """
 
+import math
 from decimal import Decimal, localcontext
 from enum import IntEnum
 
@@ -19,8 +20,8 @@ import numpy as np
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.models.coefficients import coefficients
+from lsvib.models.flow import LinearMode, flow_of, linear_mode
 from lsvib.models.model import Model
-from lsvib.models.modes import ModalMode, modal_flow, modal_mode
 from lsvib.models.parameters import PLACES, ThreadsDrive
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -57,7 +58,7 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
     """Build the automaton of the drive with compliant threads.
 
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
-    ``ArithmeticError`` if the rates of a mode cannot be separated in double precision.
+    ``ArithmeticError`` if the coordinates of a mode cannot be told apart in double precision.
     """
     with localcontext(prec=PLACES):
         build = _Build(drive)
@@ -89,7 +90,7 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
                 "screw_speed": dict.fromkeys(modes, build.speed),
             },
             shortest_stay=0.0,
-            stack=modal_flow,
+            stack=flow_of,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if coefficients(drive).paradox else (),
         )
@@ -107,32 +108,40 @@ class _Build:
         # Friction that holds the screw at rest.
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = _sum(pull, scaled(self.normal, d.tan_lead))
-        steady_normal = abs(float(d.axial_force)) + 1.0
-        mismatch = steady_normal / float(d.contact_stiffness)
-        rate = steady_normal / float(d.contact_damping) if d.contact_damping else mismatch * 1e3
+        # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
+        force, stiffness, damping = (
+            abs(float(d.axial_force)) + 1.0,
+            float(d.contact_stiffness),
+            float(d.contact_damping),
+        )
+        mass, swing = float(d.mass), float((d.screw_inertia / d.coupling_stiffness).sqrt())
+        mismatch = force / (stiffness + damping / swing + mass / swing**2)
+        rate = force / (damping + math.sqrt(stiffness * mass) + mass / swing)
         self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
 
-    def slip(self, law: int) -> ModalMode:
+    def slip(self, law: int) -> LinearMode:
         """Field of slip under law s."""
+        return linear_mode(self._slip_rows(law), self.sizes)
+
+    def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
         torque = _sum(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
         lever = d.pitch_radius * (law * d.friction_coefficient * d.cos_lead - d.sin_lead)
         acceleration = scaled(_sum(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
-        return self._field(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
+        return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
 
-    def rest(self) -> ModalMode:
+    def rest(self) -> LinearMode:
         """Field of rest: w stays −Ω, the nut moves on."""
         axial = _sum(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
-        return self._field((0, 0, 0, 0, 0), axial, {1: -self.d.input_speed})
+        return linear_mode(self._rows((0, 0, 0, 0, 0), axial), self.sizes, {1: -self.d.input_speed})
 
-    def _field(self, acceleration: tuple, axial: tuple, frozen: dict | None = None) -> ModalMode:
+    def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d
         travel = _sum((0, 0, 0, 1, 0), scaled(self.speed, self.reach))  # x′
         nut = scaled(
             _sum((0, 0, 0, 0, d.axial_force), scaled(travel, -d.translation_damping), scaled(axial, -1)), 1 / d.mass
         )
-        mismatch = _sum(nut, scaled(acceleration, -self.reach))
-        return modal_mode([(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), mismatch], self.sizes, frozen)
+        return [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), _sum(nut, scaled(acceleration, -self.reach))]
 
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
@@ -160,26 +169,44 @@ class _Build:
                 )
         return found
 
+    def _contact_has(self, sign: int):
+        """Conditions under each of which N has a sign, now or – if it is zero – at once, by N′ or else N″.
+
+        On N = 0 the first derivative that is not zero is the same under both laws.
+        """
+        rows = self._slip_rows(1)
+        rate = _rate(self.normal, rows)
+        zero = ((self.normal, Test.ZERO), (rate, Test.ZERO))
+        last = Test.POSITIVE if sign > 0 else Test.NOT_NEGATIVE
+        yield ((scaled(self.normal, sign), Test.POSITIVE),)
+        yield (*zero[:1], (scaled(rate, sign), Test.POSITIVE))
+        yield (*zero, (scaled(_rate(rate, rows), sign), last))
+
     def _moving(self):
         for direction, where in _DIRECTIONS.items():
+            moves = (scaled(self.speed, direction), Test.POSITIVE)
             for sign, contact in _SIGNS.items():
-                test = Test.POSITIVE if sign > 0 else Test.NOT_NEGATIVE
-                conditions = ((scaled(self.speed, direction), Test.POSITIVE), (scaled(self.normal, sign), test))
-                yield Branch(f"slip_{where}_{contact}", ThreadsEvent.RELEASE, conditions)
+                for conditions in self._contact_has(sign):
+                    yield Branch(f"slip_{where}_{contact}", ThreadsEvent.RELEASE, (moves, *conditions))
 
     def _standing(self):
-        """At θ′ = 0, for N ≥ 0 and N ≤ 0: too much friction asked for starts slip, else rest."""
+        """At θ′ = 0, for N of either sign: too much friction asked for starts slip, else rest."""
         for sign, contact in _SIGNS.items():
-            here = (scaled(self.normal, sign), Test.NOT_NEGATIVE)
             limit = scaled(self.normal, -sign * self.d.friction_coefficient)
-            for direction, where in _DIRECTIONS.items():
-                excess = (_sum(scaled(self.friction, direction), limit), Test.POSITIVE)
-                yield Branch(f"slip_{where}_{contact}", ThreadsEvent.REVERSAL, (here, excess))
-            yield Branch(f"rest_{contact}", ThreadsEvent.STICK, (here,))
+            for here in self._contact_has(sign):
+                for direction, where in _DIRECTIONS.items():
+                    excess = (_sum(scaled(self.friction, direction), limit), Test.POSITIVE)
+                    yield Branch(f"slip_{where}_{contact}", ThreadsEvent.REVERSAL, (*here, excess))
+                yield Branch(f"rest_{contact}", ThreadsEvent.STICK, here)
 
 
 def _sum(*rows: tuple) -> tuple:
     return tuple(sum((Decimal(x) for x in column), Decimal(0)) for column in zip(*rows, strict=True))
+
+
+def _rate(row: tuple, field: list[tuple]) -> tuple:
+    """Rate of an affine function of the state along a field."""
+    return _sum(*(scaled(rates, weight) for weight, rates in zip(row[:-1], field, strict=True)))
 
 
 def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:

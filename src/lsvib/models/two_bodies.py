@@ -19,16 +19,73 @@ direction a – or that it is held, a = 0 – is then part of the mode. A model 
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 
-from lsvib.core import planar
+import numpy as np
+
 from lsvib.core.status import Test
+from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
+from lsvib.models.flow import flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
-from lsvib.models.modes import modal_flow, modal_mode
+from lsvib.models.model import Model
+from lsvib.models.parameters import LeadScrew
 
 
 def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) -> Automaton:
-    """Lay a model out as an automaton. Raises ``ArithmeticError`` if the rates of a mode cannot be separated."""
+    """Lay a model out as an automaton, in the precision of the current decimal context.
+
+    ``codes``: modes as made by :func:`lsvib.models.mechanics.mode_enum`; ``kinds``: events, by ``event_enum``. Raises
+    ``ArithmeticError`` if the rates of a mode cannot be separated in double precision.
+    """
     return _Layout(bodies, codes, list(kinds)[2:]).automaton()
+
+
+def two_body_model(
+    name: str,
+    drive: type[LeadScrew],
+    make: Callable[..., Automaton],
+    modes: type[IntEnum],
+    events: type[IntEnum],
+    second: tuple[str, str],
+    damping: str,
+    equations: str,
+) -> Model:
+    """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
+
+    ``second``: keys of the initial coordinate and rate of the second body, 0 if left out; ``damping``: its damper.
+    """
+
+    def build(drive: LeadScrew, physics: tuple[str, ...], resume: str) -> Automaton:
+        if resume != "contact_sign":
+            raise InputError(f"resume = {resume!r} is not known to the model {name}; it knows contact_sign.")
+        return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
+
+    return Model(
+        drive=drive,
+        build=build,
+        start=lambda drive, values: np.array([values["u"], values["w"], *(values.get(key, 0.0) for key in second)]),
+        modes=modes,
+        events=events,
+        required=("u", "w"),
+        optional=second,
+        terms=(
+            "support_damping",
+            "translation_damping",
+            "axial_force",
+            damping,
+            "slide_friction",
+            "bearing_friction",
+        ),
+        options=(),
+        outputs=(
+            "normal_force",
+            "axial_contact_force",
+            "coupling_torque",
+            "coupling_deflection",
+            "screw_speed",
+            "nut_speed",
+        ),
+        equations=equations,
+    )
 
 
 class _Layout:
@@ -50,15 +107,18 @@ class _Layout:
         self.transitions: dict[str, Transition] = {}
 
     def name(self, d: int, q: int, a: int) -> str:
+        """Name of the slip in direction d with n of sign q, the second body moving in direction a."""
         return f"slip_{DIRECTIONS[d]}_{SIGNS[q]}{self._suffix(a)}"
 
     def rest(self, side: int, a: int) -> str:
+        """Name of the rest on a side (sign of n, 0 if it does not matter), the second body moving in direction a."""
         return f"rest{'_' + SIGNS[side] if side else ''}{self._suffix(a)}"
 
     def _suffix(self, a: int) -> str:
         return f"_{self.b.second}_{HELD[a]}" if self.b.limit else ""
 
     def automaton(self) -> Automaton:
+        """Go through all modes and assemble the tables; the time scales [s] set what stay is too short to be one."""
         self.transitions["entry"] = Transition(tuple(self._entry()))
         modes = {}
         for d, q in self.slips:
@@ -68,22 +128,22 @@ class _Layout:
             for a in self.ways:
                 modes[self.rest(side, a)] = self._mode(self.rest(side, a), self._rest_guards(side, a))
         seen = {mode: self.b.observables(self.solutions[mode]) for mode in modes}
-        scales = [row[planar.TIME_SCALE] for mode in modes.values() for row in mode.flow.oscillators]
+        scales = [scale for mode in modes.values() for scale in mode.flow.time_scales]
         return assemble(
             states=self.b.states,
             surfaces=self.surfaces,
             modes=modes,
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[self.name(1, -1, 1)]},
-            shortest_stay=1e-13 * min(scale for scale in scales if scale > 0),
-            stack=modal_flow,
+            shortest_stay=1e-13 * min(scales),
+            stack=flow_of,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),
             sprag_kinds=(self.seizure,),
         )
 
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
-        flow = modal_mode(solution.field, self.b.sizes, solution.frozen)
+        flow = linear_mode(solution.field, self.b.sizes, solution.frozen)
         return Mode(self.codes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:

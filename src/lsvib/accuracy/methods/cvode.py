@@ -7,7 +7,7 @@ from sksundae.cvode import CVODE
 
 from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, HybridMode
 
-_STEPS = 200_000  # at most, from one event to the next
+_STEPS = 20_000  # at most, from one event to the next
 _FINEST = 1e-14  # relative tolerance; CVODE wants no less
 _ROOT = 2  # CVODE's return value at an event
 

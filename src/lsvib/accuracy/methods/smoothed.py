@@ -20,7 +20,7 @@ from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import ThreadsDrive
 from lsvib.models.threads import seated_state
 
-_TOLERANCE = 1e-7  # relative; below the error of any width ε
+_TOLERANCE = 1e-8  # relative; below the error of any width ε
 _STEPS = 2_000_000
 _STANDS = 5.0  # a screw slower than so many ε stands
 
@@ -33,12 +33,12 @@ class _Sampled:
         times, states = np.asarray(self.found.t), np.asarray(self.found.y)
         if not self.found.success:
             return Run(end_state=states[-1], failure=str(self.found.message))
-        steady = times >= self.scene.window
+        first = max(int(np.searchsorted(times, self.scene.window)) - 1, 0)  # the step in which the window begins
         standing = np.abs(states[:, 1] + self.scene.drive.input_speed) < _STANDS * self.width
         return Run(
             end_state=states[-1],
             stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
-            extremes=_extremes(times[steady], states[steady, 0], states[steady, 1]),
+            extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], self.scene.window),
         )
 
 
@@ -111,12 +111,18 @@ def _threads_rate(numbers, width, state, out):
     out[0], out[1], out[2], out[3] = w, acceleration, v, nut - r * tan * acceleration
 
 
-def _extremes(times: np.ndarray, u: np.ndarray, w: np.ndarray) -> tuple[float, float]:
-    """Extremes of u at the steps, and of the cubic between two steps where w changes sign."""
-    found = [float(u.min()), float(u.max())] if u.size else [math.nan]
+def _extremes(times: np.ndarray, u: np.ndarray, w: np.ndarray, window: float) -> tuple[float, float]:
+    """Extremes from ``window`` [s] on, of the steps and of the cubic between two of them where w changes sign."""
+    found = [*u[1:], _cubic(times, u, w, 0, (window - times[0]) / (times[1] - times[0]))]
     for i in np.flatnonzero((w[1:] < 0) != (w[:-1] < 0)):
-        x, h = w[i] / (w[i] - w[i + 1]), times[i + 1] - times[i]
-        y = 1 - x
-        rise = u[i] * (1 + 2 * x) * y * y + u[i + 1] * (3 - 2 * x) * x * x
-        found.append(float(rise + h * x * y * (w[i] * y - w[i + 1] * x)))
-    return min(found), max(found)
+        share = w[i] / (w[i] - w[i + 1])
+        if times[i] + share * (times[i + 1] - times[i]) >= window:
+            found.append(_cubic(times, u, w, i, share))
+    return float(min(found)), float(max(found))
+
+
+def _cubic(times, u, w, i: int, x: float) -> float:
+    """Value of the cubic through two steps a share x after the first."""
+    h, y = times[i + 1] - times[i], 1 - x
+    rise = u[i] * (1 + 2 * x) * y * y + u[i + 1] * (3 - 2 * x) * x * x
+    return float(rise + h * x * y * (w[i] * y - w[i + 1] * x))

@@ -1,0 +1,104 @@
+"""Grids of starts in two coordinates of a drive's state."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from lsvib.errors import InputError
+
+COORDINATES = {  # key of a state's coordinate: its name in automata and datasets
+    "u": "angle_deviation",
+    "w": "velocity_deviation",
+    "e": "thread_mismatch",
+    "v": "mismatch_rate",
+    "screw_shift": "screw_shift",
+    "shift_rate": "shift_rate",
+    "nut_angle": "nut_angle",
+    "nut_rate": "nut_rate",
+}
+_MOST = 1_000_000_000  # cells along an axis
+
+
+class Axis(NamedTuple):
+    """Cells of equal width along a coordinate: u [rad], w [rad/s], with compliant threads e [m] and v [m/s]."""
+
+    coordinate: str
+    start: float
+    stop: float
+    count: int
+
+    def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
+        """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
+        return self.middles(np.arange(first, self.count if last is None else last))
+
+    def middles(self, index: np.ndarray) -> np.ndarray:
+        """Return the middles of the cells of these indices."""
+        return self.start + (index + 0.5) * ((self.stop - self.start) / self.count)
+
+    @property
+    def width(self) -> float:
+        """Width of a cell."""
+        return (self.stop - self.start) / self.count
+
+    @classmethod
+    def checked(cls, coordinate: str, start: float, stop: float, count: int) -> Self:
+        """Make an axis; ``InputError`` if it is none."""
+        if coordinate not in COORDINATES:
+            raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(COORDINATES)}.")
+        if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
+            raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")
+        if not 1 <= count <= _MOST:
+            raise InputError(f"axis {coordinate} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
+        return cls(coordinate, start, stop, count)
+
+
+class Grid(NamedTuple):
+    """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others."""
+
+    x: Axis
+    y: Axis
+    fixed: Mapping[str, float] = {}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it."""
+        items = []
+        for key, value in values.items():
+            if isinstance(value, Mapping):
+                if set(value) != {"start", "stop", "count"}:
+                    raise InputError(f"axis {key} has the keys {', '.join(value)}; it needs start, stop and count.")
+                value = f"{value['start']}:{value['stop']}:{value['count']}"
+            items.append(f"{key}={value}")
+        return cls.parse(items)
+
+    @classmethod
+    def parse(cls, items: Sequence[str]) -> Self:
+        """Read ``KEY=START:STOP:COUNT`` twice and ``KEY=VALUE`` for coordinates that are fixed.
+
+        Raises ``InputError`` in one sentence.
+        """
+        axes, fixed = [], {}
+        for item in items:
+            key, equals, text = item.partition("=")
+            parts = text.split(":")
+            if not equals or len(parts) not in (1, 3):
+                raise InputError(f"{item!r} is neither of the form KEY=START:STOP:COUNT nor KEY=VALUE.")
+            if key in fixed or key in [axis.coordinate for axis in axes]:
+                raise InputError(f"the coordinate {key} is given twice.")
+            try:
+                numbers = [float(part) for part in parts]
+            except ValueError:
+                raise InputError(f"{item!r} holds something that is not a number.") from None
+            if len(parts) == 1:
+                if key not in COORDINATES or not math.isfinite(numbers[0]):
+                    raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(COORDINATES)}.")
+                fixed[key] = numbers[0]
+                continue
+            if numbers[2] != int(numbers[2] if math.isfinite(numbers[2]) else 0):
+                raise InputError(f"axis {key} has count = {parts[2]}, which is not a whole number.")
+            axes.append(Axis.checked(key, numbers[0], numbers[1], int(numbers[2])))
+        if len(axes) != 2:
+            raise InputError(f"a grid needs two axes KEY=START:STOP:COUNT, not {len(axes)}.")
+        return cls(*axes, fixed)

@@ -1,0 +1,262 @@
+r"""What becomes of motions that start on a surface between two modes: labels as a function of one coordinate.
+
+A *section* is a mode together with a surface on which the mode is entered. Every event of a motion of two states ends
+on a section, comes to rest, or is the last one; so the label of a motion is that of its state after the first event.
+Along a section labels are constant between finitely many points, which are found here to the last bit.
+
+Why comparing two ends is enough. Write down, for the motion from a point of a section, the guard of every event and the
+signs of all conditions of its transition: its *itinerary*. If two points of a section have the same itinerary, so has
+every point between them. For one event: the two arcs do not meet (the motions are unique), nor do they cross the
+section's surface, which bounds the mode; with the pieces of the two surfaces between their ends they enclose a region
+that lies in the mode, since the mode is convex. The rate of a guard is affine along its surface, so between two points
+at which the field enters it enters everywhere, and between two at which it leaves it leaves everywhere. A motion from
+between the two points can thus leave the region only between the arrivals of the two. It does leave: else there were
+an equilibrium within, but the index of the field along such a boundary is zero. If both settle, the motions between
+stay between them. Conditions are affine, too: with the same sign at both ends, it has it in between. Then the next
+event starts from a section again, between two of its points.
+
+Itineraries end where the rest is known: (i) at rest, since everything that rests leaves at one and the same point;
+(ii) where a motion settles; (iii) in an *absorbing interval* around a point of a cycle, which the return map, monotone
+there since both ends have the same itinerary, maps into itself: all motions within go on for ever as the cycle does.
+Where the ends of an interval differ, the point up to which the itinerary of the one holds is found by bisection, and
+both parts are examined again. Nothing else is assumed; what rounding does to such a point is measured by repeating the
+search with motions that are pushed by a few units of rounding after every event, and what lies between is labelled
+unresolved.
+"""
+
+import numpy as np
+
+from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
+from lsvib.analysis.section_tables import (
+    FAR,
+    ON_CYCLE,
+    Pieces,
+    Section,
+    find_sections,
+    nothing_known,
+    releases_of,
+    sizes,
+    with_common_labels,
+    with_cycles,
+    with_labels,
+)
+from lsvib.core import attraction, planar
+from lsvib.core.attraction import DIVERGED, GRAZED, STUCK, TOO_LONG, UNKNOWN, UNRESOLVED
+from lsvib.models.automaton import Automaton
+
+_EVENTS = 4000  # of an itinerary
+_SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
+_PATIENCE = 3  # searches for an attractor that end with none
+_ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
+_PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
+
+
+class Sections:
+    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels."""
+
+    def __init__(self, automaton: Automaton) -> None:
+        self.automaton = automaton
+        self.size = sizes(automaton)
+        self.known = nothing_known(automaton, self.size)
+        self.sections = find_sections(automaton, self.known)
+        self.attractors: list[SteadyState] = []
+        self._absorbing = np.empty((0, 4))
+        self._absorbed: list[Attractor] = []
+        self._futile = 0
+        self._symbols = np.empty(_EVENTS, dtype=np.int64)
+        for section in self.sections:
+            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, planar.EQUILIBRIUM]):
+                self._absorb_by_corner(section, 1)
+                self._absorb_by_corner(section, -1)
+        releases = releases_of(automaton, self.known)
+        for mode, state in releases:
+            self.known.resting[mode] = self._explore(state, mode)
+        for section in self.sections:
+            for part in (-1.0, -0.1, 0.1, 1.0):
+                state = self._point(section, part * self.size[section.free])
+                if self._belongs(section, state):
+                    self._explore(state, section.mode)
+        found = {section: self._labels(section) for section in self.sections}
+        self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
+        self.known = with_cycles(automaton, self.known, self.attractors, releases)
+
+    def _point(self, section: Section, x: float) -> np.ndarray:
+        state = np.empty(2)
+        state[section.free] = x
+        attraction.put_on(self.automaton.tables, section.surface, state)
+        return state
+
+    def _belongs(self, section: Section, state: np.ndarray) -> bool:
+        """Tell whether a point of a section lies in its mode, so that no other guard has fired already."""
+        tables = self.automaton.tables
+        guards = slice(*tables.guard_start[section.mode : section.mode + 2])
+        rows = tables.surfaces[tables.guard_surface[guards]]
+        values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
+        return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
+
+    def _explore(self, state: np.ndarray, mode: int) -> Attractor:
+        """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
+        found = steady_state(self.automaton, state, mode=mode)
+        if found.orbit is None or any(_same(found, other) for other in self.attractors):
+            return found.label
+        self.attractors.append(found)
+        if (self.known.resting[found.orbit.arcs()[0]] == UNKNOWN).all():
+            interval = self._absorbing_interval(found)
+            if interval is not None:
+                self._absorb(interval, found.label)
+        return found.label
+
+    def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
+        """The widest of intervals that double, around a point of a cycle, that the return map maps into itself."""
+        orbit, near = cycle.orbit, ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
+        for section in self.sections:
+            points = orbit.after[orbit.mode == section.mode]
+            points = [x for x in points if (np.abs(self._point(section, x[section.free]) - x) <= near).all()]
+            if not points:
+                continue
+            x, found, width = points[0][section.free], None, near[section.free]
+            while width < self.size[section.free]:
+                ends = [self._returned(section, x + side * width, len(points)) for side in (-1, 1)]
+                if None in ends or ends[0][0] != ends[1][0] or any(abs(end - x) >= width for _, end in ends):
+                    break
+                found, width = (section.mode, section.surface, x - width, x + width), 2 * width
+            if found is not None:
+                return found
+        return None
+
+    def _returned(self, section: Section, x: float, visits: int) -> tuple[list[bytes], float] | None:
+        """Itinerary and coordinate after so many returns to a section, or None if the motion does not come back."""
+        everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
+        state, path = self._point(section, x), []
+        for _ in range(visits):
+            code, count, _ = attraction.itinerary(
+                self.automaton.tables, self.known, everywhere, section.mode, state, 0.0, False, self._symbols
+            )
+            if code != 2:
+                return None
+            path.append(self._symbols[:count].tobytes())
+        return path, float(state[section.free])
+
+    def _course(self, section: Section, x: float, push: tuple[float, bool]) -> np.ndarray:
+        """The itinerary of the motion from a point of a section, with the code of its end as the last number."""
+        while True:
+            state = self._point(section, x)
+            code, count, mode = attraction.itinerary(
+                self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
+            )
+            if code != TOO_LONG or self._futile == _PATIENCE or not self._learns(state, mode):
+                return np.append(self._symbols[:count], -10 - code)
+
+    def _learns(self, state: np.ndarray, mode: int) -> bool:
+        """Look for an attractor that a motion whose itinerary does not end comes to; True if one is found."""
+        before = len(self._absorbing)
+        self._explore(state, mode)
+        learned = len(self._absorbing) > before
+        self._futile += not learned
+        return learned
+
+    def _absorb_by_corner(self, section: Section, side: int) -> None:
+        """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
+
+        Near an equilibrium on a surface, which the modes on both sides then share, the return map is linear: what holds
+        at one point holds at all that are nearer, if a motion 10³ times nearer has the same itinerary.
+        """
+        width, found = ON_CYCLE * self.size[section.free], None
+        while width < self.size[section.free]:
+            there, nearer = (self._returned(section, side * part * width, 1) for part in (1.0, 1e-3))
+            if there is None or nearer is None or there[0] != nearer[0] or not 0 < side * there[1] < width:
+                break
+            found, width = (section.mode, section.surface, *sorted((0.0, side * width))), 2 * width
+        if found is not None:
+            self._absorb(found, Attractor.STEADY_SLIDING)
+
+    def _absorb(self, interval: tuple[float, ...], label: Attractor) -> None:
+        self._absorbing = np.vstack([self._absorbing, interval])
+        self._absorbed.append(label)
+
+    def _label(self, course: np.ndarray) -> int:
+        code = -10 - int(course[-1])
+        if code < 0:
+            return {DIVERGED: self.known.diverged, GRAZED: GRAZED, STUCK: UNKNOWN}.get(code, UNRESOLVED)
+        index, kind = divmod(code, 3)
+        return int((self.known.settled, self.known.resting, self._absorbed)[kind][index])
+
+    def _labels(self, section: Section) -> Pieces:
+        """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0]))]
+        if len(runs[0].labels) == 1:
+            return runs[0]
+        runs += [self._trimmed(section, self._pieces(section, push)) for push in _PUSHES[1:]]
+        low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
+        cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
+        seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
+        agreed = np.where((seen == seen[0]).all(axis=0), seen[0], UNRESOLVED)
+        own = _ROUNDING * self.size[section.free]
+        edges, labels = [cuts[0]], [agreed[0]]
+        for cut, label in zip(cuts[1:-1], agreed[1:], strict=True):
+            if label == labels[-1]:
+                continue
+            if labels[-1] != UNRESOLVED:
+                edges.append(cut - own)
+                labels.append(UNRESOLVED)
+            if label != UNRESOLVED:
+                edges.append(cut + own)
+                labels.append(label)
+        return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
+
+    def _trimmed(self, section: Section, pieces: Pieces) -> Pieces:
+        """Cut off ends of a section that lie outside its mode, where no motion enters it."""
+        edges, labels = pieces
+        if labels[0] == UNKNOWN and not self._belongs(section, self._point(section, edges[0])):
+            edges, labels = edges[1:], labels[1:]
+        if labels and labels[-1] == UNKNOWN and not self._belongs(section, self._point(section, edges[-1])):
+            edges, labels = edges[:-1], labels[:-1]
+        return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
+
+    def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
+        """Labels along a section, by bisection between motions that take different courses."""
+        far, resolution = FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
+        edges, labels = [-far], []
+        waiting = [(-far, self._course(section, -far, push), far, self._course(section, far, push))]
+        while waiting:
+            low, low_course, high, high_course = waiting.pop()
+            position = _first_difference(low_course, high_course)
+            if position < 0:
+                edges[-1] = low
+                edges.append(high)
+                labels.append(self._label(low_course))
+                continue
+            here, there = attraction.last_agreement(
+                self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
+                low, high, resolution, *push, low_course, position,
+            )  # fmt: skip
+            here_course, there_course = (self._course(section, x, push) for x in (here, there))
+            waiting.append((there, there_course, high, high_course))
+            waiting.append((low, low_course, here, here_course))
+        return _merged(edges, labels, _SLIVER * self.size[section.free])
+
+
+def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
+    """Join neighbours of the same label; what touches a guard, or meets a corner, goes with neighbours that agree."""
+    pieces = Pieces(edges, labels)
+    for _ in range(2):
+        edges, labels = pieces
+        keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
+        edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
+        for k in range(1, len(labels) - 1):
+            special = labels[k] in (GRAZED, UNKNOWN) and edges[k + 1] - edges[k] <= sliver + sliver * abs(edges[k])
+            if special and labels[k - 1] == labels[k + 1]:
+                labels[k] = labels[k - 1]
+        pieces = Pieces(edges, labels)
+    return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
+
+
+def _first_difference(one: np.ndarray, other: np.ndarray) -> int:
+    """Index at which two courses first differ, −1 if they do not."""
+    size = min(one.size, other.size)
+    different = np.flatnonzero(one[:size] != other[:size])
+    return int(different[0]) if different.size else -1
+
+
+def _same(one: SteadyState, other: SteadyState) -> bool:
+    return one.label == other.label and abs(one.period - other.period) <= 1e-6 * one.period

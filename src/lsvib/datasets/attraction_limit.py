@@ -1,0 +1,107 @@
+"""The region of attraction of a compliant contact tends to that of the rigid drive as the contact stiffens."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.attraction import mapper
+from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import Axis, Grid
+from lsvib.analysis.limit_process import fitted_order
+from lsvib.datasets import phase
+from lsvib.datasets.attraction import axis_coordinate
+from lsvib.datasets.checks import Check
+from lsvib.datasets.phase import attributes
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
+
+_HALVINGS = 40  # of a ray, until its boundary is known to 1e-12 of its length
+_SMALL = 0.01  # displacements above it are left out of the order: they are no longer in proportion
+_TIME = 1.0  # damping over stiffness of the contact [s]
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compare planar slices (seated contact) with the map of the rigid drive.
+
+    ``settings``: ``drive``; ``grid``, the box in u and w; ``stiffnesses`` [N/m], the damping c_c being as large in
+    N s/m; ``rays``, straight lines from steady sliding on each of which the boundary is found by bisection. Raises
+    ``InputError``.
+    """
+    drive, grid = LeadScrew.of(settings["drive"]), Grid.of(settings["grid"])
+    grid = grid if grid.x.coordinate == "u" else Grid(grid.y, grid.x)
+    stiffness = np.array(settings["stiffnesses"], dtype=float)
+    rigid = mapper(drive)
+    label = rigid.cells(grid, quantities=("label",))["label"]
+    angle = 2 * np.pi * (np.arange(settings["rays"]) + 0.5) / settings["rays"]
+    ends = np.array(
+        [0.5 * (grid.x.stop - grid.x.start) * np.cos(angle), 0.5 * (grid.y.stop - grid.y.start) * np.sin(angle)]
+    )
+    radius = np.array([_boundary(rigid, grid, end) for end in ends.T])
+    labels, displacement = [], []
+    for k in stiffness:
+        compliant = mapper(
+            ThreadsDrive.of({**dict(drive), "contact_stiffness": k, "contact_damping": _TIME * k}), "threads"
+        )
+        labels.append(compliant.cells(grid, quantities=("label",))["label"])
+        displacement.append(np.array([_boundary(compliant, grid, end) for end in ends.T]) / radius - 1)
+    displacement = np.array(displacement)
+    typical = np.sqrt(np.mean(displacement**2, axis=1))
+    order, error = fitted_order(stiffness, np.where(typical < _SMALL, typical, np.nan))
+    plane = ("velocity_deviation", "angle_deviation")
+    per_ray = attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's")
+    return xr.Dataset(
+        {
+            "rigid_label": (plane, label, phase.flag("attractor of the rigid drive", Attractor)),
+            "label": (("stiffness", *plane), np.array(labels), phase.flag("attractor with a compliant one", Attractor)),
+            "different": ("stiffness", [np.mean(other != label) for other in labels],
+                          attributes("1", "fraction of the cells whose attractor is not the rigid drive's")),
+            "displacement": (("stiffness", "ray"), displacement, per_ray),
+            "typical_displacement": ("stiffness", typical,
+                                     attributes("1", "root mean square displacement of the boundary")),
+            "order": ((), order, attributes("1", "order of the displacement in one over the stiffness")),
+            "order_error": ((), error, attributes("1", "standard error of the order")),
+        },
+        coords={
+            "stiffness": ("stiffness", stiffness, attributes("N m-1", "stiffness of the contact", "$k_c$")),
+            "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
+            **_plane(grid),
+        },
+        attrs={
+            "title": "Region of attraction as the contact stiffens",
+            "source": "lsvib, exact event-driven motion from the middle of every cell, and bisection along rays",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 5.5 and 8.7",
+        },
+    )  # fmt: skip
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the slices tend to the rigid map, in first order, and that no cell is left open."""
+    stiffness, typical, order = dataset.stiffness.values, dataset.typical_displacement.values, float(dataset.order)
+    unresolved = int((dataset.label == Attractor.UNRESOLVED).sum())
+    return [
+        Check.holds(
+            "The region of attraction of the compliant contact tends to that of the rigid drive",
+            "Sects 5.5, 8.7",
+            f"boundary displaced by {typical[0]:.2g} at {stiffness[0]:.0e} N/m and by {typical[-1]:.2g} at "
+            f"{stiffness[-1]:.0e} N/m, order {order:.3f} ± {float(dataset.order_error):.3f}; {unresolved} unresolved",
+            bool((np.diff(typical) < 0).all() and order > 0.9 and unresolved == 0),
+        )
+    ]
+
+
+def _plane(grid: Grid) -> dict[str, tuple]:
+    return {"angle_deviation": axis_coordinate(grid.x), "velocity_deviation": axis_coordinate(grid.y)}
+
+
+def _boundary(mapped, grid: Grid, end: np.ndarray) -> float:
+    """Part of a ray from steady sliding to ``end`` (u, w) at which the label changes, by bisection."""
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        point = [Axis(key, x - 1e-9 * abs(x), x + 1e-9 * abs(x), 1) for key, x in zip("uw", middle * end, strict=True)]
+        inside = (
+            mapped.cells(Grid(*point, grid.fixed), quantities=("label",))["label"][0, 0] == Attractor.STEADY_SLIDING
+        )
+        low, high = (middle, high) if inside else (low, middle)
+    return 0.5 * (low + high)

@@ -1,0 +1,254 @@
+"""The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.analysis.attraction import mapper
+from lsvib.analysis.basin import Basin, Boundary, basin
+from lsvib.analysis.clipping import Window
+from lsvib.analysis.curves import sampled
+from lsvib.analysis.cycles import Attractor
+from lsvib.analysis.grid import Axis, Grid
+from lsvib.analysis.thresholds import global_stability_force
+from lsvib.datasets import phase
+from lsvib.datasets.checks import Check
+from lsvib.datasets.phase import attributes
+from lsvib.models.parameters import LeadScrew
+
+SWEPT = ("axial_force", "support_damping", "mass", "friction_coefficient")
+_CLOSE = 1e-6  # relative distance of the two values between which a kind of boundary gives way to another
+_ARC = 60  # samples of an arc
+_TURNS = 16  # cells more, for the ends of a boundary and where it turns
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the basins of a few drives, exactly and on grids, and the exact fraction of a window along four sweeps.
+
+    ``settings``: ``drive``, whose parameters are swept one at a time; ``window`` (``left``, ``right`` [rad],
+    ``bottom``, ``top`` [rad/s]); a span (``start``, ``stop``, ``count``) for each of ``axial_force`` [N],
+    ``support_damping`` [N m s/rad], ``mass`` [kg] and ``friction_coefficient`` [1]; ``cases``, each with changes of the
+    ``drive`` and a ``window``, drawn and compared with grids of ``resolutions`` × resolutions starts; ``masses`` [kg]
+    and ``axial_forces`` [N] of the readings of Fig. 8.14, the printed mass first. Raises ``InputError``.
+    """
+    drive, window = LeadScrew.of(settings["drive"]), Window(**settings["window"])
+    variables, coordinates = {}, {}
+    for name in SWEPT:
+        values, basins = _swept(drive, name, phase.span(settings[name]))
+        coordinates[name] = (name, values, phase.parameter(name))
+        variables |= _along(name, basins, window)
+    variables |= _cases(drive, settings["cases"], settings["resolutions"])
+    variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    variables["global_stability_force"] = (
+        "support_damping",
+        [global_stability_force(drive.replace(support_damping=float(c))) for c in coordinates["support_damping"][1]],
+        attributes("N", "axial force beyond which steady sliding is globally stable", "$R$"),
+    )
+    variables["global_stability_force_of_drive"] = (
+        (),
+        global_stability_force(drive),
+        attributes("N", "axial force beyond which steady sliding of the drive that is swept is globally stable", "$R$"),
+    )
+    for name in SWEPT:
+        variables[f"swept_{name}"] = ((), getattr(drive, name), phase.parameter(name))
+    return xr.Dataset(
+        variables,
+        coords=coordinates,
+        attrs={
+            "title": "The region of attraction of steady sliding and its size",
+            "source": "lsvib, exact boundary of the basin; grids by the map of the region of attraction",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7, Fig. 8.14",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    force, fraction = dataset.axial_force.values, dataset.fraction_axial_force.values
+    threshold = float(dataset.global_stability_force_of_drive)
+    beyond = force < threshold
+    touching = dataset.boundary_axial_force.values == Boundary.TOUCHING_MOTION
+    scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
+    spread = float(np.ptp(scaled) / scaled.max())
+    error = np.abs(dataset.grid_fraction - dataset.case_fraction)
+    worst = float((error / dataset.grid_bound).max())
+    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
+    reading = dataset.reading_fraction.values
+    damping, limit = dataset.support_damping.values, dataset.global_stability_force.values
+    stable = dataset.boundary_support_damping.values == Boundary.NONE
+    return [
+        Check.holds(
+            "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
+            "end of Sect. 8.7",
+            f"R < {threshold:.10g} N: {int((fraction[beyond] == 1).sum())} of {int(beyond.sum())} forces; R above it: "
+            f"{int((fraction[~beyond] < 1).sum())} of {int((~beyond).sum())}",
+            bool((fraction[beyond] == 1).all() and (fraction[~beyond] < 1).all()) and 0 < beyond.sum() < beyond.size,
+        ),
+        Check.holds(
+            "Over the damping, too, the basin is the whole plane exactly where R lies beyond the threshold",
+            "end of Sect. 8.7",
+            f"{int(stable.sum())} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
+            bool((stable == (limit > float(dataset.swept_axial_force))).all()),
+        ),
+        Check.holds(
+            "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
+            "Sect. 8.7",
+            f"{100 * reading[1, 1]:.6g} %",
+            bool(reading[1, 1] < 0.01),
+        ),
+        Check.holds(
+            "As printed steady sliding attracts the whole window at both forces of Fig. 8.14, beyond m_cr at (a) alone",
+            "Sect. 8.7, Fig. 8.14",
+            f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
+            bool((reading[0] == 1).all() and reading[1, 0] == 1),
+        ),
+        Check.holds(
+            "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
+            "slip does not depend on R, so lengths are in proportion to it",
+            f"relative spread of area / R^2 over {int(touching.sum())} forces {spread:.1e}",
+            spread < 1e-12 and touching.sum() > 1,
+        ),
+        Check.holds(
+            "The fraction counted on grids of starts tends to the exact one, at first order or better",
+            "each start labelled without the boundary",
+            f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
+            f"{', '.join(f'{x:.2f}' for x in order)}",
+            worst <= 1,
+        ),
+    ]
+
+
+def _swept(drive: LeadScrew, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
+    """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
+
+    def at(value: float) -> Basin:
+        return basin(drive.replace(**{name: float(value)}))
+
+    found = {float(value): at(value) for value in values}
+    for low, high in zip(values[:-1].tolist(), values[1:].tolist(), strict=True):
+        first, last = found[low], found[high]
+        if first.boundary == last.boundary:
+            continue
+        while high - low > _CLOSE * max(abs(low), abs(high)):
+            middle = 0.5 * (low + high)
+            between = at(middle)
+            if between.boundary == first.boundary:
+                low, first = middle, between
+            else:
+                high, last = middle, between
+        found |= {low: first, high: last}
+    ordered = np.array(sorted(found))
+    return ordered, [found[value] for value in ordered.tolist()]
+
+
+def _along(name: str, basins: Sequence[Basin], window: Window) -> phase.Variables:
+    """Fraction of the window, area and kind of boundary along a sweep."""
+    return {
+        f"fraction_{name}": (
+            name,
+            [b.fraction(window) for b in basins],
+            attributes("1", "fraction of the window that steady sliding attracts, exact"),
+        ),
+        f"basin_area_{name}": (
+            name,
+            [b.area() for b in basins],
+            attributes("rad2 s-1", "area of the basin, infinite where it has no bound"),
+        ),
+        f"boundary_{name}": (
+            name,
+            np.array([b.boundary for b in basins], np.int8),
+            phase.flag("what bounds the basin", Boundary),
+        ),
+    }
+
+
+def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]) -> phase.Variables:
+    """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
+    drives = [drive.replace(**case["drive"]) for case in cases]
+    windows = [Window(**case["window"]) for case in cases]
+    basins = [basin(d) for d in drives]
+    lines = [b.line(w, _ARC) for b, w in zip(basins, windows, strict=True)]
+    regions = [sampled(b.flow, b.clipped(w), _ARC) for b, w in zip(basins, windows, strict=True)]
+    grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
+    bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
+    parameters = {f"case_{name}": ("case", [getattr(d, name) for d in drives], phase.parameter(name)) for name in SWEPT}
+    return {
+        **parameters,
+        **phase.lines(drives),
+        **_points("boundary", lines, "on the exact boundary"),
+        **_points("region", regions, "on the curves around the basin within the window"),
+        "resolution": ("resolution", list(resolutions), attributes("1", "starts along each edge of a grid")),
+        "case_angle": (("case", "edge"), [w[:2] for w in windows], attributes("rad", "left and right edge", "$u$")),
+        "case_velocity": (
+            ("case", "edge"),
+            [w[2:] for w in windows],
+            attributes("rad s-1", "bottom and top edge", r"$\dot u$"),
+        ),
+        "case_boundary": (
+            "case",
+            np.array([b.boundary for b in basins], np.int8),
+            phase.flag("what bounds the basin", Boundary),
+        ),
+        "case_fraction": (
+            "case",
+            [b.fraction(w) for b, w in zip(basins, windows, strict=True)],
+            attributes("1", "fraction of the case's window that steady sliding attracts, exact"),
+        ),
+        "grid_fraction": (
+            ("case", "resolution"),
+            grid,
+            attributes("1", "the same fraction, counted on a grid of starts"),
+        ),
+        "grid_bound": (
+            ("case", "resolution"),
+            bound,
+            attributes("1", "fraction of the cells of the grid that the boundary cuts at most"),
+        ),
+    }
+
+
+def _points(name: str, curves: Sequence[np.ndarray], where: str) -> phase.Variables:
+    """Sampled curves of each case, (case, point); shorter ones end in NaN, as do their parts."""
+    table = np.full((len(curves), max(len(points) for points in curves), 2), np.nan)
+    for row, points in zip(table, curves, strict=True):
+        row[: len(points)] = points
+    dims = ("case", f"{name}_point")
+    return {
+        f"{name}_angle": (dims, table[..., 0], attributes("rad", f"deviation {where}", "$u$")),
+        f"{name}_velocity": (dims, table[..., 1], attributes("rad s-1", f"rate of the deviation {where}", r"$\dot u$")),
+    }
+
+
+def _grid_fraction(drive: LeadScrew, window: Window, resolutions: Sequence[int]) -> list[float]:
+    """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
+    found = mapper(drive)
+    fractions = []
+    for count in resolutions:
+        grid = Grid(
+            Axis.checked("u", window.left, window.right, count), Axis.checked("w", window.bottom, window.top, count)
+        )
+        labels = found.cells(grid, quantities=("label",))["label"]
+        fractions.append(float(np.mean(labels == Attractor.STEADY_SLIDING)))
+    return fractions
+
+
+def _cut_cells(line: np.ndarray, window: Window, count: int) -> float:
+    """A bound of the number of cells that a boundary cuts: it passes from cell to cell across one edge at a time."""
+    steps = np.abs(np.diff(line, axis=0)) / [window.right - window.left, window.top - window.bottom]
+    return count * float(np.nansum(steps)) + _TURNS
+
+
+def _readings(drive: LeadScrew, masses: Sequence[float], forces: Sequence[float], window: Window) -> phase.Variables:
+    """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
+    table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
+    return {
+        "reading_fraction": (
+            ("reading_mass", "reading_force"),
+            table,
+            attributes("1", "fraction of the window that steady sliding attracts, exact"),
+        ),
+        "reading_mass": ("reading_mass", list(masses), phase.parameter("mass")),
+        "reading_force": ("reading_force", list(forces), phase.parameter("axial_force")),
+    }

@@ -1,0 +1,203 @@
+"""From a linear field to the tables of :mod:`lsvib.core.blocks`: blocks of rates that lie close together.
+
+The homogeneous field of (x, 1) has the rates of A and one more zero. They are grouped: conjugate rates, and real ones
+that are near each other, belong together. The product P of the other groups' factors has the invariant subspaces of a
+group as its columns V₀ and rows W₀, whatever chains the group has; with W = (W₀ V₀)⁻¹ W₀ the block is B = W A V₀.
+Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
+0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
+
+Within a block, coordinates z = R y with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, bring the logarithmic
+norm of the block below σ. The smallest σ is taken for which they do not amplify rounding, either.
+"""
+
+from dataclasses import dataclass
+
+import mpmath
+import numpy as np
+
+from lsvib.core.blocks import BlockFlow
+from lsvib.models.field import WORST_CONDITION, Field, amplification
+
+_DIGITS = 120  # the factors of far groups, in powers, take some of them
+_SAME = mpmath.mpf(10) ** -12  # relative size of a rate that is zero, and of the imaginary part of a real one
+_APART = 0.25  # relative distance of two rates from which on each is carried alone
+_CONDITION = 100.0  # amplification by a group's projector from which on it is merged
+
+
+@dataclass(frozen=True)
+class BlockMode:
+    """One mode in blocks: B (q, q), block edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
+
+    matrix: np.ndarray
+    edges: np.ndarray
+    growth: np.ndarray
+    to_blocks: np.ndarray
+    from_blocks: np.ndarray
+    field: np.ndarray
+    condition: float
+
+
+@dataclass(frozen=True)
+class _Block:
+    matrix: mpmath.matrix  # (d, d)
+    into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
+    out: mpmath.matrix  # (p + 1, d)
+    growth: mpmath.mpf
+
+
+def block_mode(field: Field) -> BlockMode:
+    """Decompose a field. Raises ``ArithmeticError`` if even so rounding is amplified by more than 1e6."""
+    with mpmath.workdps(_DIGITS):
+        matrix, push, sizes = field.reduced()
+        p = len(sizes)
+        sizes = [*sizes, mpmath.mpf(1)]
+        homogeneous = mpmath.zeros(p + 1)
+        for i in range(p):
+            for j in range(p + 1):
+                homogeneous[i, j] = (matrix[i, j] if j < p else push[i]) * sizes[j] / sizes[i]
+        rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
+        return _tables(field, sizes, [_balanced(block) for block in _blocks(homogeneous, rates)])
+
+
+def _blocks(matrix, rates) -> list[_Block]:
+    groups = _groups(rates)
+    while True:
+        blocks = [_block(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
+        worst = max(blocks, key=_amplification)
+        if len(groups) == 1 or _amplification(worst) <= _CONDITION:
+            return blocks
+        group = groups.pop(blocks.index(worst))
+        nearest = min(groups, key=lambda other: min(abs(a - b) for a in group for b in other))
+        nearest += group
+
+
+def _groups(rates) -> list[list]:
+    """Groups of rates of which each is near another, or its conjugate."""
+    largest = max(abs(rate) for rate in rates)
+    groups: list[list] = []
+    for rate in rates:
+        near = [g for g in groups if any(_near(rate, other, largest) for other in g)]
+        groups = [g for g in groups if g not in near] + [[rate, *(other for g in near for other in g)]]
+    return groups
+
+
+def _near(a, b, largest) -> bool:
+    distance = min(abs(a - b), abs(a - mpmath.conj(b)))
+    return distance <= max(_APART * max(abs(a), abs(b)), _SAME * _SAME * largest)
+
+
+def _block(matrix, group, others) -> _Block:
+    """The block of a group of rates."""
+    product = mpmath.eye(matrix.rows)
+    for rate in others:
+        factor = matrix - rate * mpmath.eye(matrix.rows)
+        product = product * (factor / mpmath.mnorm(factor, mpmath.inf))
+    product = product.apply(mpmath.re)
+    columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
+    rows = (rows * columns) ** -1 * rows
+    return _Block(rows * matrix * columns, rows, columns, mpmath.mpf(0))
+
+
+def _basis(matrix, count: int) -> mpmath.matrix:
+    """Orthonormal basis of the space that the columns of a matrix of rank ``count`` span, the longest ones first."""
+    left = [matrix[:, j] for j in range(matrix.cols)]
+    found = mpmath.zeros(matrix.rows, count)
+    for k in range(count):
+        longest = max(left, key=mpmath.norm)
+        unit = longest / mpmath.norm(longest)
+        found[:, k] = unit
+        left = [column - unit * (unit.T * column)[0] for column in left]
+    return found
+
+
+def _amplification(block: _Block) -> float:
+    """Of rounding, by the way into a block and back; its coordinates and those of the state have size one."""
+    size = block.out.rows
+    return amplification(_floats(block.out), _floats(block.into), np.ones(size))
+
+
+def _balanced(block: _Block) -> _Block:
+    """Coordinates in which the block's logarithmic norm is below a σ that is as small as they allow."""
+    d = block.matrix.rows
+    rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
+    spectral = max(mpmath.re(rate) for rate in rates)
+    size = mpmath.mnorm(block.matrix, mpmath.inf)
+    if d == 1 or size == 0:
+        return _Block(block.matrix, block.into, block.out, spectral)
+    fastest = max(abs(rate) for rate in rates)
+    margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
+    most = max(2 * _CONDITION, 4 * _amplification(block))
+    while True:
+        found = _in_lyapunov_norm(block, spectral + margin)
+        if _amplification(found) <= most or margin > 8 * size:
+            return found
+        margin *= 4
+
+
+def _in_lyapunov_norm(block: _Block, growth) -> _Block:
+    d = block.matrix.rows
+    shifted = block.matrix - growth * mpmath.eye(d)
+    equations, right = mpmath.zeros(d * d), mpmath.zeros(d * d, 1)
+    for i in range(d):
+        for j in range(d):
+            right[d * i + j] = -mpmath.mpf(i == j)
+            for k in range(d):  # (Mᵀ P + P M)_ij
+                equations[d * i + j, d * k + j] += shifted[k, i]
+                equations[d * i + j, d * i + k] += shifted[k, j]
+    solution = mpmath.lu_solve(equations, right)
+    norm = mpmath.matrix([[(solution[d * i + j] + solution[d * j + i]) / 2 for j in range(d)] for i in range(d)])
+    factor = mpmath.cholesky(norm / mpmath.mnorm(norm, mpmath.inf)).T
+    back = factor**-1
+    return _Block(factor * block.matrix * back, factor * block.into, block.out * back, growth)
+
+
+def _floats(matrix) -> np.ndarray:
+    return np.array(matrix.tolist(), dtype=float)
+
+
+def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
+    n, q = field.rows.rows, len(sizes)
+    matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
+    to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
+    places = [*field.alive, n]
+    for i, value in field.kept.items():
+        from_blocks[i, q] = float(value)
+    first = 0
+    for k, block in enumerate(blocks):
+        d = block.matrix.rows
+        part = slice(first, first + d)
+        edges[k], first = first, first + d
+        matrix[part, part], growth[part] = _floats(block.matrix), float(block.growth)
+        for j, place in enumerate(places):
+            to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
+            if place < n:
+                from_blocks[place, part] = [float(x * sizes[j]) for x in block.out[j, :]]
+    condition = amplification(from_blocks[:, :q], to_blocks, field.sizes)
+    if not condition < WORST_CONDITION:
+        raise ArithmeticError(f"the coordinates of a mode cannot be told apart in double precision ({condition:.1e})")
+    # Of the smallest relative amount, so that the bound covers the rounding of B.
+    growth += 1e-14 * np.abs(matrix).sum(axis=1)
+    return BlockMode(matrix, edges, growth, to_blocks, from_blocks, field.table(), condition)
+
+
+def block_flow(modes: list[BlockMode]) -> BlockFlow:
+    """Put modes together in one table; modes with fewer coordinates are filled up with some that stay zero."""
+    count, n = len(modes), modes[0].field.shape[0]
+    q = n + 1
+    flow = BlockFlow(
+        np.zeros((count, q, q)),
+        np.full((count, q + 1), q, dtype=np.int64),
+        np.zeros((count, q)),
+        np.zeros((count, q, n + 1)),
+        np.zeros((count, n, q + 1)),
+        np.array([mode.field for mode in modes]),
+    )
+    for k, mode in enumerate(modes):
+        own = len(mode.matrix)
+        flow.matrix[k, :own, :own] = mode.matrix
+        flow.edges[k, : own + 1] = mode.edges
+        flow.growth[k, :own] = mode.growth
+        flow.to_blocks[k, :own] = mode.to_blocks
+        flow.from_blocks[k, :, :own] = mode.from_blocks[:, :own]
+        flow.from_blocks[k, :, -1] = mode.from_blocks[:, -1]
+    return flow

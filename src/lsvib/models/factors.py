@@ -1,0 +1,131 @@
+"""Factors of a matrix's characteristic polynomial, of degree one or two, and the projectors on their subspaces."""
+
+from itertools import pairwise, product
+
+import mpmath
+
+_TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
+_ROUNDING = mpmath.mpf(10) ** -35  # of projectors and what they are made of
+_SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
+_APART = 0.25  # relative distance of two real rates from which on each is carried alone
+
+
+def _factors(rates, once: bool) -> list[list]:
+    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros.
+
+    ``once``: one factor, too, for all rates that coincide, so that the product is the minimal polynomial if no chain
+    comes with them.
+    """
+    largest = max(abs(rate) for rate in rates)
+    if largest == 0:
+        return [[mpmath.mpf(1), mpmath.mpf(0)]]
+    zeros = [rate for rate in rates if abs(rate) <= _TINY * largest]
+    moving = [rate for rate in rates if abs(rate) > _TINY * largest]
+    upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
+    real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
+    if once:
+        upper, real = _distinct(upper), _distinct(real)
+    factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
+    while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
+        gaps = [(a - b) / max(abs(a), abs(b)) for a, b in pairwise(real)]
+        k = gaps.index(min(gaps))
+        if gaps[k] > _APART:
+            break
+        a, b = real.pop(k), real.pop(k)
+        factors.append([mpmath.mpf(1), -(a + b), a * b])
+    factors += [[mpmath.mpf(1), -rate] for rate in real]
+    return factors + ([[mpmath.mpf(1), mpmath.mpf(0)]] if zeros else [])
+
+
+def _distinct(rates: list) -> list:
+    found: list = []
+    for rate in rates:
+        if all(abs(rate - other) > _TINY * abs(rate) for other in found):
+            found.append(rate)
+    return found
+
+
+def subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
+    """Factors of the characteristic polynomial, each with the projector on its subspace, and whether it is slow.
+
+    Arguments: matrix (n, n), sizes of the coordinates (n). Raises ``ArithmeticError`` if rates coincide with a chain
+    that no factor of degree two holds.
+    """
+    rates = mpmath.eig(matrix, left=False, right=False)
+    for once in (True, False):
+        factors = _factors(rates, once)
+        try:
+            projectors = [_projector(matrix, factors, k) for k in range(len(factors))]
+        except ZeroDivisionError:  # a rate in two factors
+            continue
+        if _carried(matrix, factors, projectors, scale):
+            return [(f, p, _slow(f, rates)) for f, p in zip(factors, projectors, strict=True)]
+    raise ArithmeticError("rates of a mode coincide, with a chain")
+
+
+def _projector(matrix, factors, k: int) -> mpmath.matrix:
+    others = mpmath.eye(matrix.rows)
+    remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
+    for j, other in enumerate(factors):
+        if j != k:
+            others = others * _polynomial(other, matrix)
+            remainder = _modulo(_product(remainder, other), factors[k])
+    return _polynomial(_inverse(remainder, factors[k]), matrix) * others
+
+
+def _slow(factor, rates) -> bool:
+    larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
+    return len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
+
+
+def _carried(matrix, factors: list, projectors: list, scale: list) -> bool:
+    """True if each factor is zero on its subspace – no chain is left out – and the projectors add up to one."""
+    total = sum(projectors[1:], projectors[0]) - mpmath.eye(matrix.rows)
+    if _size(total, scale) > _ROUNDING * max(_size(p, scale) for p in projectors):
+        return False
+    powers = [_size(power, scale) for power in (matrix * matrix, matrix, mpmath.eye(matrix.rows))]
+    for factor, projector in zip(factors, projectors, strict=True):
+        terms = sum(abs(a) * power for a, power in zip(reversed(factor), reversed(powers), strict=False))
+        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING * terms * _size(projector, scale):
+            return False
+    return True
+
+
+def _size(matrix, scale: list) -> mpmath.mpf:
+    """Largest element of a matrix of coordinates in units of their sizes."""
+    return max(abs(matrix[i, j]) * scale[j] / scale[i] for i, j in product(range(matrix.rows), range(matrix.cols)))
+
+
+def _polynomial(coefficients, matrix):
+    result = mpmath.zeros(matrix.rows)
+    for coefficient in coefficients:
+        result = result * matrix + coefficient * mpmath.eye(matrix.rows)
+    return result
+
+
+def _product(left, right):
+    result = [mpmath.mpf(0)] * (len(left) + len(right) - 1)
+    for i, x in enumerate(left):
+        for j, y in enumerate(right):
+            result[i + j] += x * y
+    return result
+
+
+def _modulo(polynomial, factor):
+    polynomial = list(polynomial)
+    while len(polynomial) >= len(factor):
+        lead = polynomial.pop(0)
+        for i, coefficient in enumerate(factor[1:]):
+            polynomial[i] -= lead * coefficient
+    return polynomial
+
+
+def _inverse(remainder, factor):
+    """Inverse of a polynomial of lower degree modulo the factor."""
+    remainder = [mpmath.mpf(0)] * (len(factor) - 1 - len(remainder)) + list(remainder)
+    if len(factor) == 2:
+        return [1 / remainder[0]]
+    a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
+    _, a1, a0 = factor
+    norm = b * b - a * b * a1 + a * a * a0
+    return [-a / norm, (b - a * a1) / norm]

@@ -1,0 +1,116 @@
+"""The price of certainty: the certain search against a plain one that looks for changes of sign at the same nodes.
+
+The plain search is the same kernel compiled with another ``_decide``: it takes the certain search's nodes as given and
+compares signs only. It is the cheapest search possible, since it need not even find out where to look.
+"""
+
+import types
+from time import perf_counter
+
+import numba
+import numpy as np
+import pytest
+
+from lsvib.core import modal, walk
+from lsvib.models.motion import follow
+from lsvib.models.parameters import ThreadsDrive
+from lsvib.models.threads import threads_drive
+
+_LIMIT = 1.0
+
+
+def arcs():
+    """Every arc of the motion of Fig. 8.10: tables, modes, states at the start, guards, which of them are zero."""
+    drive = ThreadsDrive.of(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
+    automaton = threads_drive(drive)
+    motion = follow(automaton, [0.005, 0.0, 0.0, 0.0], 0.05)
+    tables = automaton.tables
+    modes, starts, _, _ = motion.arcs()
+    guards, zero = np.empty((modes.size, 2, 5)), np.zeros((modes.size, 2), dtype=bool)
+    for i, (mode, state) in enumerate(zip(modes, starts, strict=True)):
+        first = tables.guard_start[mode]
+        assert tables.guard_start[mode + 1] - first == 2
+        for k in (0, 1):
+            guards[i, k] = tables.guard_sign[first + k] * tables.surfaces[tables.guard_surface[first + k]]
+            value, size, *_ = modal.guard_at(tables.flow, mode, state, np.abs(state), guards[i, k])
+            zero[i, k] = value <= size
+    return tables.flow, modes, starts, guards, zero
+
+
+def nodes_of(flow, modes, starts, guards, zero):
+    """Lengths of the steps that the certain search accepts on each arc, and its roots."""
+    steps, roots = [], []
+    for mode, state, rows, on in zip(modes, starts, guards, zero, strict=True):
+        taken = []
+
+        def decide(*arguments, taken=taken):
+            outcome = walk._decide(*arguments)
+            taken.append((arguments[4], arguments[6], outcome[0]))
+            return outcome
+
+        names = {**vars(walk), "_decide": decide}
+        search = types.FunctionType(walk.first_crossing.py_func.__code__, names)
+        found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT)
+        roots.append((int(found), guard, when))
+        undecided = {step for _, step, outcome in taken if outcome == walk._UNDECIDED}
+        steps.append([step for guard, step, _ in taken if guard == 1 and step not in undecided])
+    return steps, roots
+
+
+@pytest.mark.slow
+def test_certainty_costs_less_than_twice_a_plain_search():
+    """Must show of the project: less than twice; measured 1.73 to 1.79 on the arcs of Fig. 8.10, k_c = c_c = 1e8."""
+    flow, modes, starts, guards, zero = arcs()
+    steps, roots = nodes_of(flow, modes, starts, guards, zero)
+    most = max(map(len, steps))
+    nodes = np.full((modes.size, most), np.nan)
+    for row, taken in zip(nodes, steps, strict=True):
+        row[: len(taken)] = taken
+
+    @numba.njit(error_model="numpy")
+    def plain(flow, mode, state, guards, steps):
+        pairs, count = flow.pairs[mode], guards.shape[0]
+        rows, size = flow.oscillators[mode, :pairs], 2 * pairs
+        forms, states = np.empty((count, size + 1)), np.empty((3, size))
+        ahead = np.empty((count, 6))
+        modal.apply(flow.to_modal[mode], state, states[0])
+        for guard in range(count):
+            modal.in_modal_form(flow, mode, guards[guard], forms[guard])
+        a = 0.0
+        for step in steps:
+            b = a + step
+            modal.flow_pairs(rows, states[0], b, states[1])
+            change = False
+            for guard in range(count):
+                modal.derivatives(rows, states[1], forms, guard, ahead)
+                change = change or ahead[guard, 0] <= 0.0
+            if change:
+                return walk._earliest(rows, states[0], forms, ahead, a, b, states[2])
+            a = b
+        return 0, -1, a
+
+    @numba.njit(error_model="numpy")
+    def all_certain(flow, modes, starts, guards, zero, out):
+        for i in range(modes.size):
+            on = zero[i].copy()
+            out[i] = walk.first_crossing(flow, modes[i], starts[i], guards[i], on, _LIMIT)[2]
+
+    @numba.njit(error_model="numpy")
+    def all_plain(flow, modes, starts, guards, nodes, out):
+        for i in range(modes.size):
+            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i])[2]
+
+    certain, simple = np.empty(modes.size), np.empty(modes.size)
+    best = [np.inf, np.inf]
+    for _ in range(2000):
+        begun = perf_counter()
+        all_certain(flow, modes, starts, guards, zero, certain)
+        middle = perf_counter()
+        all_plain(flow, modes, starts, guards, nodes, simple)
+        best = [min(best[0], middle - begun), min(best[1], perf_counter() - middle)]
+    assert np.array_equal(certain, [when for _, _, when in roots])
+    # The first arc starts on N = 0, where the plain search finds its own start.
+    assert np.array_equal(certain[1:], simple[1:])
+    ratio = best[0] / best[1]
+    print(f"certain {best[0] * 1e6:.1f} us, plain {best[1] * 1e6:.1f} us for {modes.size} arcs: {ratio:.2f}")
+    assert ratio < 2

@@ -1,0 +1,114 @@
+"""The methods that the engine is compared with: each computes the scenes, with the order that theory gives it."""
+
+import math
+
+import pytest
+
+from lsvib.accuracy import catalogue
+from lsvib.accuracy.contest import Budget, contest
+from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid
+from lsvib.accuracy.result import Verdict
+from lsvib.accuracy.scenes import NAMES, scene
+from lsvib.errors import InputError
+
+ONCE = Budget(repeats=1, seconds=0.0, limit=20.0)
+SHORT = {"long_run": 0.015, "stick_slip": 0.4, "graze_above": 0.4, "graze_below": 0.4, "stiff_contact": 0.2}
+
+
+def results(name, shorten, **settings):
+    """Entries of a contest by (method, setting)."""
+    _, _, entries = contest(name, settings, ONCE, shorten)
+    return {(entry.method, entry.setting): entry for entry in entries}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_engine_agrees_with_40_digits_on_every_scene(name):
+    """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
+    entry = results(name, SHORT.get(name, 0.1), exact=[0])["exact", 0]
+    assert entry.errors.verdict == Verdict.RIGHT
+    assert entry.errors.state < 1e-11
+    assert entry.errors.amplitude < 1e-11
+    assert entry.errors.times < 1e-13
+
+
+def test_runge_kutta_has_its_order():
+    """Order four with refined events: the error falls by 10⁴ with a tenth of the step; by 10² with straight cuts."""
+    found = results("stick_slip", 0.4, rk4=[1e-4, 1e-5], rk4_refined=[1e-4, 1e-5])
+    order = {m: math.log10(found[m, 1e-4].errors.state / found[m, 1e-5].errors.state) for m in ("rk4", "rk4_refined")}
+    assert 3.5 < order["rk4_refined"] < 5
+    assert 1.3 < order["rk4"] < 3
+
+
+@pytest.mark.parametrize(
+    ("method", "worst"),
+    [
+        ("rk45", 1e-6),
+        ("dop853", 1e-6),
+        ("dop853_capped", 1e-10),  # the cap alone makes it that good
+        ("radau", 1e-6),
+        ("bdf", 1e-4),
+        ("lsoda", 1e-4),
+        ("lsoda_capped", 1e-4),
+        ("cvode_adams", 1e-4),
+        ("cvode_bdf", 1e-4),
+        ("cvode_bdf_capped", 1e-4),
+    ],
+)
+@pytest.mark.parametrize("name", ["stick_slip", "sprag_slip"])
+def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
+    """At a tolerance of 1e-8, over a few cycles with jumps, rests and reversals; multistep methods lose most."""
+    pytest.importorskip(catalogue.METHODS[method].needs)
+    entry = results(name, SHORT.get(name, 0.1), **{method: [1e-8]})[method, 1e-8]
+    assert entry.errors.verdict == Verdict.RIGHT
+    assert entry.errors.state < worst
+
+
+@pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf"])
+def test_stiff_solvers_compute_the_stiff_contact(method):
+    pytest.importorskip(catalogue.METHODS[method].needs)
+    entry = results("stiff_contact", 0.2, **{method: [1e-7]})[method, 1e-7]
+    assert entry.errors.verdict == Verdict.RIGHT
+    assert entry.errors.state < 1e-3
+
+
+def test_smoothed_friction_is_of_first_order_in_its_width():
+    pytest.importorskip("sksundae")
+    found = results("stick_slip", 0.4, smoothed=[0.1, 0.01])
+    assert 4 < found["smoothed", 0.1].errors.state / found["smoothed", 0.01].errors.state < 25
+
+
+def test_a_stiff_scene_has_no_explicit_method():
+    assert set(results("stiff_contact", 0.02, exact=[0], rk4=[1e-5])) == {("exact", 0)}
+
+
+def test_a_run_over_its_time_gives_up():
+    pytest.importorskip("scipy")
+    _, _, (entry,) = contest("stick_slip", {"rk45": [1e-9]}, Budget(1, 0.0, 0.01), 0.2)
+    assert entry.errors.verdict == Verdict.GAVE_UP
+    assert "over 0.01 s" in entry.failure
+
+
+def test_an_endless_chain_of_events_gives_up():
+    hybrid = Hybrid(scene("stick_slip"))
+    record = hybrid.run(lambda mode, now, state, end: (now, state, 0), Clock(10.0), 20)
+    assert record.run().failure == "over 20 events"
+
+
+def test_the_clock_stops_a_run():
+    clock = Clock(0.0)
+    clock.start()
+    clock.calls = 63
+    with pytest.raises(GaveUp, match="over 0 s"):
+        clock.check()
+
+
+def test_a_missing_package_is_one_sentence(monkeypatch):
+    monkeypatch.setattr(catalogue, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"The package scikit-sundae, which CVODE BDF needs, .* requirements-accuracy"):
+        contest("stick_slip", {"cvode_bdf": [1e-3]}, ONCE, 0.01)
+
+
+@pytest.mark.parametrize(("name", "method"), [("stick_slop", "exact"), ("stick_slip", "inexact")])
+def test_a_wrong_name_is_one_sentence(name, method):
+    with pytest.raises(InputError, match=r"= '(stick_slop|inexact)' is not one of"):
+        contest(name, {method: [0]}, ONCE, 0.01)

@@ -1,0 +1,99 @@
+"""Verdicts, run times at equal error, the dataset of error against run time, its tables and picture."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.accuracy.ratios import fastest, time_at_error
+from lsvib.accuracy.result import Reference, Run, Verdict, errors
+from lsvib.datasets import work_precision
+from lsvib.datasets.work_precision_table import markdown
+from lsvib.datasets.writer import read_dataset, write_dataset
+
+TRUTH = Reference(
+    end_state=np.array([0.1, -4.0]),
+    times=np.array([0.2, 0.3]),
+    kinds=["stick", "release"],
+    stops=1,
+    extremes=(-0.5, 0.5),
+    sizes=np.array([0.5, 40.0]),
+)
+SETTINGS = {
+    "scenes": ["stick_slip", "sprag_graze"],
+    "shorten": 0.3,
+    "methods": {"exact": [0], "rk4_refined": [1e-4, 1e-5], "rk45": []},
+    "repeats": 2,
+    "seconds": 0.0,
+    "limit": 5.0,
+    "error_levels": [1e-3, 1e-9],
+    "ratio_floor": 1.0,
+}
+
+
+def run(**changes) -> Run:
+    """The true motion, with changes."""
+    same = {"end_state": TRUTH.end_state, "times": TRUTH.times, "kinds": TRUTH.kinds, "extremes": TRUTH.extremes}
+    return Run(**{**same, **changes})
+
+
+def test_the_true_motion_has_no_error():
+    assert errors(run(), TRUTH) == errors(run(), TRUTH).__class__(0.0, 0.0, 0.0, Verdict.RIGHT)
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({"times": np.array([0.2]), "kinds": ["stick"]}, Verdict.WRONG_EVENTS),
+        ({"extremes": (-0.6, 0.6)}, Verdict.WRONG_ATTRACTOR),
+        ({"extremes": (math.nan, math.nan)}, Verdict.WRONG_ATTRACTOR),
+        ({"failure": "over 1 s"}, Verdict.GAVE_UP),
+        ({"end_state": np.array([math.inf, 0.0])}, Verdict.GAVE_UP),
+        ({"kinds": None, "stops": 1}, Verdict.RIGHT),
+        ({"kinds": None, "stops": 2}, Verdict.WRONG_EVENTS),
+    ],
+)
+def test_verdicts(changes, verdict):
+    assert errors(run(**changes), TRUTH).verdict == verdict
+
+
+def test_errors_are_in_sizes_of_the_motion():
+    found = errors(run(end_state=np.array([0.1, -3.6]), times=np.array([0.2, 0.31]), extremes=(-0.5, 0.51)), TRUTH)
+    assert found.state == pytest.approx(0.01)
+    assert found.times == pytest.approx(0.01)
+    assert found.amplitude == pytest.approx(0.01)
+
+
+def test_time_at_error_interpolates_in_logarithms():
+    points = [(1e-2, 1.0), (1e-4, 4.0)]
+    assert time_at_error(points, 1e-3) == pytest.approx(2.0)
+    assert time_at_error(points, 1e-1) == 1.0
+    assert time_at_error(points, 1e-4) == 4.0
+    assert math.isnan(time_at_error(points, 1e-5))
+
+
+def test_a_run_that_is_worse_and_slower_does_not_count():
+    assert time_at_error([(1e-2, 9.0), (1e-4, 4.0)], 1e-3) == 4.0
+    assert fastest([[(1e-2, 9.0)], [(1e-4, 4.0)], [(1.0, 0.1)]], 1e-2) == 4.0
+
+
+def test_dataset_tables_and_picture(tmp_path):
+    from lsvib.figures.style import save
+    from lsvib.figures.work_precision import draw
+
+    dataset = work_precision.build(SETTINGS)
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 3, "error_level": 2}
+    engine = dataset.isel(method=0, tolerance=0)
+    assert (engine.verdict == int(Verdict.RIGHT)).all()
+    assert (engine.run_time <= engine.run_time_median).all()
+    assert (dataset.verdict.isel(method=0, tolerance=1) == int(Verdict.NOT_RUN)).all()
+    assert dataset.ratio.sel(scene=0, rival=2, error_level=1e-3) > 1  # RK4
+    assert dataset.attrs["processor_cores"] >= 1
+    write_dataset(dataset, tmp_path / "a.nc")
+    read = read_dataset(tmp_path / "a.nc")
+    assert "| stick_slip | RK4, refined events | 1e-05 |" in markdown(read)
+    save(draw(read), tmp_path / "a.png", tmp_path / "a.pdf")
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    checks = {check.claim: check.passed for check in work_precision.checks(read)}
+    assert checks["The engine shows the true motion on every scene"]
+    assert not checks["General solvers show a wrong motion, or none, in some runs"]  # none was run

@@ -1,0 +1,97 @@
+"""The region of attraction, in tiles: snakemake -j2 attraction. Not a figure of the chapter, so not part of `all`."""
+
+
+scattergather:
+    attraction=config["attraction"]["tiles"],
+
+
+rule attraction:
+    """Map the region of attraction and draw it."""
+    input:
+        "results/attraction/map.nc",
+        collect("results/figures/attraction.{format}", format=["png", "pdf"]),
+    message:
+        "The region of attraction is mapped"
+
+
+rule compile_mapper:
+    """Map one cell, so that the kernels are compiled once, and what is wrong with the map is said once."""
+    input:
+        sources=map_sources(),
+        engine="results/engine.txt",
+    output:
+        "results/attraction/mapper.txt",
+    log:
+        "logs/compile_mapper.log",
+    params:
+        settings=MAP,
+    message:
+        "Compiling the mapper"
+    script:
+        "../scripts/compile_mapper.py"
+
+
+rule map_tile:
+    """Label the cells of one tile. The file goes when the map that it is part of is complete."""
+    input:
+        sources=map_sources(),
+        mapper="results/attraction/mapper.txt",
+    output:
+        temp("results/attraction/tiles/{scatteritem}.nc"),
+    log:
+        "logs/map_tile/{scatteritem}.log",
+    benchmark:
+        "benchmarks/map_tile/{scatteritem}.tsv"
+    resources:
+        mem_mb=1000,
+    params:
+        settings=MAP,
+    message:
+        "Mapping tile {wildcards.scatteritem}"
+    script:
+        "../scripts/map_tile.py"
+
+
+rule gather_map:
+    """Put the tiles together, one at a time, in one compressed file."""
+    input:
+        sources=map_sources(),
+        tiles=gather.attraction("results/attraction/tiles/{scatteritem}.nc"),
+    output:
+        "results/attraction/map.nc",
+    log:
+        "logs/gather_map.log",
+    benchmark:
+        "benchmarks/gather_map.tsv"
+    resources:
+        mem_mb=1000,
+    params:
+        settings=MAP,
+    message:
+        "Gathering the tiles"
+    script:
+        "../scripts/gather_map.py"
+
+
+rule draw_map:
+    """Draw the map, a large one from the middle cells of blocks of cells."""
+    input:
+        map="results/attraction/map.nc",
+        sources=source_files(imports("lsvib.figures.attraction") | imports("lsvib.datasets.assembly")),
+    output:
+        png=report(
+            "results/figures/attraction.png",
+            caption="../report/attraction.rst",
+            category="Region of attraction",
+        ),
+        pdf="results/figures/attraction.pdf",
+    log:
+        "logs/draw_map.log",
+    benchmark:
+        "benchmarks/draw_map.tsv"
+    resources:
+        mem_mb=1000,
+    message:
+        "Drawing the region of attraction"
+    script:
+        "../scripts/draw_map.py"

@@ -1,0 +1,16 @@
+"""Map one cell of the region of attraction and note its label; rule compile_mapper."""
+
+import sys
+
+from lsvib.datasets.tiles import grid_of, mapper_of
+from lsvib.errors import LsvibError
+from lsvib.files import write_text
+
+sys.stderr = open(snakemake.log[0], "w", buffering=1)
+
+settings = snakemake.params.settings
+try:
+    cells = mapper_of(settings).cells(grid_of(settings), slice(0, 1), slice(0, 1), settings["quantities"])
+    write_text(f"{cells['label'].item()}\n", snakemake.output[0])
+except LsvibError as error:
+    sys.exit(f"attraction: {error}")
