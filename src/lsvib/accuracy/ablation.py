@@ -13,7 +13,7 @@ import numpy as np
 
 from lsvib.core import planar
 from lsvib.models.automaton import Automaton
-from lsvib.models.modes import modal_flow, modal_mode
+from lsvib.models.flow import flow_of, linear_mode
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew, SupportDrive
 from lsvib.models.rigid import rigid_drive
@@ -88,11 +88,11 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
         acceleration = (-row[planar.A0], -row[planar.A1], 0, 0, row[planar.B])
         held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
         field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
-        modes.append(modal_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held))
+        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held))
     resets = np.zeros((len(tables.resets), 4, 5))
     resets[:, :2] = _wider(tables.resets)
     tables = tables._replace(
-        flow=modal_flow(modes),
+        flow=flow_of(modes),
         surfaces=_wider(tables.surfaces),
         resets=resets,
         condition_row=_wider(tables.condition_row),

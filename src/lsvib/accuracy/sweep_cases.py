@@ -136,6 +136,9 @@ def _friction(rng) -> Case:
     elif group == Group.TAN_LEAD:
         value = tan * (1 + _sign(rng) * 10.0**level)
     else:
+        level = max(
+            level, -13.0
+        )  # closer, Γ₋ is so large that slip changes θ′ by less than the last digit of w = θ′ − Ω
         value = (1 - 10.0**level) / tan
     return _case(rng, Family.FRICTION, group, level, drive.replace(friction_coefficient=value))
 

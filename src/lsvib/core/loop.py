@@ -85,15 +85,22 @@ def choose_branch(tables, transition, state, scale):
 
 
 @kernel
-def put_on_surface(tables, guard, state):
-    """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit."""
+def put_on_surface(tables, guard, state, scale):
+    """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit.
+
+    ``scale`` (n) are the magnitudes that the state was computed from; those of the coordinate become what the surface
+    leaves open.
+    """
     surface = tables.surfaces[tables.guard_surface[guard]]
     chosen = tables.snap[tables.guard_surface[guard]]
     rest = surface[surface.size - 1]
+    size = abs(rest)
     for i in range(surface.size - 1):
         if i != chosen:
             rest += surface[i] * state[i]
+            size += abs(surface[i]) * scale[i]
     state[chosen] = -rest / surface[chosen]
+    scale[chosen] = min(scale[chosen], size / abs(surface[chosen]))
 
 
 @kernel
@@ -118,7 +125,7 @@ def arrive(tables, mode, state, scale, guard, stay):
     if stay > 0.0:
         flows.magnitudes(tables.flow, mode, state, stay, scale)
         flows.advance(tables.flow, mode, state, stay, state)
-        put_on_surface(tables, guard, state)
+        put_on_surface(tables, guard, state, scale)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
 

@@ -41,7 +41,7 @@ def _pairs(axes: Axes, dataset: xr.Dataset, values: xr.DataArray, title: str, la
         axes.text(general * 1.08, row + 0.2, f"× {general / pared:.2g}", va="center", fontsize=7)
     axes.set_yticks(place, list(names.values()))
     axes.set(title=title, xlabel=label, xscale="log", ylim=(place[-1] + 0.6, -0.6))
-    axes.set_xlim(values.values.min() / 2, values.values.max() * 3)
+    axes.set_xlim(values.values.min() / 2, values.values.max() * 6)
 
 
 def _bars(axes: Axes, kinds: xr.DataArray, values: xr.DataArray, title: str, label: str, words: list[str]) -> None:
@@ -51,4 +51,4 @@ def _bars(axes: Axes, kinds: xr.DataArray, values: xr.DataArray, title: str, lab
     for row, text in enumerate(words):
         axes.text(values.values[row] + 0.02 * largest, row, text, va="center", fontsize=6.5)
     axes.set_yticks(place, [name.replace(" and ", "\nand ") for name in style.flag_names(kinds).values()])
-    axes.set(title=title, xlabel=label, xlim=(0, largest * 1.75), ylim=(place[-1] + 0.6, -0.6))
+    axes.set(title=title, xlabel=label, xlim=(0, largest * 2.3), ylim=(place[-1] + 0.6, -0.6))

@@ -150,7 +150,7 @@ def _march(tables, fields, mode, state, step, t_end, window, refinements, times,
                 return _FULL, event
             origin, count = now + h, 0
             if h > 0.0:  # else it was entered beyond the guard, where a jump is due
-                put_on_surface(tables, fired, state)
+                put_on_surface(tables, fired, state, np.abs(state))
             apply_reset(tables, tables.guard_transition[fired], state, scratch)
             branch = choose_branch(tables, tables.guard_transition[fired], state, np.abs(state))
             if branch < 0:
