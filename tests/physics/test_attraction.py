@@ -87,7 +87,7 @@ def test_labels_against_fixed_steps_and_mpmath(mappers, scene):
     assert Attractor.UNRESOLVED not in met
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("scene", SCENES)
 def test_many_labels_against_fixed_steps_and_mpmath(mappers, scene):
     left, met = check_scene(mappers(SCENES[scene][0]), scene, 10_000, 100, 1e-5, 10)

@@ -225,7 +225,7 @@ def test_random_motions_against_the_reference():
         assert len({mode for mode in visited[model] if mode[2] == 0}) >= 3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_many_more_random_motions_against_the_reference():
     check_random_motions(2, 1500)
 

@@ -25,7 +25,8 @@ from lsvib.models import friction
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, normal_force, plus, solved
 from lsvib.models.parameters import PLACES, SupportDrive
-from lsvib.models.two_bodies import two_bodies, two_body_model
+from lsvib.models.two_bodies import two_bodies
+from lsvib.models.two_body_model import two_body_model
 
 STATES = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")

@@ -19,15 +19,10 @@ direction a – or that it is held, a = 0 – is then part of the mode. A model 
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 
-import numpy as np
-
 from lsvib.core.status import Test
-from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
 from lsvib.models.flow import flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
-from lsvib.models.model import Model
-from lsvib.models.parameters import LeadScrew
 
 
 def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) -> Automaton:
@@ -37,55 +32,6 @@ def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) ->
     ``ArithmeticError`` if the rates of a mode cannot be separated in double precision.
     """
     return _Layout(bodies, codes, list(kinds)[2:]).automaton()
-
-
-def two_body_model(
-    name: str,
-    drive: type[LeadScrew],
-    make: Callable[..., Automaton],
-    modes: type[IntEnum],
-    events: type[IntEnum],
-    second: tuple[str, str],
-    damping: str,
-    equations: str,
-) -> Model:
-    """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
-
-    ``second``: keys of the initial coordinate and rate of the second body, 0 if left out; ``damping``: its damper.
-    """
-
-    def build(drive: LeadScrew, physics: tuple[str, ...], resume: str) -> Automaton:
-        if resume != "contact_sign":
-            raise InputError(f"resume = {resume!r} is not known to the model {name}; it knows contact_sign.")
-        return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
-
-    return Model(
-        drive=drive,
-        build=build,
-        start=lambda drive, values: np.array([values["u"], values["w"], *(values.get(key, 0.0) for key in second)]),
-        modes=modes,
-        events=events,
-        required=("u", "w"),
-        optional=second,
-        terms=(
-            "support_damping",
-            "translation_damping",
-            "axial_force",
-            damping,
-            "slide_friction",
-            "bearing_friction",
-        ),
-        options=(),
-        outputs=(
-            "normal_force",
-            "axial_contact_force",
-            "coupling_torque",
-            "coupling_deflection",
-            "screw_speed",
-            "nut_speed",
-        ),
-        equations=equations,
-    )
 
 
 class _Layout:

@@ -1,0 +1,60 @@
+"""What scenes and the command line know of the drives with a second body: axial support and rotating nut."""
+
+from collections.abc import Callable
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.errors import InputError
+from lsvib.models.automaton import Automaton
+from lsvib.models.model import Model
+from lsvib.models.parameters import LeadScrew
+
+
+def two_body_model(
+    name: str,
+    drive: type[LeadScrew],
+    make: Callable[..., Automaton],
+    modes: type[IntEnum],
+    events: type[IntEnum],
+    second: tuple[str, str],
+    damping: str,
+    equations: str,
+) -> Model:
+    """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
+
+    ``second``: keys of the initial coordinate and rate of the second body, 0 if left out; ``damping``: its damper.
+    """
+
+    def build(drive: LeadScrew, physics: tuple[str, ...], resume: str) -> Automaton:
+        if resume != "contact_sign":
+            raise InputError(f"resume = {resume!r} is not known to the model {name}; it knows contact_sign.")
+        return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
+
+    return Model(
+        drive=drive,
+        build=build,
+        start=lambda drive, values: np.array([values["u"], values["w"], *(values.get(key, 0.0) for key in second)]),
+        modes=modes,
+        events=events,
+        required=("u", "w"),
+        optional=second,
+        terms=(
+            "support_damping",
+            "translation_damping",
+            "axial_force",
+            damping,
+            "slide_friction",
+            "bearing_friction",
+        ),
+        options=(),
+        outputs=(
+            "normal_force",
+            "axial_contact_force",
+            "coupling_torque",
+            "coupling_deflection",
+            "screw_speed",
+            "nut_speed",
+        ),
+        equations=equations,
+    )
