@@ -19,6 +19,7 @@ from lsvib.datasets.variables import flags, quantity
 from lsvib.errors import InputError
 
 _CYCLE_SAMPLES = 400
+_LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
 _BOUNDARY_SAMPLES = 100  # of each arc
 
 
@@ -109,7 +110,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     if mapper.model != "rigid":
         return data
     lines = phase.lines([mapper.drive])
-    data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items()}
+    data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
     found = exact_basin(mapper)
     if found is not None:
         window = window_of(grid)
