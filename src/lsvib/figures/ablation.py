@@ -25,7 +25,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         ", ".join(names[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "–"
         for row in dataset.loads.values
     ]
-    words = [f"{int(n)} modules: {text}" for n, text in zip(dataset.imported, loaded, strict=True)]
+    words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
     _bars(imported, dataset.rule, dataset.import_time, "(d) importing what a rule needs", "Time [s]", words)
     return figure
 
@@ -51,4 +51,4 @@ def _bars(axes: Axes, kinds: xr.DataArray, values: xr.DataArray, title: str, lab
     for row, text in enumerate(words):
         axes.text(values.values[row] + 0.02 * largest, row, text, va="center", fontsize=6.5)
     axes.set_yticks(place, [name.replace(" and ", "\nand ") for name in style.flag_names(kinds).values()])
-    axes.set(title=title, xlabel=label, xlim=(0, largest * 2.3), ylim=(place[-1] + 0.6, -0.6))
+    axes.set(title=title, xlabel=label, xlim=(0, largest * 1.9), ylim=(place[-1] + 0.6, -0.6))

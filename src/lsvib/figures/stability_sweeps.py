@@ -75,7 +75,8 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
                label="what 16 units in the\nlast place of the\ninput may change"),
     )  # fmt: skip
-    axes.legend(handles=handles, loc="lower left", fontsize=6.5, handletextpad=0.1, borderpad=0.2)
+    axes.legend(handles=handles, loc="lower left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
+                frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
     axes.text(9.15, -0.45, "tolerance", fontsize=6, color=style.GREY, va="center")
 
 
