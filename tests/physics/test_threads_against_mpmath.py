@@ -64,6 +64,8 @@ SCENES = {
     "hardest, not Painlevé": Scene(5.0, 100.0, 1e12, 1e12, SLOW, 0.01),
     "hardest, light damping": Scene(11.0, 100.0, 1e12, 1e8, UNLOADED, 0.003),
     "hardest, faint damping": Scene(15.0, -50.0, 1e12, 1e4, BACKWARD, 1e-4),
+    "beyond, heavy damping": Scene(11.0, 100.0, 1e8, 1e13, UNLOADED, 0.02),
+    "beyond, heaviest damping": Scene(11.0, 100.0, 1e12, 1e14, UNLOADED, 0.02),
     "hardest, elastic": Scene(11.0, 100.0, 1e12, 0.0, BACKWARD, 1e-4),
 }
 
@@ -174,6 +176,6 @@ def test_random_scenes():
     check_random_scenes(40)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_many_more_random_scenes():
     check_random_scenes(1000)
