@@ -167,7 +167,9 @@ def test_bounds_are_not_wasteful(name):
 
 
 def search(flow, state, guard, limit=5.0, on_surface=False):
-    found, index, t = flows.first_crossing(flow, 0, np.array(state), guard[None], np.array([on_surface]), limit)
+    found, index, t = flows.search(
+        flow, 0, np.array(state), guard[None], np.array([on_surface]), limit, flows.workspace(flow, 1)
+    )
     assert index == (0 if found in (Found.CROSSING, Found.GRAZE) else -1)
     return Found(found), t
 

@@ -264,7 +264,7 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
     for t in np.linspace(left, right, 41):
         x, terms = np.empty(n), np.empty(n)
         modal.advance(flow, 0, state, t, x)
-        modal.magnitudes(flow, 0, state, t, terms)
+        modal.travel(flow, 0, state.copy(), t, terms, np.empty((2, start.size)))
         derivative, weights = A @ x + b, guard[:-1]
         for k in range(1, modal.ORDERS):
             sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state) + terms)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.core import loop, planar
+from lsvib.core import flows, loop, planar
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, EQUILIBRIUM, ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
@@ -71,6 +71,7 @@ class Scratch(NamedTuple):
     clock: np.ndarray  # (2,) time [s] and its compensation
     room: np.ndarray  # (g, 3 + parts)
     zeros: np.ndarray  # (g,)
+    work: np.ndarray  # of the search
 
 
 @allocating_kernel
@@ -78,7 +79,7 @@ def new_scratch(tables):
     """Return the working space for one motion at a time."""
     count = tables.guard_sign.size
     room, zeros = np.zeros((count, 3 + tables.guard_parts.shape[1])), np.zeros(count, dtype=np.bool_)
-    return Scratch(np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), room, zeros)
+    return Scratch(np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), room, zeros, flows.workspace(tables.flow, count))
 
 
 @kernel
@@ -94,10 +95,12 @@ def _step(tables, mode, short, scratch):
     Returns (_STEPPED or ``Status``, guard, kind, mode after, stay [s], short).
     """
     state, scale = scratch.state, scratch.scale
-    found, guard, stay = loop.next_event(tables, mode, state, scale, math.inf, scratch.room, scratch.zeros)
+    found, guard, stay = loop.next_event(
+        tables, mode, state, scale, math.inf, scratch.room, scratch.zeros, scratch.work
+    )
     if found == _NONE:
         return _SETTLED, guard, NO_EVENT, mode, stay, short
-    loop.arrive(tables, mode, state, scale, guard, stay)
+    loop.arrive(tables, mode, state, scale, guard, stay, scratch.work)
     if not (abs(state[0]) < loop.LARGEST and abs(state[1]) < loop.LARGEST):
         return _DIVERGED, guard, NO_EVENT, mode, stay, short
     if found == _GRAZE:

@@ -21,14 +21,41 @@ _LOST = int(Found.UNDECIDED)
 _MANY = 1_000_000  # extremes in one arc
 
 
+@allocating_kernel
+def _no_workspace(flow, guards):
+    return np.empty(0)
+
+
 @kernel
-def _planar_first_crossing(flow, mode, state, guards, on_surface, limit):
+def _planar_search(flow, mode, state, guards, on_surface, limit, work):
     found, first, when = _NONE, -1, limit
     for guard in range(guards.shape[0]):
         outcome, t = planar.crossing(flow, mode, state, guards[guard], on_surface[guard], when)
         if outcome != _NONE:
             found, first, when = outcome, guard, t
     return found, first, when
+
+
+@allocating_kernel
+def _block_search(flow, mode, state, guards, on_surface, limit, work):
+    return block_walk.first_crossing(flow, mode, state, guards, on_surface, limit)
+
+
+@kernel
+def _planar_travel(flow, mode, state, stay, scale, work):
+    planar.magnitudes(flow, mode, state, stay, scale)
+    planar.advance(flow, mode, state, stay, state)
+
+
+@kernel
+def _modal_travel(flow, mode, state, stay, scale, work):
+    modal.travel(flow, mode, state, stay, scale, work.states)
+
+
+@allocating_kernel
+def _block_travel(flow, mode, state, stay, scale, work):
+    blocks.magnitudes(flow, mode, state, stay, scale)
+    blocks.advance(flow, mode, state, stay, state)
 
 
 def _by_kind(planar_kernel, modal_kernel, block_kernel):
@@ -51,9 +78,10 @@ def _by_kind(planar_kernel, modal_kernel, block_kernel):
 
 
 advance = _by_kind(planar.advance, modal.advance, blocks.advance)
-magnitudes = _by_kind(planar.magnitudes, modal.magnitudes, blocks.magnitudes)
+travel = _by_kind(_planar_travel, _modal_travel, _block_travel)
+workspace = _by_kind(_no_workspace, walk.workspace, _no_workspace)
 guard_at = _by_kind(planar.guard_at, modal.guard_at, modal.guard_at)
-first_crossing = _by_kind(_planar_first_crossing, walk.first_crossing, block_walk.first_crossing)
+search = _by_kind(_planar_search, walk.search, _block_search)
 
 
 @allocating_kernel
@@ -65,6 +93,7 @@ def _searched_extremes(flow, mode, state, functional, duration):
     root does not end.
     """
     n = state.size
+    work = workspace(flow, 1)
     guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
     rate, here = np.zeros(n + 1), state.copy()
     for i in range(n):
@@ -80,7 +109,7 @@ def _searched_extremes(flow, mode, state, functional, duration):
         if sign == 0.0:
             sign = math.copysign(1.0, slope if on_surface[0] else value)
         guards[0] = sign * rate
-        found, _, stay = first_crossing(flow, mode, here, guards, on_surface, duration - passed)
+        found, _, stay = search(flow, mode, here, guards, on_surface, duration - passed, work)
         if found == _LOST:
             return -math.inf, math.inf
         if found == _NONE:

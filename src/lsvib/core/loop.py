@@ -26,12 +26,13 @@ LARGEST = 1e150  # a state beyond it has left the range of numbers
 
 
 @kernel
-def next_event(tables, mode, state, scale, limit, room, zeros):
+def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
     ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
     A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
-    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode.
+    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode,
+    ``work`` is that of the search (:func:`lsvib.core.flows.workspace`).
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
@@ -48,7 +49,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros):
         falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
         if on_surface[k] and falls:
             return _CROSSING, guard, 0.0
-    found, k, when = flows.first_crossing(tables.flow, mode, state, guards, on_surface, limit)
+    found, k, when = flows.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
 
@@ -120,11 +121,10 @@ def apply_reset(tables, transition, state, scratch):
 
 
 @kernel
-def arrive(tables, mode, state, scale, guard, stay):
+def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
     if stay > 0.0:
-        flows.magnitudes(tables.flow, mode, state, stay, scale)
-        flows.advance(tables.flow, mode, state, stay, state)
+        flows.travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
@@ -144,10 +144,11 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     scratch, scale = np.empty(n), np.abs(state)
     room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
+    work = flows.workspace(tables.flow, tables.guard_sign.size)
     short_stays, count = 0, 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]
-        found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros)
+        found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
         if found == _LOST:
             return Status.UNDECIDED, mode, count
         if found == _NONE:
@@ -158,7 +159,7 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             return Status.TIME_REACHED, mode, count
         if count == times.size:
             return Status.EVENTS_FULL, mode, count
-        arrive(tables, mode, state, scale, guard, stay)
+        arrive(tables, mode, state, scale, guard, stay, work)
         add_time(clock, stay)
         for i in range(n):
             before[count, i] = state[i]

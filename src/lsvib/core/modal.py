@@ -94,20 +94,25 @@ def advance(flow, mode, state, t, out):
     apply(flow.from_modal[mode], modal, out)
 
 
-@allocating_kernel
-def magnitudes(flow, mode, state, stay, scale):
-    """Write to ``scale`` (n) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
+@kernel
+def travel(flow, mode, state, stay, scale, room):
+    """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (n) the sizes of its terms.
+
+    ``room`` (2 or more, 2p or more) is scratch space.
+    """
     pairs, last = flow.pairs[mode], flow.from_modal.shape[2] - 1
-    room = np.empty(4 * pairs)
-    modal, sizes = room[: 2 * pairs], room[2 * pairs :]
+    modal, sizes = room[0, : 2 * pairs], room[1, : 2 * pairs]
+    rows, table = flow.oscillators[mode, :pairs], flow.from_modal[mode]
     apply(flow.to_modal[mode], state, modal)
     for pair in range(pairs):
         part = slice(2 * pair, 2 * pair + 2)
-        planar.magnitudes(flow.oscillators[mode], pair, modal[part], stay, sizes[part])
+        planar.magnitudes(rows, pair, modal[part], stay, sizes[part])
+    flow_pairs(rows, modal, stay, modal)
+    apply(table, modal, state)
     for i in range(state.size):
-        total = abs(flow.from_modal[mode, i, last])
+        total = abs(table[i, last])
         for j in range(modal.size):
-            total += abs(flow.from_modal[mode, i, j]) * sizes[j]
+            total += abs(table[i, j]) * sizes[j]
         scale[i] = total
 
 
@@ -195,7 +200,7 @@ def tail_bound(rows, amplitudes, guard, decays, t):
     With h(t) ≤ t, the joint form is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from t = 1/r on.
     """
     total = 0.0
-    for pair in range(decays.shape[0]):
+    for pair in range(rows.shape[0]):
         if rows[pair, A0] == 0.0:
             continue
         factors, slow = amplitudes[guard, pair, 0], decays[pair, 0]

@@ -17,6 +17,7 @@ together are below the guards' constants.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,21 +38,52 @@ _BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: th
 _GROWTH = 8.0  # of the exponent of a growing term within one step
 
 
+class Work(NamedTuple):
+    """Room for one search at a time, for up to g guards and p pairs."""
+
+    amplitudes: np.ndarray  # (g, p, orders, 6)
+    rounding: np.ndarray  # (g,)
+    forms: np.ndarray  # (g, 2p + 1)
+    nodes: np.ndarray  # (2, g, 6) guards and derivatives at both ends of a step
+    factors: np.ndarray  # (3, p, 3) decay factors at both ends, and the largest between
+    states: np.ndarray  # (3, 2p) modal states
+
+
+@allocating_kernel
+def workspace(flow, guards):
+    """Return room for searches with up to so many guards."""
+    pairs = flow.oscillators.shape[1]
+    return Work(
+        np.empty((guards, pairs, modal.ORDERS, 6)),
+        np.empty(guards),
+        np.empty((guards, 2 * pairs + 1)),
+        np.empty((2, guards, 6)),
+        np.empty((3, pairs, 3)),
+        np.empty((3, 2 * pairs)),
+    )
+
+
 @allocating_kernel
 def first_crossing(flow, mode, state, guards, on_surface, limit):
+    """As :func:`search`, in room of its own."""
+    return search(flow, mode, state, guards, on_surface, limit, workspace(flow, guards.shape[0]))
+
+
+@kernel
+def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten; ``Work``. Returns (``Found``, index of the guard, time [s]).
     """
     pairs, count = flow.pairs[mode], guards.shape[0]
     rows, size = flow.oscillators[mode, :pairs], 2 * pairs
-    amplitudes, rounding = np.empty((count, pairs, modal.ORDERS, 6)), np.empty(count)
-    forms, modal_states = np.empty((count, size + 1)), np.empty((3, size))
-    nodes, factors = np.empty((2, count, 6)), np.empty((3, pairs, 3))
-    values, ahead = nodes[0], nodes[1]
+    amplitudes, rounding = work.amplitudes[:count, :pairs], work.rounding
+    forms, states = work.forms[:count, : size + 1], work.states[:, :size]
+    values, ahead = work.nodes[0, :count], work.nodes[1, :count]
+    factors = work.factors[:, :pairs]
     decays, decays_ahead, largest = factors[0], factors[1], factors[2]
-    start, there, scratch = modal_states[0], modal_states[1], modal_states[2]
+    start, there, scratch = states[0], states[1], states[2]
     modal.apply(flow.to_modal[mode], state, start)
     _prepare(flow, mode, rows, start, guards, on_surface, forms, amplitudes, values, rounding)
     modal.flow_with_decays(rows, start, 0.0, there, decays)

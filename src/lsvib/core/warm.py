@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lsvib.core import flows, loop, planar
+from lsvib.core import flows, loop, planar, walk
 from lsvib.core.modal import ModalFlow
 from lsvib.core.status import Test
 from lsvib.core.tables import Tables
@@ -62,4 +62,4 @@ def _bounce(flow) -> None:
     if isinstance(flow, np.ndarray):
         planar.crossing(flow, 0, state, surface, False, 1.0)
     else:
-        flows.first_crossing(flow, 0, state, surface[None], np.array([False]), 1.0)
+        walk.first_crossing(flow, 0, state, surface[None], np.array([False]), 1.0)
