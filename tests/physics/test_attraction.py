@@ -80,7 +80,9 @@ def check_scene(mapped, scene, starts: int, near: int, step: float, pieces: int)
     return doubtful.size, set(ours.tolist())
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize(
+    "scene", [name if name != "small basin" else pytest.param(name, marks=pytest.mark.slow) for name in SCENES]
+)
 def test_labels_against_fixed_steps_and_mpmath(mappers, scene):
     left, met = check_scene(mappers(SCENES[scene][0]), scene, 60, 2, 2e-5, 1)
     assert left <= 2  # the steps are tight enough to be a test of their own

@@ -81,6 +81,7 @@ def check(name, start, t_end):
     return len(kinds)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRIVES)
 def test_motion(name):
     assert check(name, BACKWARD, 0.006) > 0

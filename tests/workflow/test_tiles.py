@@ -34,6 +34,7 @@ def mapped(tmp_path_factory):
     return project
 
 
+@pytest.mark.slow
 def test_a_changed_map_is_computed_again(mapped):
     assert mapped.plan(MAP) == set()
     for change in ("grid: {u: {count: 61}}", "drive: {mass: 10.9}"):
@@ -51,6 +52,7 @@ def finished_tiles(project):
     return {tile.name: (tile.stat().st_ino, tile.stat().st_mtime_ns) for tile in tiles}
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_with_the_tiles_that_are_missing(mapped):
     """SIGKILL to Snakemake and all its jobs when some tiles are there; the map is that of the run in one tile."""
     reference = read_dataset(mapped.folder / MAP)

@@ -86,6 +86,7 @@ def test_draft_configuration_reruns_both_figures(built):
     assert {"Computing fig8_03", "Computing fig8_08"} <= jobs
 
 
+@pytest.mark.slow
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     """All but the figures of contact force and eigenvalues (8.1–8.3, 8.8, 8.15) wait for the compiled engine."""
     lines = (ROOT / "config" / "config.yaml").read_text(encoding="utf-8").splitlines()
