@@ -23,7 +23,7 @@ from lsvib.analysis.attraction import Progress, check_quantities, in_blocks
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.analysis.grid import COORDINATES, Grid
 from lsvib.core.status import Status
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.model import find_model
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew
@@ -103,8 +103,9 @@ class StateMapper:
         for _ in range(_ROUNDS):
             try:
                 motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
-            except EngineError:
-                return Attractor.UNBOUNDED, np.inf, sprags, -1 if first is None else first
+            except EngineError as error:
+                label = Attractor.UNBOUNDED if isinstance(error, DivergenceError) else Attractor.UNRESOLVED
+                return label, np.inf, sprags, -1 if first is None else first
             if first is None:
                 first = int(motion.kind[0]) if motion.time.size else -1
             if motion.status == Status.SETTLED:

@@ -46,6 +46,7 @@ def sizes(automaton: Automaton) -> np.ndarray:
 
 
 def nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
+    """Return the tables of an automaton before anything is known of its sections; ``size`` as of :func:`sizes`, (2)."""
     tables = automaton.tables
     modes, surfaces = len(tables.flow), len(tables.surfaces)
     rests = np.isin(automaton.codes, automaton.rest_codes)
@@ -93,6 +94,7 @@ def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
 
 
 def find_sections(automaton: Automaton, known: Known) -> list[Section]:
+    """Return the modes of slip with the surfaces on which events enter them."""
     tables, found = automaton.tables, set()
     for transition, surface in enumerate(known.landing):
         if surface >= 0:
@@ -137,6 +139,7 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
 
 
 def with_labels(known: Known, found: dict[Section, Pieces]) -> Known:
+    """Return ``known`` with the labels of sections."""
     first, last, edges, labels = np.zeros_like(known.first), np.zeros_like(known.last), [], []
     for section, pieces in found.items():
         first[section.mode, section.surface] = len(edges)

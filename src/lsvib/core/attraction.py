@@ -17,7 +17,7 @@ import numpy as np
 from lsvib.core import flows, loop, planar
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, EQUILIBRIUM, ROUNDING
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
 
 UNRESOLVED = -1
 UNKNOWN = -2
@@ -26,8 +26,6 @@ _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _UNDECIDED = int(Found.UNDECIDED)
-_POSITIVE = int(Test.POSITIVE)
-_ZERO = int(Test.ZERO)
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
 _STEPPED = -1  # outcome of a step that is no end
 _SETTLED = int(Status.SETTLED)
@@ -220,38 +218,20 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
 
     Arguments: coordinate values x (columns) and y (rows); ``across``, the coordinate (0: u, 1: w) that x is; budget.
     Where all that leaves a mode has one label and the first event is not asked for, it is enough to know whether there
-    is one; that part is written out in numbers, since arrays that go from kernel to kernel cost more than they do here.
+    is one.
     """
     scratch = new_scratch(tables)
-    flow, surfaces, trap = tables.flow, tables.surfaces, known.trap
-    condition_row, condition_test = tables.condition_row, tables.condition_test
+    flow, surfaces = tables.flow, tables.surfaces
     for i in range(y.size):
         for j in range(x.size):
             u, w = (y[i], x[j]) if across else (x[j], y[i])
-            mode = -1
-            for branch in range(tables.branch_start[0], tables.branch_start[1]):
-                holds = True
-                for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
-                    g_u, g_w, g_0 = condition_row[k, 0], condition_row[k, 1], condition_row[k, 2]
-                    value = g_u * u + g_w * w + g_0
-                    size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
-                    if condition_test[k] == _POSITIVE:
-                        holds = value > size
-                    elif condition_test[k] == _ZERO:
-                        holds = abs(value) <= size
-                    else:
-                        holds = value >= -size
-                    if not holds:
-                        break
-                if holds:
-                    mode = tables.branch_mode[branch]
-                    break
-            label, first = UNRESOLVED if mode < 0 else UNKNOWN, NO_EVENT
+            _put(scratch, u, w)
+            branch = loop.choose_branch(tables, 0, scratch.state, scratch.scale)
+            label, first = UNRESOLVED if branch < 0 else UNKNOWN, NO_EVENT
+            mode = tables.branch_mode[max(branch, 0)]
             if label == UNKNOWN:
-                offset = u - flow[mode, EQUILIBRIUM]
-                eta = w + flow[mode, ALPHA] * offset
-                extent = eta * eta + trap[mode, 0] * offset * offset
-                if extent < trap[mode, 1]:
+                extent = _ellipse(tables, known, mode, scratch.state)
+                if extent < known.trap[mode, 1]:
                     label = known.settled[mode]
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
                     leaves = _NONE
@@ -279,7 +259,6 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                     elif leaves == _NONE:
                         label = known.settled[mode]
             if label == UNKNOWN:
-                _put(scratch, u, w)
                 label, first = label_of(tables, known, mode, scratch, budget)
             labels[i, j] = label
             if first_events.size > 0:

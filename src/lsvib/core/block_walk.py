@@ -45,7 +45,7 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
     """
     edges, matrix = flow.edges[mode], flow.matrix[mode]
     size, count = matrix.shape[0], guards.shape[0]
@@ -77,10 +77,10 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
         rounding = np.maximum(rounding, _rounding(weights, constants, there))
         outcome, stretch = _POSITIVE, _LONGEST
         for guard in range(count):
-            starting = a == 0.0 and on_surface[guard]
             decision, slack = _decide(
-                values[guard], ahead[guard], sizes[guard], moved, flow.growth[mode], b - a, rounding[guard], starting
-            )
+                values[guard], ahead[guard], sizes[guard], moved, flow.growth[mode], b - a, rounding[guard],
+                on_surface[guard],
+            )  # fmt: skip
             stretch = min(stretch, slack)
             if decision == _TOUCHES and outcome == _POSITIVE:
                 return _GRAZE, guard, 0.5 * (a + b)
@@ -94,6 +94,8 @@ def first_crossing(flow, mode, state, guards, on_surface, limit):
             continue
         if outcome == _ROOT:
             return _earliest(flow, mode, start, weights, constants, ahead, a, b, work)
+        for guard in range(count):
+            on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         values[:] = ahead
         _derivative_sizes(matrix, edges, there, a, moved)
@@ -189,10 +191,10 @@ def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface
     if second < rounding:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > rounding:
-            return _POSITIVE, 1.0
+            return _POSITIVE, _LONGEST
         if there[0] <= -rounding:
-            return _ROOT, 1.0
-        return _POSITIVE if starts_on_surface else _TOUCHES, 1.0
+            return _ROOT, _LONGEST
+        return _POSITIVE if starts_on_surface else _TOUCHES, _LONGEST
     return _UNDECIDED, slack
 
 

@@ -17,6 +17,7 @@ class _Followed:
         self.hybrid, self.motion = hybrid, motion
 
     def run(self) -> Run:
+        """Return what is compared: events, final state, steady amplitude."""
         motion, scene = self.motion, self.hybrid.scene
         ours = counted(motion.kind)
         modes, starts, _, _ = motion.arcs()

@@ -26,6 +26,7 @@ class _Stepped:
         self.state, self.times, self.kinds, self.extremes = state, times, kinds, extremes
 
     def run(self) -> Run:
+        """Return what is compared: events, final state, steady amplitude."""
         return Run(
             end_state=self.state,
             times=self.times,

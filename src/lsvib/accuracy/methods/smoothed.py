@@ -30,6 +30,7 @@ class _Sampled:
         self.scene, self.width, self.found = scene, width, found
 
     def run(self) -> Run:
+        """Return what is compared; a smoothed motion has no events."""
         times, states = np.asarray(self.found.t), np.asarray(self.found.y)
         if not self.found.success:
             return Run(end_state=states[-1], failure=str(self.found.message))

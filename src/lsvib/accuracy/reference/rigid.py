@@ -122,6 +122,7 @@ class Drive:
         return -self.k * (self.z0 + u)
 
     def Q_terms(self, u, w):  # (8.17)
+        """Return the terms of Q (8.17) in u [rad] and w [rad/s], and its constant."""
         return (
             self.p * self.m * self.k * u,
             self.p * (self.m * self.c - self.I * self.cx) * w,

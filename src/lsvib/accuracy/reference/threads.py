@@ -199,6 +199,7 @@ class Drive:
         return (-self.k * (self.z0 + x[0]) / self.r + self.N(x) * self.sin) / self.cos
 
     def slip(self, law, x):  # (8.6)
+        """Return the rate of the state x = (u, w, e, v) in slip under a law, (8.6) with damping."""
         u, w, _, v = x
         speed, N = w + self.Omega, self.N(x)
         torque = -self.k * (self.z0 + u) - self.c * speed
@@ -239,6 +240,7 @@ class Drive:
         return self.slip_arc(mode[0] * mode[1], x) if mode[0] else self.rest_arc(x)
 
     def slip_arc(self, law, x):
+        """Return the closed form of slip under a law from the state x on, in eigenvectors."""
         A, b, rates, vectors, steady = self.fields[law]
         weights = mp.lu_solve(vectors, mp.matrix(x) - steady)
         kept, columns = [], []
@@ -251,6 +253,7 @@ class Drive:
         return Arc(kept, columns, list(steady), [mpf(0)] * 4, lambda t: _by_matrix_exponential(A, b, x, t))
 
     def rest_arc(self, x):
+        """Return the closed form of rest from the state x on."""
         u, w, e, v = x
         A, b = self.matrix(self.rest)
         # v' = a3 + p u + q e + d v and u = u0 - Omega t: e = alpha + beta t + free oscillation

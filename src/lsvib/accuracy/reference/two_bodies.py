@@ -158,6 +158,7 @@ class Drive:
         return mu * side * forces[2] - way * forces[3]
 
     def data(self, mode):
+        """Return A and b of a mode, its guards and the rows of its conditions, made once."""
         if mode not in self.cache:
             table = np.array([self.row(lambda x, i=i: self.field(mode, x)[i]) for i in range(4)])
             conditions = self.conditions(mode)
@@ -170,6 +171,7 @@ class Drive:
         return self.cache[mode]
 
     def modes(self):
+        """Return the modes: direction of slip, sign of Q, direction of the second friction."""
         ways = (1, -1, 0) if self.second else (None,)
         slips = [(d, q) for d, q in product((1, -1), (1, -1)) if not self.painleve or d * q < 0]
         rests = [(0, 1), (0, -1)] if self.model == "support" else [(0, 0)]
@@ -187,6 +189,7 @@ class Drive:
         return x
 
     def advance(self, mode, x, t):
+        """Return the state a short time t [s] after x in a mode, by the series of the flow."""
         A, b, _, _ = self.data(mode)
         term, total = t * (A @ x + b), x.copy()
         for k in range(2, 60):
