@@ -11,12 +11,14 @@ import numba
 import numpy as np
 import pytest
 
-from lsvib.core import modal, walk
+from lsvib.core import sums, walk
+from lsvib.core.affine import level
 from lsvib.models.motion import follow
 from lsvib.models.parameters import ThreadsDrive
 from lsvib.models.threads import threads_drive
 
 _LIMIT = 1.0
+_OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
 
 
 def arcs():
@@ -32,7 +34,7 @@ def arcs():
         assert tables.guard_start[mode + 1] - first == 2
         for k in (0, 1):
             guards[i, k] = tables.guard_sign[first + k] * tables.surfaces[tables.guard_surface[first + k]]
-            value, size, *_ = modal.guard_at(tables.flow, mode, state, np.abs(state), guards[i, k])
+            value, size = level(guards[i, k], state, np.abs(state))
             zero[i, k] = value <= size
     return tables.flow, modes, starts, guards, zero
 
@@ -45,16 +47,21 @@ def nodes_of(flow, modes, starts, guards, zero):
 
         def decide(*arguments, taken=taken):
             outcome = walk._decide(*arguments)
-            taken.append((arguments[4], arguments[6], outcome[0]))
+            taken.append((arguments[3], arguments[6], outcome[0]))
             return outcome
 
         names = {**vars(walk), "_decide": decide}
         search = types.FunctionType(walk.search.py_func.__code__, names)
-        found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, walk.workspace(flow, 2))
+        found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, sums.room_for(flow, 2))
         roots.append((int(found), guard, when))
         undecided = {step for _, step, outcome in taken if outcome == walk._UNDECIDED}
         steps.append([step for guard, step, _ in taken if guard == 1 and step not in undecided])
     return steps, roots
+
+
+@numba.njit(**_OPTIONS, forceinline=True)
+def no_bounds(row, value, rate, out):
+    """What a plain search needs of :func:`lsvib.core.sums.pair_bounds`."""
 
 
 @pytest.mark.slow
@@ -67,37 +74,37 @@ def test_certainty_costs_less_than_twice_a_plain_search():
     for row, taken in zip(nodes, steps, strict=True):
         row[: len(taken)] = taken
 
-    @numba.njit(error_model="numpy")
+    # The parts of the guards without their bounds.
+    names = {**vars(sums), "pair_bounds": no_bounds, "ORDERS": 3}
+    parts = numba.njit(**_OPTIONS, forceinline=True)(types.FunctionType(sums.prepare.py_func.__code__, names))
+
+    @numba.njit(**_OPTIONS)
     def plain(flow, mode, state, guards, steps, work):
-        pairs, count = flow.pairs[mode], guards.shape[0]
-        rows, size = flow.oscillators[mode, :pairs], 2 * pairs
-        forms, states, ahead = work.forms[:count, : size + 1], work.states[:, :size], work.nodes[1, :count]
-        modal.apply(flow.to_modal[mode], state, states[0])
-        for guard in range(count):
-            modal.in_modal_form(flow, mode, guards[guard], forms[guard])
+        count = guards.shape[0]
+        parts(flow, mode, state, guards, work)
         a = 0.0
         for step in steps:
             b = a + step
-            modal.flow_pairs(rows, states[0], b, states[1])
+            sums.go_to(flow, mode, work, b, 1)
             change = False
             for guard in range(count):
-                modal.derivatives(rows, states[1], forms, guard, ahead)
-                change = change or ahead[guard, 0] <= 0.0
+                sums.evaluate(flow, mode, work, guard, 1)
+                change = change or work.values[1, guard, 0] <= 0.0
             if change:
-                return walk._earliest(rows, states[0], forms, ahead, a, b, states[2])
+                return walk._earliest(flow, mode, work, count, 1, a, b)
             a = b
         return 0, -1, a
 
     @numba.njit(error_model="numpy")
     def all_certain(flow, modes, starts, guards, zero, out):
-        work = walk.workspace(flow, 2)
+        work = sums.room_for(flow, 2)
         for i in range(modes.size):
             on = zero[i].copy()
             out[i] = walk.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
 
     @numba.njit(error_model="numpy")
     def all_plain(flow, modes, starts, guards, nodes, out):
-        work = walk.workspace(flow, 2)
+        work = sums.room_for(flow, 2)
         for i in range(modes.size):
             out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], work)[2]
 

@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from lsvib.core import modal, walk
+from lsvib.core import modal, sums, walk
 from lsvib.core.planar import A0, ALPHA, BETA, R1, R2
 from lsvib.core.status import Found
 from lsvib.models.field import exact_field
@@ -63,14 +63,15 @@ def exact(rows, state, t):
 
 def rate_of(flow, mode=0):
     rows = flow.oscillators[mode]
-    return float(max(np.abs(rows[:, [R1, R2]]).max(), (np.abs(rows[:, ALPHA]) + rows[:, BETA]).max())) or 1.0
+    pairs = [np.abs(rows[:, R1]), np.abs(rows[:, R2]), np.abs(rows[:, ALPHA]) + rows[:, BETA]]
+    return float(np.concatenate([*pairs, np.abs(flow.rates[mode])]).max()) or 1.0
 
 
 def growth(flow, t):
     """Largest factor by which a part of the state grows."""
     rows = flow.oscillators[0]
-    rates = np.where(rows[:, BETA] > 0.0, -rows[:, ALPHA], rows[:, R1])
-    return math.exp(max(0.0, float(rates.max())) * t)
+    rates = [*np.where(rows[:, BETA] > 0.0, -rows[:, ALPHA], rows[:, R1]), *flow.rates[0]]
+    return math.exp(max(0.0, *rates) * t)
 
 
 def flow_error(rows, state, t, mode=None):
@@ -234,7 +235,7 @@ FACTORS = st.one_of(
 def rounding_of(row, factors, k):
     """What forming the k-th derivative of a pair's part may lose: its P_k is a sum of terms ρ^k |P|, ρ^{k−1} |Q|."""
     rate = max(np.abs(row[[R1, R2]]).max(), np.sqrt(row[A0]))
-    return 8 * EPS * rate ** (k - 1) * (rate * factors[2] + factors[3])
+    return 8 * EPS * rate**k * (factors[2] + factors[3] / rate)
 
 
 @settings(max_examples=150)
@@ -246,32 +247,36 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
         assume(False)
     rows = flow.oscillators[0]
     state, guard = np.array(numbers[:n]), np.array([*numbers[6 : 6 + n], 0.5])
-    form = np.empty((1, 1 + flow.to_modal.shape[1]))
-    modal.in_modal_form(flow, 0, guard, form[0])
-    start = np.empty(flow.to_modal.shape[1])
-    modal.apply(flow.to_modal[0], state, start)
-    amplitudes = np.empty((1, rows.shape[0], modal.ORDERS, 6))
-    for pair, row in enumerate(rows):
-        u, w, g, h = start[2 * pair], start[2 * pair + 1], form[0, 2 * pair], form[0, 2 * pair + 1]
-        modal.amplitudes(row, g * u + h * w, g * w - h * (row[0] * u + row[1] * w), amplitudes[0, pair])
+    room = sums.room_for(flow, 1)
+    sums.prepare(flow, 0, state, guard[None], room)
     left = angle / rate_of(flow) / 3
     right = left + angle / rate_of(flow)
-    there, ends = np.empty(start.size), np.empty((2, rows.shape[0], 3))
-    modal.flow_with_decays(rows, start, left, there, ends[0])
-    modal.flow_with_decays(rows, start, right, there, ends[1])
-    largest = ends.max(axis=0)
+    for node, t in ((0, left), (1, right)):
+        sums.go_to(flow, 0, room, t, node)
+        sums.evaluate(flow, 0, room, 0, node)
+    eighth = (right - left) ** 2 / 8
+    lowest = [sums.least_between(flow, 0, room, 0, 0, 1, k, 1.0, eighth)[0] for k in range(3)]
+    highest = [-sums.least_between(flow, 0, room, 0, 0, 1, k, -1.0, eighth)[0] for k in range(3)]
+    decays = room.pair_nodes[:2, :, 3:].max(axis=0)
     A, b = flow.field[0][:, :-1], flow.field[0][:, -1]
     for t in np.linspace(left, right, 41):
         x, terms = np.empty(n), np.empty(n)
         modal.advance(flow, 0, state, t, x)
-        modal.travel(flow, 0, state.copy(), t, terms, np.empty((2, start.size)))
+        modal.travel(flow, 0, state.copy(), t, terms, room.states)
         derivative, weights = A @ x + b, guard[:-1]
-        for k in range(1, modal.ORDERS):
+        for k in range(sums.ORDERS):
             sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state) + terms)
-            most = sum(modal.bound(amplitudes[0, pair, k], *largest[pair]) for pair in range(len(rows)))
-            most += sum(rounding_of(row, amplitudes[0, pair, 0], k) for pair, row in enumerate(rows))
-            assert abs(weights @ derivative) <= most * (1 + 1e-12) + 256 * EPS * (1 + angle) * sizes + 1e-50
-            derivative = A @ derivative
+            noise = sum(rounding_of(row, room.pair_bounds[0, pair, 0], k) for pair, row in enumerate(rows))
+            noise += 256 * EPS * (1 + angle) * (sizes + (k == 0)) + 1e-50
+            value = guard @ [*x, 1.0] if k == 0 else weights @ derivative
+            if k < 3:
+                assert lowest[k] - noise <= value <= highest[k] + noise
+            if k:
+                most = sum(sums.bound(room.pair_bounds[0, pair, k], *decays[pair]) for pair in range(len(rows)))
+                growth_of = room.single_nodes[:2, :, 0].max(axis=0)
+                most += float(np.abs(room.singles[0, :, k]) @ growth_of)
+                assert abs(value) <= most * (1 + 1e-12) + noise
+                derivative = A @ derivative
 
 
 def search(flow, state, guard, on_surface=False, limit=10.0):

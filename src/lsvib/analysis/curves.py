@@ -18,6 +18,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.core import planar
+from lsvib.core.affine import level
 from lsvib.core.status import Found
 
 _DIGITS = 40
@@ -60,7 +61,8 @@ def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
 def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
     """Return the times [s] in (0, duration) at which an affine function (3) of the state changes sign along an arc."""
     times, time, state = [], 0.0, np.asarray(arc.start, dtype=float)
-    value, size, rate, rate_size, bend, _ = planar.guard_at(flow, arc.mode, state, np.abs(state), row)
+    value, size = level(row, state, np.abs(state))
+    rate, rate_size, bend, _ = planar.slopes_at(flow, arc.mode, state, np.abs(state), row)
     touches = abs(value) <= size
     sign = math.copysign(1.0, (rate if abs(rate) > rate_size else bend) if touches else value)
     while True:

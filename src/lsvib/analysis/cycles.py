@@ -163,10 +163,14 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         rows, equilibrium = flow[mode][None], np.array([flow[mode, planar.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])
     else:
-        rows, field, table = flow.oscillators[mode], flow.field[mode], flow.to_modal[mode]
+        pairs, field = flow.pairs[mode], flow.field[mode]
+        rows, table = flow.oscillators[mode, :pairs], flow.to_modal[mode, : 2 * pairs + flow.singles[mode]]
         equilibrium = np.linalg.solve(field[:, :-1], -field[:, -1])
         rounding = ROUNDING * (np.abs(table[:, :-1]) @ np.abs(state) + np.abs(table[:, -1]))
-        excited = (np.abs(table[:, :-1] @ state + table[:, -1]) > rounding).reshape(-1, 2).any(axis=1)
+        moved = np.abs(table[:, :-1] @ state + table[:, -1]) > rounding
+        if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
+            return SteadyState(Attractor.UNBOUNDED, state)
+        excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
     damping = rows[:, planar.ALPHA]
     undamped = np.abs(damping) <= ROUNDING * rows[:, planar.BETA]
     if (excited & ~undamped & (damping < 0)).any():

@@ -20,9 +20,9 @@ import math
 
 import numpy as np
 
+from lsvib.core.affine import apply
 from lsvib.core.blocks import carry
 from lsvib.core.jit import allocating_kernel
-from lsvib.core.modal import apply
 from lsvib.core.planar import EPS
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found

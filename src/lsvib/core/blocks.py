@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.core.affine import apply
 from lsvib.core.jit import allocating_kernel
-from lsvib.core.modal import apply
 
 _DEGREE = 18  # of the Taylor polynomial
 

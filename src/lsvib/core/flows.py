@@ -11,7 +11,8 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from lsvib.core import block_walk, blocks, modal, planar, walk
+from lsvib.core import block_walk, blocks, modal, planar, sums, walk
+from lsvib.core.affine import level
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.status import Found
 
@@ -79,8 +80,8 @@ def _by_kind(planar_kernel, modal_kernel, block_kernel):
 
 advance = _by_kind(planar.advance, modal.advance, blocks.advance)
 travel = _by_kind(_planar_travel, _modal_travel, _block_travel)
-workspace = _by_kind(_no_workspace, walk.workspace, _no_workspace)
-guard_at = _by_kind(planar.guard_at, modal.guard_at, modal.guard_at)
+workspace = _by_kind(_no_workspace, sums.room_for, _no_workspace)
+slopes_at = _by_kind(planar.slopes_at, modal.slopes_at, modal.slopes_at)
 search = _by_kind(_planar_search, walk.search, _block_search)
 
 
@@ -99,12 +100,13 @@ def _searched_extremes(flow, mode, state, functional, duration):
     for i in range(n):
         for j in range(n + 1):
             rate[j] += functional[i] * flow.field[mode, i, j]
-    low = high = _at(functional, here)
+    low = high = level(functional, here, here)[0]
     if not rate.any():
         return low, high
     passed, sign = 0.0, 0.0
     for _ in range(_MANY):
-        value, size, slope, _, _, _ = modal.guard_at(flow, mode, here, np.abs(here), rate)
+        value, size = level(rate, here, np.abs(here))
+        slope, _, _, _ = modal.slopes_at(flow, mode, here, np.abs(here), rate)
         on_surface[0] = sign != 0.0 or abs(value) <= size
         if sign == 0.0:
             sign = math.copysign(1.0, slope if on_surface[0] else value)
@@ -116,20 +118,13 @@ def _searched_extremes(flow, mode, state, functional, duration):
             break
         passed += stay
         advance(flow, mode, here, stay, here)
-        low, high = min(low, _at(functional, here)), max(high, _at(functional, here))
+        value, _ = level(functional, here, here)
+        low, high = min(low, value), max(high, value)
         if found == _CROSSING:
             sign = -sign
     advance(flow, mode, state, duration, here)
-    return min(low, _at(functional, here)), max(high, _at(functional, here))
-
-
-@kernel
-def _at(functional, state):
-    """Value of an affine function of the state."""
-    value = functional[state.size]
-    for i in range(state.size):
-        value += functional[i] * state[i]
-    return value
+    value, _ = level(functional, here, here)
+    return min(low, value), max(high, value)
 
 
 extremes = _by_kind(planar.extremes, _searched_extremes, _searched_extremes)

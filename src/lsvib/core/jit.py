@@ -30,3 +30,4 @@ allocating_kernel = numba.njit(**_OPTIONS, _nrt=True)
 # A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
 # together they took half of the time of a run, and would make threads wait for each other.
 kernel = numba.njit(**_OPTIONS, _nrt=False)
+inlined_kernel = numba.njit(**_OPTIONS, _nrt=False, forceinline=True)

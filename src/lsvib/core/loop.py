@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from lsvib.core import flows
-from lsvib.core.jit import allocating_kernel, kernel
-from lsvib.core.planar import ROUNDING
+from lsvib.core.affine import level
+from lsvib.core.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 _NONE = int(Found.NONE)
@@ -25,7 +25,7 @@ MANY = 24  # so many shortest stays in a row are an accumulation
 LARGEST = 1e150  # a state beyond it has left the range of numbers
 
 
-@kernel
+@inlined_kernel
 def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
@@ -44,33 +44,23 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             guards[k, i] = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard], i]
         for i in range(tables.guard_parts.shape[1]):
             guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
-        value, size, rate, rate_size, bend, bend_size = flows.guard_at(tables.flow, mode, state, scale, guards[k])
+        value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
-        falls = value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size)
-        if on_surface[k] and falls:
-            return _CROSSING, guard, 0.0
+        if on_surface[k]:
+            rate, rate_size, bend, bend_size = flows.slopes_at(tables.flow, mode, state, scale, guards[k])
+            if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
+                return _CROSSING, guard, 0.0
     found, k, when = flows.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
 
-@kernel
-def _affine(row, state, scale):
-    """Value of an affine function of the state, and the size of its rounding."""
-    last = row.size - 1
-    value, size = row[last], abs(row[last])
-    for i in range(last):
-        value += row[i] * state[i]
-        size += abs(row[i]) * scale[i]
-    return value, ROUNDING * size
-
-
-@kernel
+@inlined_kernel
 def choose_branch(tables, transition, state, scale):
     """Return the first branch of a transition whose conditions hold at ``state``, or −1; ``scale`` as in next_event."""
     for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
         holds = True
         for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
-            value, size = _affine(tables.condition_row[k], state, scale)
+            value, size = level(tables.condition_row[k], state, scale)
             test = tables.condition_test[k]
             if test == _POSITIVE:
                 holds = value > size
@@ -85,7 +75,7 @@ def choose_branch(tables, transition, state, scale):
     return -1
 
 
-@kernel
+@inlined_kernel
 def put_on_surface(tables, guard, state, scale):
     """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit.
 
@@ -104,7 +94,7 @@ def put_on_surface(tables, guard, state, scale):
     scale[chosen] = min(scale[chosen], size / abs(surface[chosen]))
 
 
-@kernel
+@inlined_kernel
 def apply_reset(tables, transition, state, scratch):
     """Apply the affine reset of a transition to ``state`` in place; ``scratch`` has the size of the state."""
     index = tables.transition_reset[transition]
@@ -120,7 +110,7 @@ def apply_reset(tables, transition, state, scratch):
         state[i] = scratch[i]
 
 
-@kernel
+@inlined_kernel
 def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
     if stay > 0.0:
@@ -190,7 +180,7 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             return Status.STOP_EVENT, mode, count
 
 
-@kernel
+@inlined_kernel
 def add_time(clock, stay):
     """Add to a compensated sum, so that a million short stays lose no digits."""
     total = clock[0] + stay

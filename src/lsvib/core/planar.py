@@ -333,8 +333,8 @@ def magnitudes(flow, mode, state, stay, scale):
 
 
 @kernel
-def guard_at(flow, mode, state, scale, guard):
-    """Value, first and second derivative of a guard at a state, each with the size below which it is rounding only.
+def slopes_at(flow, mode, state, scale, guard):
+    """First and second derivative of a guard at a state, each with the size below which it is rounding only.
 
     ``scale`` (2) are the magnitudes that the state was computed from; its rounding is in proportion to them.
     """
@@ -344,13 +344,11 @@ def guard_at(flow, mode, state, scale, guard):
     jerk = -row[A0] * w - row[A1] * acceleration
     push = abs(row[B]) + abs(row[A0]) * scale[0] + abs(row[A1]) * scale[1]
     tug = abs(row[A0]) * scale[1] + abs(row[A1]) * push
-    value = guard[0] * u + guard[1] * w + guard[2]
     rate = guard[0] * w + guard[1] * acceleration
     bend = guard[0] * acceleration + guard[1] * jerk
-    size = ROUNDING * (abs(guard[0]) * scale[0] + abs(guard[1]) * scale[1] + abs(guard[2]))
     rate_size = ROUNDING * (abs(guard[0]) * scale[1] + abs(guard[1]) * push)
     bend_size = ROUNDING * (abs(guard[0]) * push + abs(guard[1]) * tug)
-    return value, size, rate, rate_size, bend, bend_size
+    return rate, rate_size, bend, bend_size
 
 
 @kernel

@@ -1,9 +1,7 @@
 """The certain search for the first guard that fires in a mode with many states.
 
 The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on
-the step: the part of the pairs with complex rates by |f − chord of f| ≤ max|f″| h²/8, h = b − a, with the bounds of
-:func:`lsvib.core.modal.bound`; the part of the pairs with real rates likewise, or term by term, since each term is
-monotone – whichever is narrower. Then, with g ≥ 0 at a,
+the step (:func:`lsvib.core.sums.least_between`). Then, with g ≥ 0 at a,
 
     g > 0 on [a, b]     no root;
     g′ > 0              no root;
@@ -17,13 +15,10 @@ together are below the guards' constants.
 """
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from lsvib.core import modal
-from lsvib.core.jit import allocating_kernel, kernel
-from lsvib.core.planar import A0, A1, ALPHA, BETA, EPS, R1, R2
+from lsvib.core import modal, sums
+from lsvib.core.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.core.planar import ALPHA, BETA, R1, R2
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
@@ -36,37 +31,13 @@ _STEPS = 1_000_000
 _LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
 _BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
 _GROWTH = 8.0  # of the exponent of a growing term within one step
-
-
-class Work(NamedTuple):
-    """Room for one search at a time, for up to g guards and p pairs."""
-
-    amplitudes: np.ndarray  # (g, p, orders, 6)
-    rounding: np.ndarray  # (g,)
-    forms: np.ndarray  # (g, 2p + 1)
-    nodes: np.ndarray  # (2, g, 6) guards and derivatives at both ends of a step
-    factors: np.ndarray  # (3, p, 3) decay factors at both ends, and the largest between
-    states: np.ndarray  # (3, 2p) modal states
-
-
-@allocating_kernel
-def workspace(flow, guards):
-    """Return room for searches with up to so many guards."""
-    pairs = flow.oscillators.shape[1]
-    return Work(
-        np.empty((guards, pairs, modal.ORDERS, 6)),
-        np.empty(guards),
-        np.empty((guards, 2 * pairs + 1)),
-        np.empty((2, guards, 6)),
-        np.empty((3, pairs, 3)),
-        np.empty((3, 2 * pairs)),
-    )
+_SPARE = 2  # node for roots
 
 
 @allocating_kernel
 def first_crossing(flow, mode, state, guards, on_surface, limit):
     """As :func:`search`, in room of its own."""
-    return search(flow, mode, state, guards, on_surface, limit, workspace(flow, guards.shape[0]))
+    return search(flow, mode, state, guards, on_surface, limit, sums.room_for(flow, guards.shape[0]))
 
 
 @kernel
@@ -74,36 +45,26 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten; ``Work``. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten; ``Sums``. Returns (``Found``, index of the guard, time [s]).
     """
-    pairs, count = flow.pairs[mode], guards.shape[0]
-    rows, size = flow.oscillators[mode, :pairs], 2 * pairs
-    amplitudes, rounding = work.amplitudes[:count, :pairs], work.rounding
-    forms, states = work.forms[:count, : size + 1], work.states[:, :size]
-    values, ahead = work.nodes[0, :count], work.nodes[1, :count]
-    factors = work.factors[:, :pairs]
-    decays, decays_ahead, largest = factors[0], factors[1], factors[2]
-    start, there, scratch = states[0], states[1], states[2]
-    modal.apply(flow.to_modal[mode], state, start)
-    _prepare(flow, mode, rows, start, guards, on_surface, forms, amplitudes, values, rounding)
-    modal.flow_with_decays(rows, start, 0.0, there, decays)
-    longest = _longest_step(rows)
-    a, step = 0.0, min(limit, longest, _first_step(rows, values, amplitudes))
+    count = guards.shape[0]
+    sums.prepare(flow, mode, state, guards, work)
+    for guard in range(count):
+        if on_surface[guard]:
+            work.values[0, guard, 0] = 0.0
+            work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
+    longest = _longest_step(flow, mode)
+    steps, a, step = 0, 0.0, min(limit, longest, _first_step(flow, mode, work, count))
     for _ in range(_STEPS):
-        if a >= limit or (limit == math.inf and _never(rows, start, forms, amplitudes, decays, a)):
+        here, there = steps % 2, 1 - steps % 2
+        if a >= limit or (limit == math.inf and _never(flow, mode, work, count, here, a)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
-        modal.flow_with_decays(rows, start, b, there, decays_ahead)
-        for pair in range(pairs):
-            for k in range(3):
-                largest[pair, k] = max(decays[pair, k], decays_ahead[pair, k])
+        sums.go_to(flow, mode, work, b, there)
         outcome, stretch = _POSITIVE, _LONGEST
         for guard in range(count):
-            modal.derivatives(rows, there, forms, guard, ahead)
-            decision, slack = _decide(
-                rows, values, ahead, amplitudes, guard, (decays, decays_ahead, largest), b - a, rounding[guard],
-                on_surface[guard],
-            )  # fmt: skip
+            sums.evaluate(flow, mode, work, guard, there)
+            decision, slack = _decide(flow, mode, work, guard, here, there, b - a, on_surface[guard])
             stretch = min(stretch, slack)
             if decision == _TOUCHES and outcome == _POSITIVE:
                 return _GRAZE, guard, 0.5 * (a + b)
@@ -113,199 +74,146 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _UNDECIDED:
             step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
             if a + step == a:
-                return _first_below(ahead, b)
+                return _first_below(work.values[there, :count], b)
             continue
         if outcome == _ROOT:
-            return _earliest(rows, start, forms, ahead, a, b, scratch)
+            return _earliest(flow, mode, work, count, there, a, b)
         for guard in range(count):
-            on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
+            on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
-        values, ahead, decays, decays_ahead = ahead, values, decays_ahead, decays
+        steps += 1
     return _LOST, -1, limit
 
 
 @kernel
-def _prepare(flow, mode, rows, start, guards, on_surface, forms, amplitudes, values, rounding):
-    """Write the guards in modal form, their bounds' factors, their values at time zero and their rounding."""
-    size = start.size
-    for guard in range(guards.shape[0]):
-        form = forms[guard]
-        modal.in_modal_form(flow, mode, guards[guard], form)
-        modal.derivatives(rows, start, forms, guard, values)
-        total = abs(form[size])
-        for pair in range(rows.shape[0]):
-            row = rows[pair]
-            u, w = start[2 * pair], start[2 * pair + 1]
-            value = form[2 * pair] * u + form[2 * pair + 1] * w
-            rate = form[2 * pair] * w - form[2 * pair + 1] * (row[A0] * u + row[A1] * w)
-            modal.amplitudes(row, value, rate, amplitudes[guard, pair])
-            total += abs(form[2 * pair] * u) + abs(form[2 * pair + 1] * w)
-        rounding[guard] = 8.0 * EPS * total
-        if on_surface[guard]:
-            values[guard, 0] = 0.0
-            values[guard, 1] = max(values[guard, 1], 0.0)
-
-
-@kernel
-def _fastest(rows):
+def _fastest(flow, mode):
     """Largest rate [1/s] of a mode."""
     fastest = 0.0
-    for pair in range(rows.shape[0]):
-        row = rows[pair]
+    for pair in range(flow.pairs[mode]):
+        row = flow.oscillators[mode, pair]
         fastest = max(fastest, abs(row[R1]), abs(row[R2]), abs(row[ALPHA]) + row[BETA])
+    for single in range(flow.singles[mode]):
+        fastest = max(fastest, abs(flow.rates[mode, single]))
     return fastest
 
 
 @kernel
-def _longest_step(rows):
+def _longest_step(flow, mode):
     """Step [s] on which no term grows beyond e⁸."""
     growing = 0.0
-    for pair in range(rows.shape[0]):
-        row = rows[pair]
-        growing = max(growing, -row[ALPHA] if row[BETA] > 0.0 else row[R1])
+    for pair in range(flow.pairs[mode]):
+        growing = max(growing, modal.own_rate(flow.oscillators[mode, pair]))
+    for single in range(flow.singles[mode]):
+        growing = max(growing, flow.rates[mode, single])
     return _GROWTH / growing if growing > 0.0 else math.inf
 
 
 @kernel
-def _first_step(rows, values, amplitudes):
-    """Step [s] on which the complex pairs alone let the guards be decided."""
+def _first_step(flow, mode, work, count):
+    """Step [s] on which the pairs alone let the guards be decided."""
     shortest = math.inf
-    for guard in range(values.shape[0]):
+    for guard in range(count):
         best = 0.0
         for k in range(3):
             curve = 0.0
-            for pair in range(rows.shape[0]):
-                if rows[pair, BETA] > 0.0:
-                    curve += modal.bound(amplitudes[guard, pair, k + 2], 1.0, 0.0, 0.0)
-            best = max(best, 4.0 * abs(values[guard, k]) / curve if curve > 0.0 else math.inf)
+            for pair in range(flow.pairs[mode]):
+                curve += sums.bound(work.pair_bounds[guard, pair, k + 2], 1.0, 1.0, 0.0)
+            best = max(best, 4.0 * abs(work.values[0, guard, k]) / curve if curve > 0.0 else math.inf)
         shortest = min(shortest, math.sqrt(best))
     if 0.0 < shortest < math.inf:
         return shortest
-    fastest = _fastest(rows)
+    fastest = _fastest(flow, mode)
     return 1.0 / fastest if fastest > 0.0 else 1.0
 
 
-@kernel
-def _enclosure(rows, here, there, amplitudes, guard, decays, k, eighth):
-    """Bounds from below and above of the k-th derivative of a guard on a step; ``decays`` at both ends, and largest."""
-    least, most = min(here[guard, k], there[guard, k]), max(here[guard, k], there[guard, k])
-    smooth, rough = 0.0, 0.0  # bounds of the second derivative of the complex and of the real pairs
-    below, above = min(here[guard, k + 3], there[guard, k + 3]), max(here[guard, k + 3], there[guard, k + 3])
-    for pair in range(rows.shape[0]):
-        largest = decays[2][pair]
-        bound = modal.bound(amplitudes[guard, pair, k + 2], largest[0], largest[1], largest[2])
-        if rows[pair, BETA] > 0.0:
-            smooth += bound
-        else:
-            rough += bound
-            low, high = modal.range_of_terms(amplitudes[guard, pair, k], decays[0][pair], decays[1][pair])
-            below, above = below + low, above + high
-    low, high = least - (smooth + rough) * eighth, most + (smooth + rough) * eighth
-    if below - smooth * eighth > low:
-        low = min(below - smooth * eighth, least)
-    if above + smooth * eighth < high:
-        high = max(above + smooth * eighth, most)
-    return least, low, most, high
-
-
-@kernel
+@inlined_kernel
 def _margin(end, bound):
-    """How many times the width of an enclosure fits between zero and the end that is nearest to it."""
-    width = abs(end - bound)
-    return abs(end) / width if width > 0.0 else _LONGEST
+    """How many times the distance from the lesser end to the bound fits between zero and that end."""
+    width = end - bound
+    return end / width if width > 0.0 else _LONGEST
 
 
-@kernel
-def _decide(rows, here, there, amplitudes, guard, decays, step, rounding, starts_on_surface):
+@inlined_kernel
+def _common_sign(x, y):
+    """Sign of two numbers, zero if they differ in it."""
+    if min(x, y) > 0.0:
+        return 1.0
+    return -1.0 if max(x, y) < 0.0 else 0.0
+
+
+@inlined_kernel
+def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
-    eighth = 0.125 * step * step
-    least, low, _, _ = _enclosure(rows, here, there, amplitudes, guard, decays, 0, eighth)
-    if low > 0.0:
-        return _POSITIVE, _margin(least, low)
-    after = _ROOT if there[guard, 0] <= 0.0 else _POSITIVE
-    slowest, slow, fastest, fast = _enclosure(rows, here, there, amplitudes, guard, decays, 1, eighth)
-    if slow > 0.0:
-        return _POSITIVE, _margin(slowest, slow)
-    if fast < 0.0:
-        return after, _margin(fastest, fast)
-    flattest, flat, steepest, steep = _enclosure(rows, here, there, amplitudes, guard, decays, 2, eighth)
-    if flat > 0.0 and here[guard, 1] >= 0.0:
-        return _POSITIVE, _margin(flattest, flat)
-    if steep < 0.0:
-        return after, _margin(steepest, steep)
-    slack = 0.0
-    if least > 0.0:
+    eighth, slack = 0.125 * step * step, 0.0
+    first, last = work.values[here, guard], work.values[there, guard]
+    if min(first[0], last[0]) > 0.0:
+        low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
         slack = _margin(least, low)
-    if slowest > 0.0:
-        slack = max(slack, _margin(slowest, slow))
-    if fastest < 0.0:
-        slack = max(slack, _margin(fastest, fast))
-    if least - low < rounding:
+        if low > 0.0:
+            return _POSITIVE, slack
+    after = _ROOT if last[0] <= 0.0 else _POSITIVE
+    sign = _common_sign(first[1], last[1])
+    if sign != 0.0:
+        low, least = sums.least_between(flow, mode, work, guard, here, there, 1, sign, eighth)
+        slack = max(slack, _margin(least, low))
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    sign = _common_sign(first[2], last[2])
+    if sign < 0.0 or (sign > 0.0 and first[1] >= 0.0):
+        low, least = sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+    if least - low < work.rounding[guard]:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
-        if least > rounding:
+        if least > work.rounding[guard]:
             return _POSITIVE, _BEYOND_ROUNDING
-        if there[guard, 0] <= -rounding:
+        if last[0] <= -work.rounding[guard]:
             return _ROOT, _BEYOND_ROUNDING
         return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
     return _UNDECIDED, slack
 
 
 @kernel
-def _never(rows, start, forms, amplitudes, decays, t):
-    """True if every pair comes to a limit and the guards stay positive on the way there and in it.
-
-    A pair without stiffness, q″ = −a₁ q′, comes to q + q′/a₁ if a₁ > 0, and stays where it is if q′ = 0.
-    """
-    for pair in range(rows.shape[0]):
-        a0, a1 = rows[pair, A0], rows[pair, A1]
-        if a0 != 0.0 and not (a1 > 0.0 and (rows[pair, BETA] > 0.0 or rows[pair, R1] < 0.0)):
-            return False
-        if a0 == 0.0 and not a1 > 0.0 and start[2 * pair + 1] != 0.0:
-            return False
-    for guard in range(forms.shape[0]):
-        level = forms[guard, start.size] - modal.tail_bound(rows, amplitudes, guard, decays, t)
-        for pair in range(rows.shape[0]):
-            if rows[pair, A0] == 0.0:
-                rate, g_q = start[2 * pair + 1], forms[guard, 2 * pair]
-                level += g_q * start[2 * pair]
-                if rate != 0.0:
-                    way = rate / rows[pair, A1]
-                    level += g_q * way
-                    level -= abs(forms[guard, 2 * pair + 1] * rate - g_q * way) * decays[pair, 1]
-        if not level > 0.0:
-            return False
-    return True
+def _never(flow, mode, work, count, node, t):
+    """True if every guard stays positive from t [s], a node, on."""
+    least = math.inf
+    for guard in range(count):
+        least = min(least, sums.lowest_from(flow, mode, work, guard, node, t))
+    return least > 0.0
 
 
 @kernel
-def _first_below(ahead, b):
+def _first_below(values, b):
     """Guard that is lowest at a node where no further halving is possible."""
     lowest = 0
-    for guard in range(ahead.shape[0]):
-        if ahead[guard, 0] < ahead[lowest, 0]:
+    for guard in range(values.shape[0]):
+        if values[guard, 0] < values[lowest, 0]:
             lowest = guard
     return _CROSSING, lowest, b
 
 
-@kernel
-def _earliest(rows, start, forms, ahead, a, b, scratch):
+@inlined_kernel
+def _earliest(flow, mode, work, count, there, a, b):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when = -1, b
-    for guard in range(forms.shape[0]):
-        if first >= 0 and ahead[guard, 0] <= 0.0:
-            modal.flow_pairs(rows, start, when, scratch)
-            modal.derivatives(rows, scratch, forms, guard, ahead)
-        if ahead[guard, 0] <= 0.0:
-            first, when = guard, _root(rows, start, forms, guard, a, when, scratch, ahead)
+    for guard in range(count):
+        node = there
+        if first >= 0 and work.values[there, guard, 0] <= 0.0:
+            node = _SPARE
+            sums.go_to(flow, mode, work, when, node)
+            sums.evaluate(flow, mode, work, guard, node)
+        if work.values[node, guard, 0] <= 0.0:
+            first, when = guard, _root(flow, mode, work, guard, node, a, when)
     return _CROSSING, first, when
 
 
-@kernel
-def _root(rows, start, forms, guard, low, high, scratch, out):
-    """Root of a guard that is positive from ``low`` on and not after its root; ``out`` holds its row at ``high``."""
-    rate, t = _fastest(rows), high
+@inlined_kernel
+def _root(flow, mode, work, guard, node, low, high):
+    """Root of a guard that is positive from ``low`` on and not after its root; it has been evaluated at ``high``."""
+    rate, t = _fastest(flow, mode), high
     for count in range(300):
-        value, slope, curvature = out[guard, 0], out[guard, 1], out[guard, 2]
+        value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:
             low = t
         elif value == 0.0:
@@ -315,6 +223,7 @@ def _root(rows, start, forms, guard, low, high, scratch, out):
         t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
             return t
-        modal.flow_pairs(rows, start, t, scratch)
-        modal.derivatives(rows, scratch, forms, guard, out)
+        node = _SPARE
+        sums.go_to(flow, mode, work, t, node)
+        sums.evaluate(flow, mode, work, guard, node)
     return t

@@ -15,7 +15,9 @@ def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
     one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
-    flows_of = {"planar": np.array([row]), "modal": ModalFlow(one, np.array([[row]]), same, same, field)}
+    alone = np.zeros((1, 0))
+    modal = ModalFlow(one, np.array([0]), np.array([[row]]), alone, alone, same, same, field)
+    flows_of = {"planar": np.array([row]), "modal": modal}
     for kind in kinds:
         _bounce(flows_of[kind])
 
@@ -57,7 +59,7 @@ def _bounce(flow) -> None:
     )
     surface = tables.surfaces[0]
     flows.extremes(flow, 0, state, surface, 1.0)
-    flows.guard_at(flow, 0, state, np.abs(state), surface)
+    flows.slopes_at(flow, 0, state, np.abs(state), surface)
     flows.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
         planar.crossing(flow, 0, state, surface, False, 1.0)

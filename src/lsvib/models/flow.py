@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from lsvib.core import planar
 from lsvib.core.blocks import BlockFlow
 from lsvib.core.modal import ModalFlow
 from lsvib.models.blocks import BlockMode, block_flow, block_mode
@@ -40,11 +39,11 @@ class LinearMode:
 
     @property
     def time_scales(self) -> list[float]:
-        """Time scales [s] of the mode's pairs of rates; without a modal form, of the field."""
+        """Time scales [s] of the mode's rates; without a modal form, of the field."""
         if self.modal is None:
             rates = np.abs(self.field.table()[:, :-1]) @ self.field.sizes / self.field.sizes
             return [1.0 / rate for rate in rates if rate > 0.0]
-        return [scale for scale in self.modal.oscillators[:, planar.TIME_SCALE] if scale > 0.0]
+        return self.modal.time_scales
 
 
 def linear_mode(

@@ -4,7 +4,8 @@ The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two
 s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
 subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.models.factors`). Nothing of this is
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
-the factor, so (q, q′) is an oscillator. Rates repeated without a chain share a factor and get one such row each.
+the factor, so (q, q′) is an oscillator, or q alone an exponential. Rates repeated without a chain share a factor and
+get one such row each.
 """
 
 from collections.abc import Sequence
@@ -22,16 +23,26 @@ from lsvib.models.field import DIGITS, WORST_CONDITION, Field, amplification
 
 @dataclass(frozen=True)
 class ModalMode:
-    """One mode in modal form: oscillator rows (p), W and w₀ (2p, n + 1), V and v₀ (n, 2p + 1), A and b (n, n + 1).
+    """One mode in modal form, with p pairs, s singles and q = 2p + s coordinates.
 
-    ``condition`` is the largest amplification of rounding, max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
+    Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
+    :class:`lsvib.core.modal.ModalFlow`. ``condition`` is the largest amplification of rounding,
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
     """
 
     oscillators: np.ndarray
+    rates: np.ndarray
+    pushes: np.ndarray
     to_modal: np.ndarray
     from_modal: np.ndarray
     field: np.ndarray
     condition: float
+
+    @property
+    def time_scales(self) -> list[float]:
+        """Time scales [s] of the pairs, and of the singles that are carried about their equilibrium."""
+        about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
+        return [*self.oscillators[:, planar.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
 def modal_mode(field: Field) -> ModalMode:
@@ -42,45 +53,47 @@ def modal_mode(field: Field) -> ModalMode:
     """
     with mpmath.workdps(DIGITS):
         matrix, constant, scale = field.reduced()
-        pieces = [
-            piece
-            for factor, projector, slow in subspaces(matrix, scale)
-            for piece in _pieces(matrix, constant, factor, projector, scale, slow)
-        ]
-        return _tables(field, pieces)
+        pairs, singles = [], []
+        for factor, projector, slow in subspaces(matrix, scale):
+            rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+            if len(factor) == 3:
+                pairs += _pairs(matrix, constant, factor, projector, scale, rank // 2)
+            else:
+                singles += _singles(constant, -factor[1], projector, scale, slow, rank)
+        return _tables(field, pairs, singles)
 
 
 @dataclass(frozen=True)
-class _Piece:
+class _Pair:
     row: np.ndarray  # of the oscillator table
     into: mpmath.matrix  # (2, n + 1)
     out: mpmath.matrix  # (n, 3), the constant last
 
 
-def _pieces(matrix, constant, factor, projector, scale, slow: bool) -> list[_Piece]:
-    """The oscillators of one subspace: one for each pair of rates, or for each dimension where there is one rate."""
-    rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
-    if len(factor) == 3:
-        return _pairs(matrix, constant, factor, projector, scale, rank // 2)
-    rate = -factor[1]
+@dataclass(frozen=True)
+class _Single:
+    rate: mpmath.mpf
+    push: mpmath.mpf
+    into: mpmath.matrix  # (1, n + 1)
+    out: mpmath.matrix  # (n, 2), the constant last
+
+
+def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_Single]:
+    """The exponentials of the subspace of one rate, as many as it has dimensions."""
     rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
-    pieces = []
+    singles = []
     for k, i in enumerate(rows):
         # Coordinates q = Π x at the chosen rows; the vectors that give them back are dual to these rows.
         vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
         covector = projector[i, :]
         push = (covector * constant)[0]
-        if rate and slow:
-            # Its equilibrium may lie far away; as an oscillator with the rates zero and r it needs none: q″ = r q′.
-            into = mpmath.matrix([[*covector, 0], [*(rate * x for x in covector), push]])
-            pieces.append(_Piece(_row(mpmath.mpf(0), -rate), into, mpmath.matrix([[x, 0, 0] for x in vector])))
-            continue
-        shift = push / rate if rate else mpmath.mpf(0)
-        into = mpmath.matrix([[*covector, shift], [*(rate * x for x in covector), push]])
-        out = mpmath.matrix([[x, 0, -x * shift] for x in vector])
-        pieces.append(_Piece(_row(rate * rate, -2 * rate), into, out))
-    return pieces
+        # Where it is slow its equilibrium may lie far away.
+        shift = push / rate if rate and not slow else mpmath.mpf(0)
+        left = push if slow or not rate else mpmath.mpf(0)
+        out = mpmath.matrix([[x, -x * shift] for x in vector])
+        singles.append(_Single(rate, left, mpmath.matrix([[*covector, shift]]), out))
+    return singles
 
 
 def _minor(projector, chosen, scale):
@@ -88,10 +101,10 @@ def _minor(projector, chosen, scale):
     return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
-def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Piece]:
+def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair]:
     """The oscillators of a factor of degree two that ``count`` pairs of rates share, one split off after the other."""
     _, a1, a0 = factor
-    weights, pieces = mpmath.diag([s * s for s in scale]), []
+    weights, pairs = mpmath.diag([s * s for s in scale]), []
     for left in reversed(range(count)):
         covector = _row_of_pair(matrix, factor, projector, scale)
         rows = mpmath.matrix([list(covector), list(covector * matrix)])
@@ -106,8 +119,8 @@ def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Piec
         rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
         into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
         out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
-        pieces.append(_Piece(_row(a0, a1), into, mpmath.matrix(out)))
-    return pieces
+        pairs.append(_Pair(_row(a0, a1), into, mpmath.matrix(out)))
+    return pairs
 
 
 def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
@@ -142,48 +155,62 @@ def _row(a0, a1) -> np.ndarray:
     else:
         delta = mpmath.sqrt(discriminant)
         large = -(alpha + delta) if alpha >= 0 else -alpha + delta
-        small = a0 / large if large else mpmath.mpf(0)
+        small = a0 / large
         row[planar.DELTA] = float(delta)
         row[planar.R1], row[planar.R2] = float(max(large, small)), float(min(large, small))
-    row[planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0))) if a0 else 0.0
+    row[planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
     return row
 
 
-def _tables(field: Field, pieces: list[_Piece]) -> ModalMode:
-    n, count, alive = field.rows.rows, len(pieces), field.alive
-    to_modal, from_modal = np.zeros((2 * count, n + 1)), np.zeros((n, 2 * count + 1))
+def _tables(field: Field, pairs: list[_Pair], singles: list[_Single]) -> ModalMode:
+    n, count, alive = field.rows.rows, 2 * len(pairs) + len(singles), field.alive
+    to_modal, from_modal = np.zeros((count, n + 1)), np.zeros((n, count + 1))
     offset = mpmath.zeros(n, 1)
     for i, value in field.kept.items():
         offset[i] = value
-    for k, piece in enumerate(pieces):
-        for half in (0, 1):
+    first = 0
+    for piece in [*pairs, *singles]:
+        for k in range(piece.into.rows):
             for j, i in enumerate(alive):
-                to_modal[2 * k + half, i] = float(piece.into[half, j])
-                from_modal[i, 2 * k + half] = float(piece.out[j, half])
-            to_modal[2 * k + half, n] = float(piece.into[half, len(alive)])
+                to_modal[first + k, i] = float(piece.into[k, j])
+                from_modal[i, first + k] = float(piece.out[j, k])
+            to_modal[first + k, n] = float(piece.into[k, len(alive)])
         for j, i in enumerate(alive):
-            offset[i] += piece.out[j, 2]
+            offset[i] += piece.out[j, piece.into.rows]
+        first += piece.into.rows
     from_modal[:, -1] = [float(x) for x in offset]
     condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
     if not condition < WORST_CONDITION:
         raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
-    return ModalMode(np.array([piece.row for piece in pieces]), to_modal, from_modal, field.table(), condition)
+    return ModalMode(
+        np.array([pair.row for pair in pairs]).reshape(-1, planar.COLUMNS),
+        np.array([float(single.rate) for single in singles]),
+        np.array([float(single.push) for single in singles]),
+        to_modal,
+        from_modal,
+        field.table(),
+        condition,
+    )
 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
-    """Put modes together in one table; modes with fewer pairs leave the rest zero."""
-    pairs = max(len(mode.oscillators) for mode in modes)
-    n = modes[0].field.shape[0]
+    """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
+    pairs, singles = np.array([len(mode.oscillators) for mode in modes]), np.array([mode.rates.size for mode in modes])
+    size, n = (2 * pairs + singles).max(), modes[0].field.shape[0]
     flow = ModalFlow(
-        np.array([len(mode.oscillators) for mode in modes]),
-        np.zeros((len(modes), pairs, planar.COLUMNS)),
-        np.zeros((len(modes), 2 * pairs, n + 1)),
-        np.zeros((len(modes), n, 2 * pairs + 1)),
+        pairs,
+        singles,
+        np.zeros((len(modes), pairs.max(), planar.COLUMNS)),
+        np.zeros((len(modes), singles.max())),
+        np.zeros((len(modes), singles.max())),
+        np.zeros((len(modes), size, n + 1)),
+        np.zeros((len(modes), n, size + 1)),
         np.array([mode.field for mode in modes]),
     )
     for k, mode in enumerate(modes):
-        own = 2 * len(mode.oscillators)
-        flow.oscillators[k, : len(mode.oscillators)] = mode.oscillators
+        own = len(mode.to_modal)
+        flow.oscillators[k, : pairs[k]] = mode.oscillators
+        flow.rates[k, : singles[k]], flow.pushes[k, : singles[k]] = mode.rates, mode.pushes
         flow.to_modal[k, :own] = mode.to_modal
         flow.from_modal[k, :, :own] = mode.from_modal[:, :-1]
         flow.from_modal[k, :, -1] = mode.from_modal[:, -1]

@@ -11,6 +11,7 @@ from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.automaton import Automaton
 
 _FIRST_CAPACITY = 256
+_FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL)
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,8 @@ def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:
 
 
 def _complain(status: Status, time: float, state: np.ndarray) -> None:
+    if status in _FINE and math.isfinite(time):
+        return
     where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
     if status == Status.DIVERGED:
         raise DivergenceError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
@@ -143,5 +146,4 @@ def _complain(status: Status, time: float, state: np.ndarray) -> None:
         )
     if status == Status.NO_BRANCH:
         raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
-    if not math.isfinite(time):
-        raise EngineError(f"the clock left the range of numbers ({where}).")
+    raise EngineError(f"the clock left the range of numbers ({where}).")
