@@ -15,22 +15,21 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.core import flows, loop, planar
+from lsvib.core.affine import level
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, EQUILIBRIUM, ROUNDING
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
 
 UNRESOLVED = -1
 UNKNOWN = -2
-NO_EVENT = -1  # first event of a motion that has none
+NO_EVENT = loop.NO_KIND  # first event of a motion that has none
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _UNDECIDED = int(Found.UNDECIDED)
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
-_STEPPED = -1  # outcome of a step that is no end
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
-_STUCK = int(Status.NO_BRANCH)
 
 
 class Known(NamedTuple):
@@ -90,7 +89,7 @@ def _put(scratch, u, w):
 def _step(tables, mode, short, scratch):
     """Go on past the next event, as ``loop.run`` does; ``short`` counts shortest stays in a row.
 
-    Returns (_STEPPED or ``Status``, guard, kind, mode after, stay [s], short).
+    Returns (``loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
     """
     state, scale = scratch.state, scratch.scale
     found, guard, stay = loop.next_event(
@@ -101,18 +100,9 @@ def _step(tables, mode, short, scratch):
     loop.arrive(tables, mode, state, scale, guard, stay, scratch.work)
     if not (abs(state[0]) < loop.LARGEST and abs(state[1]) < loop.LARGEST):
         return _DIVERGED, guard, NO_EVENT, mode, stay, short
-    if found == _GRAZE:
-        return _STEPPED, guard, GRAZE_KIND, mode, stay, 0
-    transition = tables.guard_transition[guard]
-    loop.apply_reset(tables, transition, state, scratch.spare)
     short = short + 1 if stay < tables.shortest_stay else 0
-    if short == loop.MANY:
-        beyond = tables.beyond_accumulation[mode]
-        return _STEPPED if beyond >= 0 else _STUCK, guard, ACCUMULATION_KIND, beyond, stay, 0
-    branch = loop.choose_branch(tables, transition, state, scale)
-    if branch < 0:
-        return _STUCK, guard, NO_EVENT, mode, stay, short
-    return _STEPPED, guard, tables.branch_kind[branch], tables.branch_mode[branch], stay, short
+    outcome, mode, kind, _ = loop.leave(tables, mode, found, guard, short, state, scale, scratch.spare)
+    return outcome, guard, kind, mode, stay, 0 if kind == ACCUMULATION_KIND else short
 
 
 @kernel
@@ -176,7 +166,7 @@ def label_of(tables, known, mode, scratch, budget):
             return _settled(tables, known, mode, state), first
         if outcome == _DIVERGED:
             return known.diverged, first
-        if outcome == _STUCK or kind == GRAZE_KIND:
+        if outcome != loop.GOES_ON or kind == GRAZE_KIND:
             return UNRESOLVED, first
         mode = after
         surface = known.landing[tables.guard_transition[guard]]
@@ -326,7 +316,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
             if known.settled[mode] == known.diverged:
                 return math.inf, count
             return clock[0] + clock[1], count
-        if outcome != _STEPPED:
+        if outcome != loop.GOES_ON:
             return math.inf, count
         loop.add_time(clock, stay)
         if kind != GRAZE_KIND and kind != ACCUMULATION_KIND:
@@ -362,9 +352,7 @@ def _signs(tables, transition, state, scale):
         tables.condition_start[tables.branch_start[transition]],
         tables.condition_start[tables.branch_start[transition + 1]],
     ):
-        row = tables.condition_row[k]
-        value = row[0] * state[0] + row[1] * state[1] + row[2]
-        size = ROUNDING * (abs(row[0]) * scale[0] + abs(row[1]) * scale[1] + abs(row[2]))
+        value, size = level(tables.condition_row[k], state, scale)
         number = 3 * number + (0 if abs(value) <= size else 1 if value > 0.0 else 2)
     return number
 
@@ -388,7 +376,7 @@ def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
             break
         before = mode
         outcome, guard, kind, mode, stay, short = _step(tables, mode, short, scratch)
-        if outcome != _STEPPED:
+        if outcome != loop.GOES_ON:
             code = 3 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else STUCK
             break
         if kind == GRAZE_KIND:

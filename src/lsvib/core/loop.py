@@ -19,8 +19,12 @@ _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
+_ACCUMULATED = int(Status.ACCUMULATED)
+_NO_BRANCH = int(Status.NO_BRANCH)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
+GOES_ON = -1  # instead of a status: no end
+NO_KIND = -1  # instead of an event kind: nothing happened
 MANY = 24  # so many shortest stays in a row are an accumulation
 LARGEST = 1e150  # a state beyond it has left the range of numbers
 
@@ -120,6 +124,25 @@ def arrive(tables, mode, state, scale, guard, stay, work):
         scale[i] = max(scale[i], abs(state[i]))
 
 
+@inlined_kernel
+def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
+    """Reset ``state`` in place where the guard has fired, and choose what follows.
+
+    ``short_stays``: shortest stays in a row, this one included; ``scratch`` has the size of the state. Returns
+    (GOES_ON or the ``Status`` that ends the run, mode after, event kind, its sign).
+    """
+    if found == _GRAZE:
+        return GOES_ON, mode, GRAZE_KIND, 0
+    apply_reset(tables, tables.guard_transition[guard], state, scratch)
+    if short_stays == MANY:
+        beyond = tables.beyond_accumulation[mode]
+        return GOES_ON if beyond >= 0 else _ACCUMULATED, beyond, ACCUMULATION_KIND, 0
+    branch = choose_branch(tables, tables.guard_transition[guard], state, scale)
+    if branch < 0:
+        return _NO_BRANCH, mode, NO_KIND, 0
+    return GOES_ON, tables.branch_mode[branch], tables.branch_kind[branch], tables.branch_sign[branch]
+
+
 @allocating_kernel
 def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
@@ -156,22 +179,11 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
         short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
-        if found == _GRAZE:
-            kind, sign = GRAZE_KIND, 0
-        elif short_stays == MANY:
+        end, mode, kind, sign = leave(tables, mode, found, guard, short_stays, state, scale, scratch)
+        if end != GOES_ON:
+            return end, mode, count
+        if kind == ACCUMULATION_KIND:
             short_stays = 0
-            mode = tables.beyond_accumulation[mode]
-            if mode < 0:
-                return Status.ACCUMULATED, mode, count
-            kind, sign = ACCUMULATION_KIND, 0
-            apply_reset(tables, tables.guard_transition[guard], state, scratch)
-        else:
-            apply_reset(tables, tables.guard_transition[guard], state, scratch)
-            branch = choose_branch(tables, tables.guard_transition[guard], state, scale)
-            if branch < 0:
-                return Status.NO_BRANCH, mode, count
-            mode = tables.branch_mode[branch]
-            kind, sign = tables.branch_kind[branch], tables.branch_sign[branch]
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
         for i in range(n):
             after[count, i] = state[i]
