@@ -16,13 +16,16 @@ def next_guess(t, value, slope, curvature, low, high, rate, count):
     so far. The step goes to the root of the constant plus exponential that has this value and these derivatives (a
     term that grows or decays fast is met at once), near the root to that of Halley's hyperbola, which is the same to
     third order. Its error is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step below 10⁻⁶ of
-    both is the last, so that rounding alone is left. Returns (new guess, whether it is the root).
+    both is the last, so that rounding alone is left, and so is one that does not move t. Returns (new guess, whether it
+    is the root).
     """
     bend = value * curvature / (slope * slope)
     if abs(bend) < 0.1:
         new = t - 2.0 * value / (slope * (2.0 - bend))
     else:
         new = t + math.log1p(-bend) * slope / curvature if bend < 1.0 else math.nan
+    if new == t:
+        return t, True
     if low < new < high and (count < _PATIENCE or count % 2 == 0):
         return new, abs(new - t) * max(rate, abs(curvature / slope)) < _LAST_STEP
     middle = 0.5 * (low + high)
