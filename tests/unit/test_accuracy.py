@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.accuracy.catalogue import Family
 from lsvib.accuracy.ratios import fastest, time_at_error
 from lsvib.accuracy.result import Reference, Run, Verdict, errors
 from lsvib.datasets import work_precision
@@ -28,6 +29,7 @@ SETTINGS = {
     "limit": 5.0,
     "error_levels": [1e-3, 1e-9],
     "ratio_floor": 1.0,
+    "compiled_floor": 1.0,
 }
 
 
@@ -82,12 +84,13 @@ def test_dataset_tables_and_picture(tmp_path):
     from lsvib.figures.work_precision import draw
 
     dataset = work_precision.build(SETTINGS)
-    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 3, "error_level": 2}
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 4, "error_level": 2}
     engine = dataset.isel(method=0, tolerance=0)
     assert (engine.verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()
     assert (dataset.verdict.isel(method=0, tolerance=1) == int(Verdict.NOT_RUN)).all()
-    assert dataset.ratio.sel(scene=0, rival=2, error_level=1e-3) > 1  # RK4
+    assert dataset.ratio.sel(scene=0, rival=int(Family.FIXED_STEP), error_level=1e-3) > 1
+    assert (dataset.first_run_time > 0).all()
     assert dataset.attrs["processor_cores"] >= 1
     write_dataset(dataset, tmp_path / "a.nc")
     read = read_dataset(tmp_path / "a.nc")
