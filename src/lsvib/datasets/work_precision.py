@@ -35,7 +35,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``scenes`` (names of :data:`lsvib.accuracy.scenes.NAMES`); ``shorten``, part of each duration that is
     run; ``methods``, settings of each method of :data:`lsvib.accuracy.catalogue.METHODS`; ``repeats``, ``seconds`` and
     ``limit`` as in :class:`lsvib.accuracy.contest.Budget`; ``error_levels`` [1] at which run times are compared;
-    ``ratio_floor`` [1] that the checks ask for, ``compiled_floor`` [1] for compiled solvers. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``ratio_floor`` [1] that the checks ask for, ``compiled_floor`` [1] of compiled solvers. Raises ``InputError`` if a
+    name is wrong or a package is missing.
     """
     names = [name for name, values in settings["methods"].items() if values]
     longest = max(len(settings["methods"][name]) for name in names)

@@ -1,9 +1,10 @@
 """diffrax with events: the whole loop from event to event compiled, with the tables of :class:`Hybrid` as arrays.
 
-Needs jax in double precision, which loading this module switches on for the process. What is compiled depends on the
+Needs jax in double precision and with one thread, which loading this module sees to, for the process. What is compiled depends on the
 solver and on the rounded-up sizes of the tables only: scenes, tolerances and step caps share it.
 """
 
+import os
 from collections.abc import Callable
 from enum import IntEnum
 from functools import cache
@@ -20,6 +21,10 @@ from lsvib.accuracy.hybrid import Clock, Hybrid, Record
 from lsvib.core.status import Test
 
 jax.config.update("jax_enable_x64", True)
+# One thread, as all other methods have: run times are processor times, and a second worker of XLA that waits for work
+# counts as much as one that works. XLA looks at this variable when the first array is made.
+jax.config.update("jax_cpu_enable_async_dispatch", False)
+os.environ.setdefault("NPROC", "1")
 
 _CHUNK = 1024  # events, after which the compiled loop returns, so that the clock is looked at
 _STEPS = 20_000  # at most, from one event to the next
@@ -99,12 +104,12 @@ def prepare(
     tables = jax.tree_util.tree_map(jnp.asarray, _fill(hybrid))
     cap = scene.step_cap if capped else np.inf
     limits = _Limits(*map(jnp.asarray, (scene.duration, setting, setting * scene.scales, cap, scene.step_cap)))
-    march = _compiled(solver)
+    march, blank = _compiled(solver), jax.tree_util.tree_map(jnp.asarray, _blank(scene.scales.size))
 
     def run() -> "_Marched":
         clock.start()
         mode, state = hybrid.enter()
-        chunks, total, failure = [_begin(mode, state)], 0, ""
+        chunks, total, failure = [blank._replace(mode=np.int64(mode), state=state)], 0, ""
         while not failure:
             chunks.append(jax.block_until_ready(march(tables, limits, chunks[-1], max_events + 1 - total)))
             status, count = int(chunks[-1].status), int(chunks[-1].count)
@@ -133,13 +138,12 @@ class _Marched:
         return record.close(float(chunks[-1].now), chunks[-1].state, self.failure).run()
 
 
-def _begin(mode: int, state: np.ndarray) -> _March:
+def _blank(n: int) -> _March:
     """The loop before its first chunk, with the types that it keeps."""
-    zero = np.int64(0)
-    integers = np.zeros(_CHUNK, dtype=np.int64)
+    zero, zeros = np.int64(0), np.zeros(_CHUNK, dtype=np.int64)
     return _March(
-        np.float64(0.0), np.int64(mode), state, zero, zero, zero, zero,
-        np.zeros(_CHUNK), integers, integers, np.zeros((_CHUNK, state.size)),
+        np.float64(0.0), zero, np.zeros(n), zero, zero, zero, zero,
+        np.zeros(_CHUNK), zeros, zeros, np.zeros((_CHUNK, n)),
     )  # fmt: skip
 
 
