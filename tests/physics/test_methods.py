@@ -21,6 +21,12 @@ def results(name, shorten, **settings):
     return {(entry.method, entry.setting): entry for entry in entries}
 
 
+def needed(method):
+    """Skip a test without the package that a method needs."""
+    package = catalogue.METHODS[method].needs
+    pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_engine_agrees_with_40_digits_on_every_scene(name):
     """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
@@ -60,7 +66,7 @@ def test_runge_kutta_has_its_order():
 @pytest.mark.parametrize("name", ["stick_slip", "sprag_slip"])
 def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
     """At a tolerance of 1e-8, over a few cycles with jumps, rests and reversals; multistep methods lose most."""
-    pytest.importorskip(catalogue.METHODS[method].needs)
+    needed(method)
     entry = results(name, SHORT.get(name, 0.1), **{method: [1e-8]})[method, 1e-8]
     assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < worst
@@ -68,7 +74,7 @@ def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
 
 @pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf", "diffrax_kvaerno5"])
 def test_stiff_solvers_compute_the_stiff_contact(method):
-    pytest.importorskip(catalogue.METHODS[method].needs)
+    needed(method)
     entry = results("stiff_contact", 0.2, **{method: [1e-7]})[method, 1e-7]
     assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < 1e-3
@@ -76,7 +82,7 @@ def test_stiff_solvers_compute_the_stiff_contact(method):
 
 def test_diffrax_makes_the_events_of_the_engine():
     """A tolerance of 1e-11 in each step, and some thousand steps: 1e-8 of the motion, 1e-11 s."""
-    pytest.importorskip("diffrax", reason="diffrax is in requirements-accuracy.txt only")
+    needed("diffrax_tsit5")
     hybrid = Hybrid(scene("stick_slip"))
     ours, theirs = (
         catalogue.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)().run()
@@ -91,7 +97,7 @@ def test_diffrax_makes_the_events_of_the_engine():
 
 def test_diffrax_keeps_the_limits_of_all():
     """Too many events, across the chunks of the compiled loop too, and the time."""
-    pytest.importorskip("diffrax", reason="diffrax is in requirements-accuracy.txt only")
+    needed("diffrax_tsit5")
     find = catalogue.find_method("diffrax_tsit5").prepare
     assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)().run().failure == "over 20 events"
     long = Hybrid(scene("long_run", 0.3))  # 1500 events
@@ -102,7 +108,7 @@ def test_diffrax_keeps_the_limits_of_all():
 
 def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
     """It finds events on a polynomial through a step; without a cap the steps are long, and it is the error of that."""
-    pytest.importorskip("diffrax", reason="diffrax is in requirements-accuracy.txt only")
+    needed("diffrax_tsit5")
     free, capped = (
         results("sprag_slip", 0.1, **{m: [1e-9]})[m, 1e-9] for m in ("diffrax_dopri8", "diffrax_dopri8_capped")
     )

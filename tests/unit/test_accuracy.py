@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from lsvib.accuracy.catalogue import Family
+from lsvib.accuracy.even_tables import NEVER, even_tables
+from lsvib.accuracy.hybrid import Hybrid
 from lsvib.accuracy.ratios import fastest, time_at_error
 from lsvib.accuracy.result import Reference, Run, Verdict, errors
+from lsvib.accuracy.scenes import NAMES, scene
 from lsvib.datasets import work_precision
 from lsvib.datasets.work_precision_table import markdown
 from lsvib.datasets.writer import read_dataset, write_dataset
@@ -77,6 +80,23 @@ def test_time_at_error_interpolates_in_logarithms():
 def test_a_run_that_is_worse_and_slower_does_not_count():
     assert time_at_error([(1e-2, 9.0), (1e-4, 4.0)], 1e-3) == 4.0
     assert fastest([[(1e-2, 9.0)], [(1e-4, 4.0)], [(1.0, 0.1)]], 1e-2) == 4.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_even_tables_hold_the_scene_and_nothing_that_acts(name):
+    hybrid = Hybrid(scene(name))
+    tables, original = even_tables(hybrid), hybrid.tables
+    for k, mode in enumerate(hybrid.modes):
+        count = len(mode.guards)
+        assert np.array_equal(tables.guards[k, :count], mode.guards)
+        assert (tables.guards[k, count:, :-1] == 0).all()
+        assert (tables.guards[k, count:, -1] > 0).all()  # never falls through zero
+    for k, count in enumerate(np.diff(original.branch_start)):
+        assert (tables.tests[k, :count] != NEVER).all()
+        assert (tables.tests[k, count:, 0] == NEVER).all()
+        own = slice(original.branch_start[k], original.branch_start[k + 1])
+        assert np.array_equal(tables.mode[k, :count], original.branch_mode[own])
+    assert np.count_nonzero(tables.tests >= 0) == original.condition_test.size
 
 
 def test_dataset_tables_and_picture(tmp_path):

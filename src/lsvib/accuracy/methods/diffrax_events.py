@@ -1,7 +1,7 @@
 """diffrax with events: the whole loop from event to event compiled, with the tables of :class:`Hybrid` as arrays.
 
-Needs jax in double precision and with one thread, which loading this module sees to, for the process. What is compiled depends on the
-solver and on the rounded-up sizes of the tables only: scenes, tolerances and step caps share it.
+Needs jax in double precision and with one thread, which loading this module sees to, for the process. What is compiled
+depends on the solver and on the rounded-up sizes of the tables only: scenes, tolerances and step caps share it.
 """
 
 import os
@@ -17,6 +17,7 @@ import numpy as np
 import optimistix
 from jax import lax
 
+from lsvib.accuracy.even_tables import ALWAYS, NEVER, EvenTables, even_tables
 from lsvib.accuracy.hybrid import Clock, Hybrid, Record
 from lsvib.core.status import Test
 
@@ -32,9 +33,7 @@ _RETRIES = 8
 _ROUNDING = 1e-12  # of the terms of a sum: less is zero
 _ROOT = 1e-15, 1e-17  # relative and absolute [s] tolerance of the time of an event
 _FAINT = 1e-18  # factor of the guards: bisection asks for small values too, where only the sign matters
-_SMALLEST = 1e-300
-_FLOORS = {"modes": 8, "guards": 2, "transitions": 8, "branches": 16, "conditions": 4}
-_ALWAYS, _NEVER = -1, -2  # tests beside those of ``Test``, for what is filled up
+_SMALLEST = 1e-300  # keeps zero by zero out
 
 
 class _Status(IntEnum):
@@ -50,21 +49,6 @@ _FAILURES = {
     _Status.FAILED: f"the solver failed or took over {_STEPS} steps",
     _Status.STUCK: "no step away from a guard",
 }
-
-
-class _Tables(NamedTuple):
-    """m modes, g guards of each, t transitions, b branches of each, c conditions of each; n states."""
-
-    matrix: Any  # (m, n, n)
-    constant: Any  # (m, n)
-    guards: Any  # (m, g, n + 1), positive inside
-    snap: Any  # (m, g)
-    transition: Any  # (m, g)
-    resets: Any  # (t, n, n + 1), the identity if there is none
-    rows: Any  # (t, b, c, n + 1)
-    tests: Any  # (t, b, c)
-    mode: Any  # (t, b)
-    kind: Any  # (t, b)
 
 
 class _Limits(NamedTuple):
@@ -97,11 +81,11 @@ def prepare(
     """Return a function that runs ``solver`` on the scene at relative tolerance ``setting``; ``capped``: step cap.
 
     Absolute tolerances are ``setting`` times the sizes of the coordinates. Guards are watched through the least of
-    them, relative to their sizes, and the event is found by Newton's method on the solver's interpolation. Where it
-    finds none but the start the arc is repeated with smaller steps.
+    them, relative to their terms, and the event is found by bisection on the solver's interpolation. Where that finds
+    none but the start the arc is repeated with smaller steps.
     """
     scene = hybrid.scene
-    tables = jax.tree_util.tree_map(jnp.asarray, _fill(hybrid))
+    tables = jax.tree_util.tree_map(jnp.asarray, even_tables(hybrid))
     cap = scene.step_cap if capped else np.inf
     limits = _Limits(*map(jnp.asarray, (scene.duration, setting, setting * scene.scales, cap, scene.step_cap)))
     march, blank = _compiled(solver), jax.tree_util.tree_map(jnp.asarray, _blank(scene.scales.size))
@@ -147,44 +131,6 @@ def _blank(n: int) -> _March:
     )  # fmt: skip
 
 
-def _fill(hybrid: Hybrid) -> _Tables:
-    """Tables of equal length for every mode and transition, filled up by what never acts."""
-    t, n = hybrid.tables, len(hybrid.scene.state)
-    used = {
-        "modes": len(hybrid.modes),
-        "guards": np.diff(t.guard_start).max(),
-        "transitions": t.transition_reset.size,
-        "branches": np.diff(t.branch_start).max(),
-        "conditions": np.diff(t.condition_start).max(),
-    }
-    m, g, k, b, c = (max(floor, 1 << int(used[name] - 1).bit_length()) for name, floor in _FLOORS.items())
-    filled = _Tables(
-        np.zeros((m, n, n)), np.zeros((m, n)), np.zeros((m, g, n + 1)), np.zeros((m, g), dtype=np.int64),
-        np.zeros((m, g), dtype=np.int64), np.zeros((k, n, n + 1)), np.zeros((k, b, c, n + 1)),
-        np.full((k, b, c), _ALWAYS), np.zeros((k, b), dtype=np.int64), np.zeros((k, b), dtype=np.int64),
-    )  # fmt: skip
-    filled.guards[:, :, -1] = 1.0
-    filled.resets[:, :, :-1] = np.eye(n)
-    filled.tests[:, :, 0] = _NEVER
-    for i, mode in enumerate(hybrid.modes):
-        filled.matrix[i], filled.constant[i] = mode.matrix, mode.constant
-        own = slice(len(mode.guards))
-        found = slice(mode.first_guard, mode.first_guard + len(mode.guards))
-        filled.guards[i, own] = mode.guards
-        filled.snap[i, own] = t.snap[t.guard_surface[found]]
-        filled.transition[i, own] = t.guard_transition[found]
-    for i, reset in enumerate(t.transition_reset):
-        if reset >= 0:
-            filled.resets[i] = t.resets[reset]
-        for j, branch in enumerate(range(t.branch_start[i], t.branch_start[i + 1])):
-            own = slice(t.condition_start[branch], t.condition_start[branch + 1])
-            size = own.stop - own.start
-            filled.tests[i, j, 0] = _ALWAYS
-            filled.rows[i, j, :size], filled.tests[i, j, :size] = t.condition_row[own], t.condition_test[own]
-            filled.mode[i, j], filled.kind[i, j] = t.branch_mode[branch], t.branch_kind[branch]
-    return filled
-
-
 def _rate(matrix, constant, state):
     return jnp.sum(matrix * state, axis=-1) + constant
 
@@ -195,7 +141,7 @@ def _affine(rows, state):
     return jnp.sum(terms, axis=-1) + rows[..., -1], jnp.sum(jnp.abs(terms), axis=-1) + jnp.abs(rows[..., -1])
 
 
-def _due(t: _Tables, mode, state):
+def _due(t: EvenTables, mode, state):
     """(whether a guard is negative, or zero and falling; the first of them), as :meth:`Hybrid.due`."""
     matrix, constant, rows = t.matrix[mode], t.constant[mode], t.guards[mode]
     value, terms = _affine(rows, state)
@@ -207,7 +153,7 @@ def _due(t: _Tables, mode, state):
     return jnp.any(due), jnp.argmax(due)
 
 
-def _fire(t: _Tables, mode, guard, state, arrived):
+def _fire(t: EvenTables, mode, guard, state, arrived):
     """(new mode, new state, kind, whether a branch fits), as :meth:`Hybrid.fire`."""
     row, snap, transition = t.guards[mode, guard], t.snap[mode, guard], t.transition[mode, guard]
     there = state.at[snap].add(-_affine(row, state)[0] / row[snap])
@@ -217,7 +163,7 @@ def _fire(t: _Tables, mode, guard, state, arrived):
     size, test = _ROUNDING * terms, t.tests[transition]
     fits = jnp.where(test == int(Test.POSITIVE), value > size, value >= -size)
     fits = jnp.where(test == int(Test.ZERO), jnp.abs(value) <= size, fits)
-    fits = jnp.all(jnp.where(test == _ALWAYS, True, jnp.where(test == _NEVER, False, fits)), axis=-1)
+    fits = jnp.all(jnp.where(test == ALWAYS, True, jnp.where(test == NEVER, False, fits)), axis=-1)
     branch = jnp.argmax(fits)
     return t.mode[transition, branch], state, t.kind[transition, branch], jnp.any(fits)
 
@@ -237,7 +183,7 @@ def _least_guard(t, y, args, **_):
     return _FAINT * jnp.where(t <= 0.0, 1.0, jnp.min(_shares(args[2], y)))
 
 
-def _arc(solver, t: _Tables, limits: _Limits, march: _March):
+def _arc(solver, t: EvenTables, limits: _Limits, march: _March):
     """Integrate to the next guard: (time in the arc, state, guard, whether one was met, ok, steps)."""
     mode = (t.matrix[march.mode], t.constant[march.mode], t.guards[march.mode])
     shorter = limits.retry * 0.25**march.tries
@@ -254,7 +200,7 @@ def _arc(solver, t: _Tables, limits: _Limits, march: _March):
     return found.ts[-1], state, guard, met, met | (found.result == diffrax.RESULTS.successful), found.stats["num_steps"]
 
 
-def _event(solver, t: _Tables, limits: _Limits, march: _March) -> _March:
+def _event(solver, t: EvenTables, limits: _Limits, march: _March) -> _March:
     """One turn of the loop: to the next guard, and through its transition."""
     due, first = _due(t, march.mode, march.state)
     away, state, guard, met, ok, steps = lax.cond(
@@ -290,7 +236,7 @@ def _compiled(solver: str) -> Callable:
     """The loop over a chunk of events: (tables, limits, last chunk, events that are left) -> chunk."""
     method = getattr(diffrax, solver)()
 
-    def march(tables: _Tables, limits: _Limits, last: _March, left) -> _March:
+    def march(tables: EvenTables, limits: _Limits, last: _March, left) -> _March:
         most = jnp.minimum(left, _CHUNK)
 
         def goes_on(march: _March):
