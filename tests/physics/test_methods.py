@@ -21,6 +21,12 @@ def results(name, shorten, **settings):
     return {(entry.method, entry.setting): entry for entry in entries}
 
 
+def needed(method):
+    """Skip a test without the package that a method needs."""
+    package = catalogue.METHODS[method].needs
+    pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_engine_agrees_with_40_digits_on_every_scene(name):
     """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
@@ -52,23 +58,62 @@ def test_runge_kutta_has_its_order():
         ("cvode_adams", 1e-4),
         ("cvode_bdf", 1e-4),
         ("cvode_bdf_capped", 1e-4),
+        ("diffrax_tsit5", 1e-6),
+        ("diffrax_dopri8_capped", 1e-9),
+        ("diffrax_kvaerno5", 1e-4),
     ],
 )
 @pytest.mark.parametrize("name", ["stick_slip", "sprag_slip"])
 def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
     """At a tolerance of 1e-8, over a few cycles with jumps, rests and reversals; multistep methods lose most."""
-    pytest.importorskip(catalogue.METHODS[method].needs)
+    needed(method)
     entry = results(name, SHORT.get(name, 0.1), **{method: [1e-8]})[method, 1e-8]
     assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < worst
 
 
-@pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf"])
+@pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf", "diffrax_kvaerno5"])
 def test_stiff_solvers_compute_the_stiff_contact(method):
-    pytest.importorskip(catalogue.METHODS[method].needs)
+    needed(method)
     entry = results("stiff_contact", 0.2, **{method: [1e-7]})[method, 1e-7]
     assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < 1e-3
+
+
+def test_diffrax_makes_the_events_of_the_engine():
+    """A tolerance of 1e-11 in each step, and some thousand steps: 1e-8 of the motion, 1e-11 s."""
+    needed("diffrax_tsit5")
+    hybrid = Hybrid(scene("stick_slip"))
+    ours, theirs = (
+        catalogue.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)().run()
+        for name in ("exact", "diffrax_tsit5")
+    )
+    assert len(ours.kinds) == 152
+    assert theirs.kinds == ours.kinds
+    assert theirs.times == pytest.approx(ours.times, abs=1e-11)
+    assert theirs.end_state == pytest.approx(ours.end_state, rel=1e-8)
+    assert theirs.extremes == pytest.approx(ours.extremes, abs=1e-8)
+
+
+def test_diffrax_keeps_the_limits_of_all():
+    """Too many events, across the chunks of the compiled loop too, and the time."""
+    needed("diffrax_tsit5")
+    find = catalogue.find_method("diffrax_tsit5").prepare
+    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)().run().failure == "over 20 events"
+    long = Hybrid(scene("long_run", 0.3))  # 1500 events
+    assert find(long, 1e-6, Clock(20.0), 1100)().run().failure == "over 1100 events"
+    assert len(find(long, 1e-6, Clock(20.0), 1600)().run().kinds) > 1100
+    assert find(long, 1e-6, Clock(0.0), 1600)().run().failure == "over 0 s"
+
+
+def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
+    """It finds events on a polynomial through a step; without a cap the steps are long, and it is the error of that."""
+    needed("diffrax_tsit5")
+    free, capped = (
+        results("sprag_slip", 0.1, **{m: [1e-9]})[m, 1e-9] for m in ("diffrax_dopri8", "diffrax_dopri8_capped")
+    )
+    assert free.errors.verdict == capped.errors.verdict == Verdict.RIGHT
+    assert free.errors.state > 100 * 1e-9 > 1e4 * capped.errors.state
 
 
 def test_smoothed_friction_is_of_first_order_in_its_width():
@@ -102,10 +147,17 @@ def test_the_clock_stops_a_run():
         clock.check()
 
 
-def test_a_missing_package_is_one_sentence(monkeypatch):
+@pytest.mark.parametrize(
+    ("method", "words"),
+    [
+        ("cvode_bdf", "The package scikit-sundae, which CVODE BDF needs"),
+        ("diffrax_tsit5", "The package diffrax, which diffrax Tsit5 needs"),
+    ],
+)
+def test_a_missing_package_is_one_sentence(monkeypatch, method, words):
     monkeypatch.setattr(catalogue, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"The package scikit-sundae, which CVODE BDF needs, .* requirements-accuracy"):
-        contest("stick_slip", {"cvode_bdf": [1e-3]}, ONCE, 0.01)
+    with pytest.raises(InputError, match=rf"{words}, is not installed; run pip install -r requirements-accuracy"):
+        contest("stick_slip", {method: [1e-3]}, ONCE, 0.01)
 
 
 @pytest.mark.parametrize(("name", "method"), [("stick_slop", "exact"), ("stick_slip", "inexact")])

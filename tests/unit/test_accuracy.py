@@ -5,8 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.accuracy.catalogue import Family
+from lsvib.accuracy.even_tables import NEVER, even_tables
+from lsvib.accuracy.hybrid import Hybrid
 from lsvib.accuracy.ratios import fastest, time_at_error
 from lsvib.accuracy.result import Reference, Run, Verdict, errors
+from lsvib.accuracy.scenes import NAMES, scene
 from lsvib.datasets import work_precision
 from lsvib.datasets.work_precision_table import markdown
 from lsvib.datasets.writer import read_dataset, write_dataset
@@ -28,6 +32,7 @@ SETTINGS = {
     "limit": 5.0,
     "error_levels": [1e-3, 1e-9],
     "ratio_floor": 1.0,
+    "compiled_floor": 1.0,
 }
 
 
@@ -77,17 +82,35 @@ def test_a_run_that_is_worse_and_slower_does_not_count():
     assert fastest([[(1e-2, 9.0)], [(1e-4, 4.0)], [(1.0, 0.1)]], 1e-2) == 4.0
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_even_tables_hold_the_scene_and_nothing_that_acts(name):
+    hybrid = Hybrid(scene(name))
+    tables, original = even_tables(hybrid), hybrid.tables
+    for k, mode in enumerate(hybrid.modes):
+        count = len(mode.guards)
+        assert np.array_equal(tables.guards[k, :count], mode.guards)
+        assert (tables.guards[k, count:, :-1] == 0).all()
+        assert (tables.guards[k, count:, -1] > 0).all()  # never falls through zero
+    for k, count in enumerate(np.diff(original.branch_start)):
+        assert (tables.tests[k, :count] != NEVER).all()
+        assert (tables.tests[k, count:, 0] == NEVER).all()
+        own = slice(original.branch_start[k], original.branch_start[k + 1])
+        assert np.array_equal(tables.mode[k, :count], original.branch_mode[own])
+    assert np.count_nonzero(tables.tests >= 0) == original.condition_test.size
+
+
 def test_dataset_tables_and_picture(tmp_path):
     from lsvib.figures.style import save
     from lsvib.figures.work_precision import draw
 
     dataset = work_precision.build(SETTINGS)
-    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 3, "error_level": 2}
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 4, "error_level": 2}
     engine = dataset.isel(method=0, tolerance=0)
     assert (engine.verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()
     assert (dataset.verdict.isel(method=0, tolerance=1) == int(Verdict.NOT_RUN)).all()
-    assert dataset.ratio.sel(scene=0, rival=2, error_level=1e-3) > 1  # RK4
+    assert dataset.ratio.sel(scene=0, rival=int(Family.FIXED_STEP), error_level=1e-3) > 1
+    assert (dataset.first_run_time > 0).all()
     assert dataset.attrs["processor_cores"] >= 1
     write_dataset(dataset, tmp_path / "a.nc")
     read = read_dataset(tmp_path / "a.nc")

@@ -34,16 +34,16 @@ def test_requirements_pin_what_the_project_declares():
     tools = [re.split("[>=]", text)[0] for text in extras["dev"]]
     assert set(pins("requirements.txt")) == set(names)
     assert set(pins("requirements-dev.txt")) == set(tools)
-    rivals = [re.split("[>=]", text)[0] for text in extras["accuracy"]]
-    assert set(pins("requirements-accuracy.txt")) == set(rivals)
+    for extra in ("solvers", "accuracy"):
+        assert set(pins(f"requirements-{extra}.txt")) == {re.split("[>=]", text)[0] for text in extras[extra]}
     assert (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()[-1] == "-e ."
-    for name, base in (("accuracy", "requirements.txt"), ("dev", "requirements-accuracy.txt")):
+    for name, base in (("solvers", ""), ("accuracy", "-solvers"), ("dev", "-solvers")):
         lines = (ROOT / f"requirements-{name}.txt").read_text(encoding="utf-8").splitlines()
-        assert f"-r {base}" in lines
+        assert f"-r requirements{base}.txt" in lines
 
 
 def test_installed_versions_are_the_pinned_ones():
-    wanted = pins("requirements.txt") | pins("requirements-dev.txt")
+    wanted = pins("requirements.txt") | pins("requirements-solvers.txt") | pins("requirements-dev.txt")
     assert {name: version(name) for name in wanted} == wanted
 
 

@@ -12,16 +12,17 @@ from typing import Any
 from lsvib.accuracy.hybrid import Clock, Hybrid
 from lsvib.errors import InputError
 
-_PACKAGES = {"scipy": "scipy", "sksundae": "scikit-sundae"}  # import name: package
+_PACKAGES = {"scipy": "scipy", "sksundae": "scikit-sundae", "diffrax": "diffrax"}  # import name: package
 
 
 class Family(IntEnum):
     """Kinds of methods."""
 
     EXACT = 0  # this engine
-    GENERAL = 1  # general solvers with events, adaptive
+    GENERAL = 1  # general solvers with events, adaptive, called from Python from event to event
     FIXED_STEP = 2  # Runge–Kutta with a fixed step, made for this drive
     SMOOTHED = 3  # friction without a jump
+    COMPILED = 4  # general solvers with events, adaptive, compiled together with the scene
 
 
 def _exact() -> Callable:
@@ -38,6 +39,12 @@ def _scipy_events() -> Callable:
 
 def _cvode() -> Callable:
     from lsvib.accuracy.methods.cvode import prepare
+
+    return prepare
+
+
+def _diffrax_events() -> Callable:
+    from lsvib.accuracy.methods.diffrax_events import prepare
 
     return prepare
 
@@ -89,6 +96,11 @@ def _with_cvode(label: str, **options) -> Method:
     return Method(label, Family.GENERAL, _cvode, options=options, needs="sksundae", explicit=explicit)
 
 
+def _with_diffrax(label: str, **options) -> Method:
+    explicit = options["solver"] in ("Tsit5", "Dopri8")
+    return Method(label, Family.COMPILED, _diffrax_events, options=options, needs="diffrax", explicit=explicit)
+
+
 METHODS = {
     "exact": Method("lsvib", Family.EXACT, _exact, "none"),
     "exact_single": Method("lsvib, float32 tables", Family.EXACT, _exact, "none", {"single": True}),
@@ -102,6 +114,10 @@ METHODS = {
     "cvode_adams": _with_cvode("CVODE Adams", solver="Adams"),
     "cvode_bdf": _with_cvode("CVODE BDF", solver="BDF"),
     "cvode_bdf_capped": _with_cvode("CVODE BDF, step cap", solver="BDF", capped=True),
+    "diffrax_tsit5": _with_diffrax("diffrax Tsit5", solver="Tsit5"),
+    "diffrax_dopri8": _with_diffrax("diffrax Dopri8", solver="Dopri8"),
+    "diffrax_dopri8_capped": _with_diffrax("diffrax Dopri8, step cap", solver="Dopri8", capped=True),
+    "diffrax_kvaerno5": _with_diffrax("diffrax Kvaerno5", solver="Kvaerno5"),
     "smoothed": Method("smoothed friction", Family.SMOOTHED, _smoothed, "smoothing_width", needs="sksundae"),
     "rk4": Method("RK4, fixed step", Family.FIXED_STEP, _fixed_step, "time_step", explicit=True),
     "rk4_refined": Method(

@@ -39,10 +39,14 @@ class Budget:
 
 @dataclass
 class Entry:
-    """One method at one setting: its errors, the times of its runs [s], its number of events, why it gave up."""
+    """One method at one setting: its errors, the times of its runs [s], its number of events, why it gave up.
+
+    ``first`` [s] is the time of the method's discarded run on the scene, in which what it needs is loaded and compiled.
+    """
 
     method: str
     setting: float
+    first: float = float("nan")
     errors: Errors | None = None
     seconds: list[float] = field(default_factory=list)
     events: int = -1
@@ -84,9 +88,9 @@ def _compete(this: Scene, truth: Reference, hybrid: Hybrid, limit: int, settings
         if not values or (method.explicit and not this.explicit):
             continue
         clock = Clock(budget.limit)
-        _warm_up(method, this, values[0], clock)
+        first = _warm_up(method, this, values[0], clock)
         for setting in values:
-            entries.append(Entry(method_name, setting))
+            entries.append(Entry(method_name, setting, first))
             functions.append(method.prepare(hybrid, setting, clock, limit))
     for _ in range(budget.repeats):
         for entry, function in zip(entries, functions, strict=True):
@@ -95,10 +99,13 @@ def _compete(this: Scene, truth: Reference, hybrid: Hybrid, limit: int, settings
     return entries
 
 
-def _warm_up(method, this: Scene, setting: float, clock: Clock) -> None:
+def _warm_up(method, this: Scene, setting: float, clock: Clock) -> float:
+    """Run a method on the first hundredth of a scene; returns how long it took [s]."""
     short = Hybrid(replace(this, duration=_WARM_UP * this.duration))
+    start = time.process_time()
     with suppress(GaveUp):  # then the whole run gives up too, and is counted
         method.prepare(short, setting, clock, 1000)().run()
+    return time.process_time() - start
 
 
 @contextmanager

@@ -37,8 +37,12 @@ class Clock:
     def check(self) -> None:
         """Raise ``GaveUp`` if the processor time is over; looks at the clock in every 64th call."""
         self.calls += 1
-        if self.calls % 64 == 0 and time.process_time() > self.end:
-            raise GaveUp(f"over {self.limit:g} s")
+        if self.calls % 64 == 0 and (failure := self.over()):
+            raise GaveUp(failure)
+
+    def over(self) -> str:
+        """Say that the processor time is over, or nothing."""
+        return f"over {self.limit:g} s" if time.process_time() > self.end else ""
 
 
 @dataclass(frozen=True)

@@ -37,15 +37,15 @@ def _number(value: float, form: str) -> str:
 
 
 def _ratios(dataset: xr.Dataset) -> str:
-    """Run time of the best general solver and of the best fixed-step method over the engine's."""
+    """Run time of the best general, compiled general and fixed-step method over the engine's."""
     levels = dataset.error_level.values
     engine = dataset.isel(method=_names(dataset, "method").index("exact"), tolerance=0)
     head = ["scene", "engine: time", "engine: error"]
-    head += [f"{kind}, {level:.0e}" for kind in ("general", "RK4") for level in levels]
+    head += [f"{kind}, {level:.0e}" for kind in ("general", "compiled", "RK4") for level in levels]
     rows = []
     for k, scene in enumerate(_names(dataset, "scene")):
         row = [scene, f"{1e3 * float(engine.run_time[k]):.3f} ms", f"{float(engine.state_error[k]):.1e}"]
-        for family in (Family.GENERAL, Family.FIXED_STEP):
+        for family in (Family.GENERAL, Family.COMPILED, Family.FIXED_STEP):
             row += [_number(float(x), ".0f") for x in dataset.ratio.sel(rival=int(family)).values[k]]
         rows.append(row)
     return _table(head, rows)

@@ -23,6 +23,7 @@ YELLOW = "#F0E442"
 BLUE = "#0072B2"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
+WINE = "#882255"  # Tol (2021), "Colour schemes", muted
 GREY = "#8C8C8C"
 
 SINGLE = 3.5  # width of one journal column [inch]
