@@ -15,11 +15,11 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|ablation",
+    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|ablation|map_precision",
 
 
 # Figures whose datasets measure run times.
-TIMED = {"work_precision", "ablation"}
+TIMED = {"work_precision", "ablation", "map_precision"}
 
 # What each script imports of ours besides the module of its figure.
 SCRIPT_IMPORTS = {

@@ -78,12 +78,16 @@ class Method:
 
     def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
         """Return the function to time; ``InputError`` if the package is missing."""
+        self.require()
+        return self.load()(hybrid, setting, clock, max_events, **self.options)
+
+    def require(self) -> None:
+        """Raise ``InputError`` if the package that the method needs is missing."""
         if self.needs and find_spec(self.needs) is None:
             raise InputError(
                 f"The package {_PACKAGES[self.needs]}, which {self.label} needs, is not installed; "
                 "run pip install -r requirements-accuracy.txt."
             )
-        return self.load()(hybrid, setting, clock, max_events, **self.options)
 
 
 def _with_scipy(label: str, **options) -> Method:

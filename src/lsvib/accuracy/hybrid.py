@@ -111,9 +111,9 @@ class Hybrid:
         branch = self._branch(transition, state)
         return int(t.branch_mode[branch]), state, int(t.branch_kind[branch])
 
-    def enter(self) -> tuple[int, np.ndarray]:
-        """Mode and state at the start of the scene."""
-        state = np.array(self.scene.state)
+    def enter(self, start=None) -> tuple[int, np.ndarray]:
+        """Mode and state at the start of the scene, or at another ``start`` (n)."""
+        state = np.array(self.scene.state if start is None else start, dtype=float)
         return int(self.tables.branch_mode[self._branch(0, state)]), state
 
     def _branch(self, transition: int, state: np.ndarray) -> int:

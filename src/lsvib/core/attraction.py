@@ -30,6 +30,7 @@ _UNDECIDED = int(Found.UNDECIDED)
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
+_MARGIN = 4096.0 * EPS  # within it bounds of a minimum do not decide; the minimum itself is computed
 
 
 class Known(NamedTuple):
@@ -106,7 +107,7 @@ def _step(tables, mode, short, scratch):
 
 
 @kernel
-def _ellipse(tables, known, mode, state):
+def ellipse(tables, known, mode, state):
     """η² + κ² y² of a state with y = u − u_e, η = w + α y; with a damped mode and κ = max(α, β) it always falls."""
     row = tables.flow[mode]
     y = state[0] - row[EQUILIBRIUM]
@@ -153,7 +154,7 @@ def label_of(tables, known, mode, scratch, budget):
     """
     state, short, first = scratch.state, 0, UNKNOWN
     for _ in range(budget):
-        if _ellipse(tables, known, mode, state) < known.trap[mode, 1]:
+        if ellipse(tables, known, mode, state) < known.trap[mode, 1]:
             return known.settled[mode], NO_EVENT if first == UNKNOWN else first
         rests = known.resting[mode]
         if rests != UNKNOWN and first != UNKNOWN:
@@ -192,9 +193,9 @@ def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
     p = g_u * w - g_w * (a0 * y + a1 * w)
     across = (-a0 * (g_u * y + g_w * w) - alpha * p) / beta
     swing = beta * math.sqrt(p * p + across * across) / a0
-    if middle > swing * (1.0 + 1e-12):
+    if middle > swing * (1.0 + _MARGIN):
         return _NONE
-    if middle < swing * share * (1.0 - 1e-12):
+    if middle < swing * share * (1.0 - _MARGIN):
         return _CROSSING
     bottom = math.atan2(across, p) + 1.5 * math.pi
     depth = swing * math.exp(-alpha / beta * (bottom - 2.0 * math.pi if bottom > 2.0 * math.pi else bottom))
@@ -220,7 +221,7 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
             label, first = UNRESOLVED if branch < 0 else UNKNOWN, NO_EVENT
             mode = tables.branch_mode[max(branch, 0)]
             if label == UNKNOWN:
-                extent = _ellipse(tables, known, mode, scratch.state)
+                extent = ellipse(tables, known, mode, scratch.state)
                 if extent < known.trap[mode, 1]:
                     label = known.settled[mode]
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
@@ -260,7 +261,7 @@ def arrival_time(tables, known, mode, state):
     """Time [s] from ``state`` until the motion, which stays in a damped ``mode``, is within the ellipse of arrival."""
     row = tables.flow[mode]
     kappa2, goal = known.trap[mode, 0], known.trap[mode, 2]
-    size = _ellipse(tables, known, mode, state)
+    size = ellipse(tables, known, mode, state)
     if size <= goal:
         return 0.0
     if row[BETA] * row[BETA] == kappa2:  # the ellipse shrinks as e^{−2αt}
@@ -306,7 +307,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
     if _on_cycle(known, mode, state):
         return 0.0, 0
     for _ in range(budget):
-        if _ellipse(tables, known, mode, state) < known.trap[mode, 2]:
+        if ellipse(tables, known, mode, state) < known.trap[mode, 2]:
             return clock[0] + clock[1], count
         start = mode
         outcome, _, kind, mode, stay, short = _step(tables, mode, short, scratch)
@@ -371,7 +372,7 @@ def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
     _put(scratch, state[0], state[1])
     code, count = TOO_LONG, 0
     while count < symbols.size and code == TOO_LONG:
-        if _ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
+        if ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
             code = 3 * mode
             break
         before = mode

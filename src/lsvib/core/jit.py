@@ -24,10 +24,10 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     _caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     numba.config.CACHE_DIR = str(_caches / "lsvib" / source_digest())
 
-_OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": False, "nogil": True}
+OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": False, "nogil": True}
 
-allocating_kernel = numba.njit(**_OPTIONS, _nrt=True)
+allocating_kernel = numba.njit(**OPTIONS, _nrt=True)
 # A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
 # together they took half of the time of a run, and would make threads wait for each other.
-kernel = numba.njit(**_OPTIONS, _nrt=False)
-inlined_kernel = numba.njit(**_OPTIONS, _nrt=False, forceinline=True)
+kernel = numba.njit(**OPTIONS, _nrt=False)
+inlined_kernel = numba.njit(**OPTIONS, _nrt=False, forceinline=True)

@@ -25,6 +25,15 @@ def provenance() -> dict[str, str]:
     }
 
 
+def processor() -> str:
+    """Return the name of the processor, for datasets that hold run times."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
+
+
 def _git_state(tracked: Path) -> tuple[str, str]:
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(tracked.parent), *arguments]

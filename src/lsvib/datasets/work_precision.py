@@ -5,7 +5,6 @@ import os
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from lsvib.accuracy.contest import Budget, Entry, contest
 from lsvib.accuracy.ratios import fastest
 from lsvib.accuracy.result import Verdict
 from lsvib.datasets.checks import Check
+from lsvib.datasets.provenance import processor
 from lsvib.datasets.variables import flags
 
 _CONTROLS = {
@@ -178,7 +178,7 @@ class _Table:
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
                 "timing": "processor time of one process, methods interleaved, after a discarded run; "
                 "the preparation of a method (tables, compilation) is not in it",
-                "processor": _processor(),
+                "processor": processor(),
                 "processor_cores": os.cpu_count() or 0,
                 "operating_system": platform.system(),
                 "rival_versions": json.dumps(_versions()),
@@ -258,14 +258,6 @@ def _words(kind: str, names: list[str], labels: list[str]) -> dict[str, Any]:
         "flag_meanings": " ".join(names),
         "labels": "; ".join(labels),
     }
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or "unknown"
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
 
 
 def _versions() -> dict[str, str]:

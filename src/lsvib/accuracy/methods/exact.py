@@ -1,4 +1,4 @@
-"""This engine; and the same with its tables rounded to single precision, as a map in float32 would have them."""
+"""This engine; and the same with its tables rounded to single precision."""
 
 from collections.abc import Callable
 
@@ -34,7 +34,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, singl
     """Return a function that runs the engine on the scene; ``single``: with tables and start rounded to float32.
 
     The rounded tables are computed with in double precision, so its error is the least that a float32 engine has: it
-    cannot be faster than this one by more than the exponentials of single precision are, and has no digits to spare.
+    has no digits to spare. (In single precision throughout it exists for maps: :mod:`lsvib.accuracy.single_precision`.)
     """
     automaton, state = hybrid.automaton, np.array(hybrid.scene.state)
     if single:

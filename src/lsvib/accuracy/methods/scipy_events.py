@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid
+from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, Integrate
 
 _IMPLICIT = ("Radau", "BDF", "LSODA")
 _RETRIES = 8
@@ -14,7 +14,13 @@ _RETRIES = 8
 def prepare(
     hybrid: Hybrid, setting: float, clock: Clock, max_events: int, solver: str, capped: bool = False
 ) -> Callable:
-    """Return a function that runs ``solver`` on the scene at relative tolerance ``setting``; ``capped``: step cap.
+    """Return a function that runs ``solver`` on the scene; arguments as of :func:`integrator`."""
+    integrate = integrator(hybrid, setting, clock, solver, capped)
+    return lambda: hybrid.run(integrate, clock, max_events)
+
+
+def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
+    """Return what follows one mode with ``solver`` at relative tolerance ``setting``; ``capped``: with a step cap.
 
     Absolute tolerances are ``setting`` times the sizes of the coordinates; implicit solvers are given the Jacobian,
     which is constant in a mode. Where a guard rises from zero and falls again within the first step, so that its only
@@ -48,7 +54,7 @@ def prepare(
             limits["max_step"] = min(limits.get("max_step", np.inf), scene.step_cap) / 4
         raise GaveUp("no step away from a guard")
 
-    return lambda: hybrid.run(integrate, clock, max_events)
+    return integrate
 
 
 def _functions(mode, clock: Clock):
