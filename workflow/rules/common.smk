@@ -15,7 +15,7 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|ablation",
+    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|rival_verdicts|ablation",
 
 
 # Figures whose datasets measure run times.
