@@ -9,7 +9,8 @@ from lsvib.accuracy import sweeps
 from lsvib.accuracy.contest import quiet
 from lsvib.accuracy.hybrid import GaveUp
 from lsvib.accuracy.result import Run
-from lsvib.accuracy.rival_verdicts import Effort, Verdict, ask, compare, pose
+from lsvib.accuracy.rival_comparison import Verdict, compare
+from lsvib.accuracy.rival_verdicts import Effort, ask, confirm, pose
 from lsvib.accuracy.sweep_cases import Case, Family, Group, cases, threshold
 from lsvib.datasets import rival_verdicts
 from lsvib.datasets.writer import read_dataset, write_dataset
@@ -121,6 +122,7 @@ def test_a_dip_below_a_guard_is_missed_by_a_general_solver():
     with quiet():
         assert ask(dipping, "dop853", 1e-6).verdict is Verdict.OTHER_MOTION
         assert ask(question(), "dop853", 1e-6).verdict is Verdict.RIGHT
+    assert confirm(dipping, np.random.default_rng(0))
 
 
 def test_effort_is_counted():
@@ -152,8 +154,9 @@ def test_dataset_checks_and_picture(tmp_path):
     assert dataset.shared_count.sum("outcome").values.tolist() == [5, 5]
     write_dataset(dataset, tmp_path / "a.nc")
     read = read_dataset(tmp_path / "a.nc")
-    engine, others = rival_verdicts.checks(read)
+    engine, disputed, others = rival_verdicts.checks(read)
     assert engine.passed
+    assert disputed.passed
     assert not others.passed  # the engine itself, asked as one of the others, is never wrong
     save(draw(read), tmp_path / "a.png", tmp_path / "a.pdf")
     assert (tmp_path / "a.png").stat().st_size > 10_000

@@ -2,47 +2,34 @@
 
 The truth is the engine's own motion, and only in cases in which an independent computation has confirmed it
 (:func:`lsvib.accuracy.sweeps.judge`: PASSED). A method is told the sizes of the motion, for its absolute tolerances,
-and it is held to no more than it was asked for: an error of ``GENEROSITY`` times its tolerance is right, events within
-that part of the duration may come in any order, and next to the start and the end they may be missing. Effort is
-counted in evaluations of the field, not in seconds, so that a verdict is the same on every machine.
+and judged as in :mod:`lsvib.accuracy.rival_comparison`. Effort is counted in evaluations of the field, not in seconds,
+so that a verdict is the same on every machine.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.accuracy import sweeps
 from lsvib.accuracy.catalogue import Family, find_method
-from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid
-from lsvib.accuracy.result import Run
+from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, counted
+from lsvib.accuracy.rival_comparison import GENEROSITY, Answer, Verdict, compare
 from lsvib.accuracy.scenes import Scene
 from lsvib.accuracy.sweep_cases import Case
 from lsvib.models.coefficients import coefficients
 from lsvib.models.model import MODELS, find_model
-from lsvib.models.motion import follow
+from lsvib.models.motion import Motion, follow
 
-GENEROSITY = 1000.0  # times the tolerance that a method was asked for is still right
 MOST_EVALUATIONS = 50_000  # of the field, by a general solver
 MOST_STEPS = 1_000_000  # of a fixed-step method
 _STEPS_PER_TURN = 1000  # of the fastest oscillation that the motion has
 _FEWEST_STEPS = 100
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
 _SPARE_EVENTS = 50
+_INSTANT = 1e-12  # of the duration and of the motion: less is rounding
 _STIFF = "too stiff"
-
-
-class Verdict(IntEnum):
-    """What became of a method on a case."""
-
-    RIGHT = 0
-    INACCURATE = 1  # the right events, an error above what it was asked for
-    OTHER_EVENTS = 2  # events missed or invented, but the motion ends where it should
-    OTHER_MOTION = 3  # other events, and another end
-    GAVE_UP = 4  # too much effort, a step that cannot be made, an endless chain of events, overflow
 
 
 @dataclass(frozen=True)
@@ -99,16 +86,6 @@ class Question(NamedTuple):
         return float(np.diff(self.path.times).min(initial=math.inf)) / self.scale
 
 
-class Answer(NamedTuple):
-    """Verdict; largest error of final state and times, relative to the motion, nan unless the events are right; why it
-    gave up.
-    """
-
-    verdict: Verdict
-    error: float = math.nan
-    failure: str = ""
-
-
 class Effort(Clock):
     """A limit on the evaluations of a run, the same on every machine."""
 
@@ -135,25 +112,48 @@ def pose(case: Case, rng: np.random.Generator) -> tuple[sweeps.Verdict, Question
             return outcome.verdict, None
         case = case._replace(duration=float(outcome.path.times[-2:].mean()))
         outcome = sweeps.judge(case, rng)
-    path = outcome.path
-    if outcome.verdict is not sweeps.Verdict.PASSED or not path.complete:
+    if outcome.verdict is not sweeps.Verdict.PASSED or not outcome.path.complete:
         return outcome.verdict, None
     kind = next(name for name in MODELS if find_model(name).drive is type(case.drive))
-    scene = _Posed(
-        "case", "a case", kind, case.drive, case.start, case.duration, case.duration / _CAP, sizes=tuple(path.size)
-    )
+    size = outcome.path.size
+    scene = _Posed("case", "a case", kind, case.drive, case.start, case.duration, math.inf, sizes=tuple(size))
     hybrid = Hybrid(scene)
-    question = Question(case, path, hybrid, *_rates(hybrid))
+    motion = follow(hybrid.automaton, case.start, case.duration, max_events=sweeps.MOST_EVENTS)
+    question = Question(case, _truth(hybrid, motion, size), hybrid, *_rates(hybrid, motion))
     hybrid.scene = replace(scene, step_cap=question.scale / _CAP)
     return outcome.verdict, question
 
 
-def _rates(hybrid: Hybrid) -> tuple[float, float, float]:
+def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> sweeps.Path:
+    """The engine's motion in the words of the other methods, without touches of a guard that last no time."""
+    modes = [motion.start_mode, *motion.mode]
+    kept: list[int] = []
+
+    def touches(first: int, last: int) -> bool:
+        at_once = motion.time[last] - motion.time[first] <= _INSTANT * hybrid.scene.duration
+        same = np.abs(motion.after[last] - motion.before[first]) <= _INSTANT * size
+        return bool(at_once and modes[last + 1] == modes[first] and same.all())
+
+    for k in map(int, np.flatnonzero(counted(motion.kind))):
+        if kept and touches(kept[-1], k):
+            kept.pop()
+        else:
+            kept.append(k)
+    kinds = [hybrid.names[int(motion.kind[k])] for k in kept]
+    return sweeps.Path(kinds, motion.time[kept], motion.end_state, size, True)
+
+
+def confirm(question: Question, rng: np.random.Generator) -> bool:
+    """Whether the reference with 40 digits has the events of the engine as well."""
+    outcome = sweeps.judge(question.case, rng, thorough=True)
+    same = (sweeps.Verdict.PASSED, sweeps.Verdict.INACCURATE)
+    return outcome.verdict in same and outcome.judge is sweeps.Judge.REFERENCE
+
+
+def _rates(hybrid: Hybrid, motion: Motion) -> tuple[float, float, float]:
     """Shortest oscillation [s], fastest decay [1/s] and its integral [1] over the modes that the motion visits."""
-    scene = hybrid.scene
-    motion = follow(hybrid.automaton, scene.state, scene.duration, max_events=sweeps.MOST_EVENTS)
     modes, _, _, stays = motion.arcs()
-    turn, decay, stiffness = scene.turn, 0.0, 0.0
+    turn, decay, stiffness = hybrid.scene.turn, 0.0, 0.0
     for mode in np.unique(modes):
         rates = np.linalg.eigvals(hybrid.modes[mode].matrix)
         fastest = float(np.abs(rates[rates.real < 0]).max(initial=0.0))
@@ -201,44 +201,3 @@ def _step(question: Question) -> float:
     """Step [s] that resolves the fastest oscillation, is stable, and makes a few steps in any case."""
     stable = 1.0 / question.decay if question.decay else math.inf
     return min(question.turn / _STEPS_PER_TURN, question.case.duration / _FEWEST_STEPS, stable)
-
-
-def compare(duration: float, truth: sweeps.Path, run: Run, allowed: float) -> Answer:
-    """Compare a run with the true motion; ``allowed``: error, relative to the motion and to its duration [s]."""
-    gap = allowed * duration
-    state_error = float(np.max(np.abs(run.end_state - truth.end) / np.where(truth.size > 0, truth.size, 1.0)))
-    ours, theirs = list(zip(truth.times, truth.kinds, strict=True)), list(zip(run.times, run.kinds, strict=True))
-    pairs = [(a, b) for a in _trimmed(ours, gap, duration) for b in _trimmed(theirs, gap, duration)]
-    for a, b in pairs:
-        if [kind for _, kind in a] == [kind for _, kind in b]:
-            late = max((abs(x - y) for (x, _), (y, _) in zip(a, b, strict=True)), default=0.0)
-            error = max(state_error, float(late) / duration)
-            return Answer(Verdict.RIGHT if error <= allowed else Verdict.INACCURATE, error)
-    if state_error > allowed:
-        return Answer(Verdict.OTHER_MOTION)
-    same = any(_same(_without_clusters(a, gap), _without_clusters(b, gap)) for a, b in pairs)
-    return Answer(Verdict.RIGHT, state_error) if same else Answer(Verdict.OTHER_EVENTS)
-
-
-def _trimmed(events: list[tuple[float, str]], gap: float, duration: float) -> Iterator[list[tuple[float, str]]]:
-    """The events, all of them first, then without some of those that are next to the start or the end."""
-    early = sum(time <= gap for time, _ in events)
-    late = sum(time >= duration - gap for time, _ in events)
-    for first in range(early + 1):
-        for last in range(late + 1):
-            yield events[first : max(first, len(events) - last)]
-
-
-def _without_clusters(events: list[tuple[float, str]], gap: float) -> list[str]:
-    """Kinds of events, with each run of events that follow each other within ``gap`` [s] as one."""
-    tokens: list[str] = []
-    for k, (time, kind) in enumerate(events):
-        if k and time - events[k - 1][0] <= gap:
-            tokens[-1] = "corner"
-        else:
-            tokens.append(kind)
-    return tokens
-
-
-def _same(left: list[str], right: list[str]) -> bool:
-    return len(left) == len(right) and all(a == b or "corner" in (a, b) for a, b in zip(left, right, strict=True))

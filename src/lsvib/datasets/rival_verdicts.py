@@ -14,7 +14,8 @@ from lsvib.accuracy import sweeps
 from lsvib.accuracy.catalogue import METHODS, find_method
 from lsvib.accuracy.catalogue import Family as Kind
 from lsvib.accuracy.contest import quiet
-from lsvib.accuracy.rival_verdicts import GENEROSITY, Answer, Question, Verdict, ask, pose
+from lsvib.accuracy.rival_comparison import GENEROSITY, Answer, Verdict
+from lsvib.accuracy.rival_verdicts import Question, ask, confirm, pose
 from lsvib.accuracy.sweep_cases import Case, Family, Group, cases
 from lsvib.datasets.checks import Check
 from lsvib.datasets.variables import flags
@@ -26,13 +27,17 @@ _QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
 
 
 class _Row(NamedTuple):
-    """A case, whether every method is asked it, the verdict on the engine, and the answers by method."""
+    """A case, whether every method is asked it, the verdict on the engine, and the answers by method.
+
+    ``confirmed``: whether 40 digits have the engine's events, asked where half of the methods have others.
+    """
 
     case: Case
     shared: bool
     engine: sweeps.Verdict
     question: Question | None
     answers: list[Answer | None]
+    confirmed: bool | None
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -59,7 +64,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                         ask(question, *entry) if asked else None
                         for entry, asked in zip(entries, every if shared else fixed, strict=True)
                     ]
-            rows.append(_Row(case, shared, engine, question, answers))
+            wrong = sum(answer is not None and answer.verdict in WRONG for answer in answers)
+            disputed = shared and question is not None and 2 * wrong >= len(entries)
+            confirmed = confirm(question, np.random.default_rng(k)) if disputed else None
+            rows.append(_Row(case, shared, engine, question, answers, confirmed))
     return _dataset(rows, entries, settings["seed"])
 
 
@@ -71,8 +79,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     level = np.array([row.case.level for row in rows])  # −inf, on the edge itself, is stored as missing
     engine = np.array([row.engine for row in rows], dtype=np.int8)
     count = _count(verdict, [family == f for f in families])
-    asked, wrong = count.sum(axis=-1), count[..., list(WRONG)].sum(axis=-1)
-    low, high = _interval(wrong, asked)
+    together = _count(verdict, [shared])[0]
     by_family = ("family", "method")
     return xr.Dataset(
         {
@@ -87,19 +94,22 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
                 "decimal logarithm of the parameter or of its distance from the edge")),
             "shared": ("case", shared.astype(np.int8), _text("whether every method is asked") | {
                 "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+            "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
+                _text("whether 40 digits have the engine's events, asked where half of the methods have others") | {
+                    "flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "not_asked no yes"}),
             "stiffness": ("case", _of_question(rows, "stiffness"), _text(
                 "fastest rate of decay, integrated over the motion")),
             "shortest_stay": ("case", _of_question(rows, "shortest_stay"), _text(
                 "shortest time between two events, in shortest oscillations; missing where there are fewer than two")),
             "count": ((*by_family, "outcome"), count, _text("number of cases")),
-            "shared_count": (("method", "outcome"), _count(verdict, [shared])[0], _text(
+            "shared_count": (("method", "outcome"), together, _text(
                 "number of cases, over those that every method is asked")),
             "engine_count": (("family", "engine_outcome"), np.array(
                 [[((family == f) & (engine == v)).sum() for v in sweeps.Verdict] for f in families], dtype=np.int32),
                 _text("number of cases by verdict on the engine")),
-            "wrong_share": (by_family, wrong / np.where(asked, asked, np.nan), _text("share of wrong verdicts")),
-            "wrong_share_low": (by_family, low, _text("lower end of the interval of 95 % of the share (Wilson)")),
-            "wrong_share_high": (by_family, high, _text("upper end of the interval of 95 % of the share (Wilson)")),
+            **_shares("", by_family, count, "share of wrong verdicts"),
+            **_shares("shared_", ("method",), together,
+                      "share of wrong verdicts, over the cases that every method is asked"),
             "tolerance": ("method", np.array([value for _, value in entries]), _text(
                 "relative tolerance that the method is asked for, or held to")),
         },
@@ -126,8 +136,10 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that the engine has no wrong verdict on the sample, and count those of the others."""
-    bad = [int(sweeps.Verdict.WRONG), int(sweeps.Verdict.INACCURATE)]
-    failed = int(dataset.engine_count.sel(engine_outcome=bad).sum())
+    wrong_engine, inaccurate = (
+        int(dataset.engine_count.sel(engine_outcome=int(verdict)).sum())
+        for verdict in (sweeps.Verdict.WRONG, sweeps.Verdict.INACCURATE)
+    )
     shared = dataset.shared_count
     wrong = shared.sel(outcome=list(map(int, WRONG))).sum("outcome").values
     gave_up = shared.sel(outcome=int(Verdict.GAVE_UP)).values
@@ -137,10 +149,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
     return [
         Check.holds(
-            "The engine is neither wrong nor inaccurate in any case that the others are asked",
+            "The engine is not wrong in any case that is drawn to ask the others",
             _SOURCE,
-            f"{failed} of {dataset.sizes['case']}",
-            failed == 0,
+            f"{wrong_engine} wrong and {inaccurate} inaccurate of {dataset.sizes['case']}",
+            wrong_engine == 0,
+        ),
+        Check.holds(
+            "Where half of the others have other events than the engine, 40 digits have those of the engine",
+            _SOURCE,
+            f"{int((dataset.confirmed == 1).sum())} of {int((dataset.confirmed >= 0).sum())}",
+            bool((dataset.confirmed != 0).all()),
         ),
         Check.holds(
             "Every other method shows a wrong motion, or none, in some of the same cases",
@@ -181,6 +199,17 @@ def _count(verdict: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
     """Number of cases by group, method and verdict."""
     found = [[[(verdict[group, m] == v).sum() for v in Verdict] for m in range(verdict.shape[1])] for group in groups]
     return np.array(found, dtype=np.int32)
+
+
+def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -> dict[str, tuple]:
+    """Share of wrong verdicts and the ends of its interval."""
+    wrong, asked = count[..., list(WRONG)].sum(axis=-1), count.sum(axis=-1)
+    low, high = _interval(wrong, asked)
+    return {
+        f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), _text(words)),
+        f"{prefix}wrong_share_low": (dims, low, _text(f"{words}: lower end of the interval of 95 % (Wilson)")),
+        f"{prefix}wrong_share_high": (dims, high, _text(f"{words}: upper end of the interval of 95 % (Wilson)")),
+    }
 
 
 def _interval(part: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
