@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(find_spec("lsvib").origin).parent
-ACCURACY = ["ablation", "map_precision", "stability_sweeps"]
+ACCURACY = ["ablation", "map_precision", "rival_verdicts", "stability_sweeps"]
 DATASETS = sorted(path.stem for path in (PACKAGE / "datasets").glob("fig8_*.py")) + ACCURACY
 FIGURES = sorted(path.stem for path in (PACKAGE / "figures").glob("fig8_*.py")) + ACCURACY
 EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]

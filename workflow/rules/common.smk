@@ -15,7 +15,7 @@ validate(config, "../schemas/config.schema.yaml")
 
 
 wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|ablation|map_precision",
+    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|rival_verdicts|ablation|map_precision",
 
 
 # Figures whose datasets measure run times.

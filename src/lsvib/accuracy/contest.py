@@ -76,7 +76,7 @@ def contest(
     this = scene(name, shorten)
     truth = reference(this)
     hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
-    with _quiet():
+    with quiet():
         entries = _compete(this, truth, hybrid, limit, settings, budget)
     return this, truth, entries
 
@@ -109,7 +109,7 @@ def _warm_up(method, this: Scene, setting: float, clock: Clock) -> float:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Silence what solvers print or warn of, also from compiled code: a run that fails is counted, not described."""
     flush = ctypes.CDLL(None).fflush  # what compiled code has printed may still be in its buffers
     flush(None)
