@@ -14,7 +14,7 @@ from mpmath import mp, mpf
 from reference.cases import CASES, EPS, STARTS, advanced, rate_of
 
 from lsvib.accuracy.reference.oscillator import flow
-from lsvib.core import loop, planar
+from lsvib.core import crossing, loop, planar
 from lsvib.core.status import Found, Status
 from lsvib.core.status import Test as Sign
 from lsvib.models.automaton import Branch, Guard, Mode, Surface, Transition, assemble, oscillator
@@ -23,7 +23,7 @@ INF = math.inf
 
 
 def search(row, state, guard, on_surface=False, limit=INF):
-    found, t = planar.crossing(np.array([row]), 0, np.array(state, float), np.array(guard, float), on_surface, limit)
+    found, t = crossing.crossing(np.array([row]), 0, np.array(state, float), np.array(guard, float), on_surface, limit)
     return Found(found), t
 
 

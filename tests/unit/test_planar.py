@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from reference.cases import CASES, EPS, STARTS, advanced, rate_of
 
 from lsvib.accuracy.reference.oscillator import flow, number
-from lsvib.core import planar
+from lsvib.core import crossing, planar
 from lsvib.models.automaton import oscillator
 
 ANGLES = [1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 40.0]  # rate · t
@@ -83,7 +83,7 @@ def test_extremes_against_dense_evaluation(name, state, angle, part_u, part_w):
     row = oscillator(*CASES[name])
     duration = angle / rate_of(row)
     functional = np.array([part_u, part_w, 0.25])
-    low, high = planar.extremes(np.array([row]), 0, np.array(state), functional, duration)
+    low, high = crossing.extremes(np.array([row]), 0, np.array(state), functional, duration)
     points = np.array([advanced(row, state, t) for t in np.linspace(0, duration, 400)])
     values = points @ functional[:2] + functional[2]
     terms = np.abs(functional) @ [*magnitude(row, state, duration), 1.0]

@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib.analysis.grid import Grid
 from lsvib.analysis.sections import Sections
-from lsvib.core import attraction
+from lsvib.core import approach, attraction
 from lsvib.errors import InputError
 from lsvib.models.model import find_model
 from lsvib.models.parameters import LeadScrew
@@ -92,7 +92,7 @@ class Mapper:
             attraction.map_labels(tables, known, x, y[part], across, _EVENTS, labels, found["first_event"][part])
             if approaches:
                 times, counts = found["time"][part], found["seizures"][part]
-                attraction.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
+                approach.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
                 times[labels == attraction.UNRESOLVED] = np.inf
 
         in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), threads, progress)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.core import planar
+from lsvib.core import crossing, planar
 from lsvib.core.affine import level
 from lsvib.core.status import Found
 
@@ -66,7 +66,7 @@ def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
     touches = abs(value) <= size
     sign = math.copysign(1.0, (rate if abs(rate) > rate_size else bend) if touches else value)
     while True:
-        found, stay = planar.crossing(flow, arc.mode, state, sign * row, touches, arc.duration - time)
+        found, stay = crossing.crossing(flow, arc.mode, state, sign * row, touches, arc.duration - time)
         time += stay
         if found == Found.NONE or time >= arc.duration:
             return times
@@ -130,7 +130,7 @@ def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
     sign = 1.0 if part.start[1] > w else -1.0
     if part.start[1] == w:
         return float(part.start[0])
-    found, time = planar.crossing(
+    found, time = crossing.crossing(
         flow, part.mode, np.asarray(part.start), sign * np.array([0.0, 1.0, -w]), False, part.duration
     )
     return float(state_on(flow, part, time)[0] if found == Found.CROSSING else part.end[0])

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState
-from lsvib.core import attraction, loop, planar
+from lsvib.core import approach, attraction, loop, planar
 from lsvib.core.attraction import UNKNOWN, UNRESOLVED, Known
 from lsvib.models.automaton import Automaton
 
@@ -198,5 +198,5 @@ def with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState
         scratch = attraction.new_scratch(tables)
         scratch.state[:], scratch.scale[:] = state, np.abs(state)
         sprags = np.array(automaton.sprag_kinds, dtype=np.int64)
-        known.release[mode] = attraction.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
+        known.release[mode] = approach.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
     return known

@@ -40,8 +40,9 @@ from lsvib.analysis.section_tables import (
     with_cycles,
     with_labels,
 )
-from lsvib.core import attraction, planar
-from lsvib.core.attraction import DIVERGED, GRAZED, STUCK, TOO_LONG, UNKNOWN, UNRESOLVED
+from lsvib.core import itinerary, planar
+from lsvib.core.attraction import UNKNOWN, UNRESOLVED
+from lsvib.core.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
 from lsvib.models.automaton import Automaton
 
 _EVENTS = 4000  # of an itinerary
@@ -83,7 +84,7 @@ class Sections:
     def _point(self, section: Section, x: float) -> np.ndarray:
         state = np.empty(2)
         state[section.free] = x
-        attraction.put_on(self.automaton.tables, section.surface, state)
+        itinerary.put_on(self.automaton.tables, section.surface, state)
         return state
 
     def _belongs(self, section: Section, state: np.ndarray) -> bool:
@@ -129,7 +130,7 @@ class Sections:
         everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
         state, path = self._point(section, x), []
         for _ in range(visits):
-            code, count, _ = attraction.itinerary(
+            code, count, _ = itinerary.itinerary(
                 self.automaton.tables, self.known, everywhere, section.mode, state, 0.0, False, self._symbols
             )
             if code != 2:
@@ -141,7 +142,7 @@ class Sections:
         """The itinerary of the motion from a point of a section, with the code of its end as the last number."""
         while True:
             state = self._point(section, x)
-            code, count, mode = attraction.itinerary(
+            code, count, mode = itinerary.itinerary(
                 self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
             )
             if code != TOO_LONG or self._futile == _PATIENCE or not self._learns(state, mode):
@@ -226,7 +227,7 @@ class Sections:
                 edges.append(high)
                 labels.append(self._label(low_course))
                 continue
-            here, there = attraction.last_agreement(
+            here, there = itinerary.last_agreement(
                 self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
                 low, high, resolution, *push, low_course, position,
             )  # fmt: skip

@@ -6,7 +6,7 @@ from decimal import Decimal
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, steady_state
-from lsvib.core import planar
+from lsvib.core import crossing, planar
 from lsvib.core.status import Found
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -90,13 +90,13 @@ def detach_force(drive: LeadScrew) -> float:
     flow = automaton.tables.flow
     start = np.array([float(c.damping[1]) * drive.input_speed / drive.coupling_stiffness, -drive.input_speed])
     speed = direction * np.array([0.0, 1.0, drive.input_speed])
-    found, duration = planar.crossing(flow, mode, start, speed, True, math.inf)
+    found, duration = crossing.crossing(flow, mode, start, speed, True, math.inf)
     if found != Found.CROSSING:
         raise NoThreshold(
             "slip under law + does not come back to rest for this drive, so no stick-slip cycle can leave N = 0."
         )
     q = np.array([float(c.q_row[0]), float(c.q_row[1]), 0.0])
-    low, high = planar.extremes(flow, mode, start, q, duration)
+    low, high = crossing.extremes(flow, mode, start, q, duration)
     return onset - (low if direction > 0 else high) / float(c.gamma[1])
 
 
@@ -131,7 +131,7 @@ def global_stability_force(drive: LeadScrew) -> float:
     # The extremes along a decaying flow lie within its first turn, or within a few times its slowest time.
     row = flow[mode]
     horizon = 2 * math.pi / row[planar.BETA] if row[planar.BETA] > 0 else 40 / abs(row[planar.R1])
-    _, reach = planar.extremes(flow, mode, released, q, horizon)
+    _, reach = crossing.extremes(flow, mode, released, q, horizon)
     if q[1] > 0:  # otherwise a seizure is followed by slip backward or rest, and by no cycle but that with rest
         reach = max(reach, _widest_return(row, speed, q, released[0]))
     d = drive.exact()

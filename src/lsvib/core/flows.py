@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from lsvib.core import block_walk, blocks, modal, planar, sums, walk
+from lsvib.core import block_walk, blocks, crossing, modal, planar, sums, walk
 from lsvib.core.affine import level
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.status import Found
@@ -31,7 +31,7 @@ def _no_workspace(flow, guards):
 def _planar_search(flow, mode, state, guards, on_surface, limit, work):
     found, first, when = _NONE, -1, limit
     for guard in range(guards.shape[0]):
-        outcome, t = planar.crossing(flow, mode, state, guards[guard], on_surface[guard], when)
+        outcome, t = crossing.crossing(flow, mode, state, guards[guard], on_surface[guard], when)
         if outcome != _NONE:
             found, first, when = outcome, guard, t
     return found, first, when
@@ -127,4 +127,4 @@ def _searched_extremes(flow, mode, state, functional, duration):
     return min(low, value), max(high, value)
 
 
-extremes = _by_kind(planar.extremes, _searched_extremes, _searched_extremes)
+extremes = _by_kind(crossing.extremes, _searched_extremes, _searched_extremes)

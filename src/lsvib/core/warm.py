@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lsvib.core import flows, loop, planar, walk
+from lsvib.core import crossing, flows, loop, planar, walk
 from lsvib.core.modal import ModalFlow
 from lsvib.core.status import Test
 from lsvib.core.tables import Tables
@@ -62,6 +62,6 @@ def _bounce(flow) -> None:
     flows.slopes_at(flow, 0, state, np.abs(state), surface)
     flows.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
-        planar.crossing(flow, 0, state, surface, False, 1.0)
+        crossing.crossing(flow, 0, state, surface, False, 1.0)
     else:
         walk.first_crossing(flow, 0, state, surface[None], np.array([False]), 1.0)
