@@ -25,10 +25,10 @@ effective inertia, and with it whether the threads seize, so the rule for what f
 from decimal import localcontext
 
 from lsvib.errors import InputError
-from lsvib.models import friction
 from lsvib.models.automaton import Automaton, scaled
-from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, normal_force, plus, solved
+from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, plus, solved
 from lsvib.models.parameters import PLACES, NutDrive
+from lsvib.models.screw import Screw
 from lsvib.models.two_bodies import two_bodies
 from lsvib.models.two_body_model import two_body_model
 
@@ -48,30 +48,23 @@ def nut_drive(drive: NutDrive, *, slide: bool = False, bearing: bool = False) ->
         return two_bodies(_Build(drive, slide, bearing).bodies(), NutMode, NutEvent)
 
 
-class _Build:
+class _Build(Screw):
     """Newton's laws as rows over (u, w, φ, ψ, 1)."""
 
     def __init__(self, drive: NutDrive, slide: bool, bearing: bool) -> None:
-        self.d = d = drive.exact()
-        self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
-        self.reach = d.pitch_radius * d.tan_lead
-        self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
+        super().__init__(drive, slide, bearing)
+        d = self.d
         inertia = d.screw_inertia * d.nut_inertia / (d.screw_inertia + d.nut_inertia)
-        turned = self.xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m²
-        self.paradox = inertia <= turned * d.mass
+        self.paradox = inertia <= self.turned * d.mass
         if self.bearing and self.paradox:
             raise InputError(
-                f"bearing_friction = {drive.bearing_friction:g} needs mass < {inertia / turned:.6g} kg in model nut: "
-                "above, the threads can seize, and what follows is not determined while the bearing holds the screw."
+                f"bearing_friction = {drive.bearing_friction:g} needs mass < {inertia / self.turned:.6g} kg in model "
+                "nut: above, the threads can seize, and what follows is not determined while the bearing holds the "
+                "screw."
             )
-        self.turning = turning = 1 if d.input_speed > 0 else -1
-        force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * turning
-        twist = d.pitch_radius * self.xi[-1 if force * turning < 0 else 1] * force
-        torque = d.support_damping * d.input_speed + self.bearing * turning + twist
-        self.deflection = (1, 0, 0, 0, -torque / d.coupling_stiffness)
-        self.angle = (0, 0, 1, 0, twist / d.nut_stiffness)
-        self.speed = (0, 1, 0, 0, d.input_speed)
+        self.angle = (0, 0, 1, 0, self.twist / d.nut_stiffness)
         self.slip = plus(self.speed, (0, 0, 0, -1, 0))
+        self.nut_speed = scaled(self.slip, self.reach)
 
     def bodies(self) -> TwoBodies:
         """The drive in the words of :mod:`lsvib.models.mechanics`: typical sizes of the state, speeds, laws, resets."""
@@ -152,17 +145,6 @@ class _Build:
         speed = constant(-self.d.input_speed) if second else (0, 1, 0, 0, 0)
         common = constant(0) if second else self.speed
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
-
-    def observables(self, solution: Solution) -> dict[str, tuple]:
-        """Rows of the observables in one mode: forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]."""
-        return {
-            "normal_force": normal_force(self.d, solution),
-            "axial_contact_force": solution.contact,
-            "coupling_torque": scaled(self.deflection, -self.d.coupling_stiffness),
-            "coupling_deflection": self.deflection,
-            "screw_speed": self.speed,
-            "nut_speed": scaled(self.slip, self.reach),
-        }
 
 
 MODEL = two_body_model(

@@ -21,10 +21,10 @@ import math
 from decimal import localcontext
 
 from lsvib.errors import InputError
-from lsvib.models import friction
 from lsvib.models.automaton import Automaton, scaled
-from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, normal_force, plus, solved
+from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, plus, solved
 from lsvib.models.parameters import PLACES, SupportDrive
+from lsvib.models.screw import Screw
 from lsvib.models.two_bodies import two_bodies
 from lsvib.models.two_body_model import two_body_model
 
@@ -44,29 +44,20 @@ def support_drive(drive: SupportDrive, *, slide: bool = False, bearing: bool = F
         return two_bodies(_Build(drive, slide, bearing).bodies(), SupportMode, SupportEvent)
 
 
-class _Build:
+class _Build(Screw):
     """Newton's laws as rows over (u, w, y, v, 1)."""
 
     def __init__(self, drive: SupportDrive, slide: bool, bearing: bool) -> None:
-        self.d = d = drive.exact()
-        self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
-        self.reach = d.pitch_radius * d.tan_lead
-        self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
-        turned = self.xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m²
-        self.paradox = d.screw_inertia <= turned * d.mass * d.screw_mass / (d.mass + d.screw_mass)
-        if self.slide and d.screw_inertia <= turned * d.screw_mass:
+        super().__init__(drive, slide, bearing)
+        d = self.d
+        self.paradox = d.screw_inertia <= self.turned * d.mass * d.screw_mass / (d.mass + d.screw_mass)
+        if self.slide and d.screw_inertia <= self.turned * d.screw_mass:
             raise InputError(
-                f"slide_friction = {drive.slide_friction:g} needs screw_mass < {d.screw_inertia / turned:.6g} kg in "
-                "model support: above, the threads jam while the slide is held, and the motion is not determined."
+                f"slide_friction = {drive.slide_friction:g} needs screw_mass < {d.screw_inertia / self.turned:.6g} kg "
+                "in model support: above, the threads jam while the slide is held, and the motion is not determined."
             )
-        self.turning = turning = 1 if d.input_speed > 0 else -1
-        force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * turning
-        law = -1 if force * turning < 0 else 1
-        torque = d.support_damping * d.input_speed + self.bearing * turning + d.pitch_radius * self.xi[law] * force
-        self.deflection = (1, 0, 0, 0, -torque / d.coupling_stiffness)
-        self.shift = (0, 0, 1, 0, force / d.support_stiffness)
-        self.speed = (0, 1, 0, 0, d.input_speed)
-        self.travel = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
+        self.shift = (0, 0, 1, 0, self.force / d.support_stiffness)
+        self.nut_speed = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
 
     def bodies(self) -> TwoBodies:
         """The drive in the words of :mod:`lsvib.models.mechanics`: typical sizes of the state, speeds, laws, resets."""
@@ -79,7 +70,7 @@ class _Build:
             states=STATES,
             sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),
             slip=self.speed,
-            sliding=self.travel,
+            sliding=self.nut_speed,
             snaps=(1, 3),
             solve=self.solve,
             holds=self.holds,
@@ -149,17 +140,6 @@ class _Build:
         speed = constant(-self.d.input_speed) if slip else (0, 1, 0, 0, 0)
         held = constant(0) if slip else scaled(self.speed, -self.reach)
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
-
-    def observables(self, solution: Solution) -> dict[str, tuple]:
-        """Rows of the observables in one mode: forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]."""
-        return {
-            "normal_force": normal_force(self.d, solution),
-            "axial_contact_force": solution.contact,
-            "coupling_torque": scaled(self.deflection, -self.d.coupling_stiffness),
-            "coupling_deflection": self.deflection,
-            "screw_speed": self.speed,
-            "nut_speed": self.travel,
-        }
 
 
 MODEL = two_body_model(
