@@ -24,6 +24,7 @@ from lsvib.models.parameters import LeadScrew
 
 TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
 ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
+ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
 _AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
 _LAST_PLACES = 16
 _PERTURBED = 4
@@ -78,7 +79,7 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False, by_refer
     outcome = _judge(case, rng, thorough, by_reference)
     if outcome.energy is not None and outcome.verdict in _GOOD:
         # Written so that a balance that could not be drawn (nan) does not condemn; the dataset counts those.
-        if outcome.energy.residual > ENERGY_TOLERANCE + outcome.energy.rounding:
+        if outcome.energy.residual > ENERGY_TOLERANCE + ENERGY_PLACES * outcome.energy.rounding:
             outcome.verdict = Verdict.UNBALANCED
     return outcome
 

@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib.accuracy.sides import attractor_is_right, long_run
 from lsvib.accuracy.sweep_cases import THRESHOLDS
 from lsvib.accuracy.sweep_families import Case, Family, Group
-from lsvib.accuracy.sweeps import ENERGY_TOLERANCE, TOLERANCE, Judge, Outcome, Verdict, judge
+from lsvib.accuracy.sweeps import ENERGY_PLACES, ENERGY_TOLERANCE, TOLERANCE, Judge, Outcome, Verdict, judge
 from lsvib.accuracy.worst_case import GENES, Tried, attempt, search
 from lsvib.datasets.checks import Check
 from lsvib.datasets.variables import flags
@@ -129,7 +129,7 @@ def _energy_check(dataset: xr.Dataset) -> Check:
     residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
     tolerance = float(dataset.energy_tolerance)
     drawn = np.isfinite(residual)
-    astray = int((residual[drawn] > tolerance + rounding[drawn]).sum())
+    astray = int((residual[drawn] > tolerance + ENERGY_PLACES * rounding[drawn]).sum())
     sharp = drawn & (rounding <= tolerance)
     return Check.holds(
         f"Energy balances in every motion: supply, storage, friction, dampers and seizures, to {tolerance:.0e} of the "
