@@ -84,8 +84,8 @@ def coinciding(drive: ThreadsDrive, law: int, group: Group, other: float) -> lis
             rate = mp.re(root)
             if abs(mp.im(root)) > mpf(10) ** -15 * abs(root) or not rate < 0:
                 continue
-            value, slope = mp.polyval(h, rate), -mp.polyval(first, rate) / mp.polyval(h, rate) ** 2
-            quotient = -mp.polyval(g, rate) / value
+            value, slope = _value(h, rate), -_value(first, rate) / _value(h, rate) ** 2
+            quotient = -_value(g, rate) / value
             damping = {Group.DOUBLE_BY_STIFFNESS: mpf(other), Group.DOUBLE_BY_DAMPING: (quotient - other) / rate}
             damping = damping.get(group, slope)
             stiffness = mpf(other) if group == Group.DOUBLE_BY_DAMPING else quotient - damping * rate
@@ -114,11 +114,19 @@ def _roots(polynomial: list) -> list:
         polynomial = polynomial[1:]
     degree = len(polynomial) - 1
     unit = abs(polynomial[-1] / polynomial[0]) ** (mpf(1) / degree)
-    scaled = [x * unit ** (degree - k) for k, x in enumerate(polynomial)]
-    try:
-        return [unit * root for root in mp.polyroots([x / scaled[0] for x in scaled], maxsteps=200, extraprec=200)]
-    except mp.NoConvergence:
-        return []
+    companion = mp.zeros(degree)
+    for k in range(degree):
+        companion[0, k] = -polynomial[k + 1] * unit ** (-k - 1) / polynomial[0]
+        if k:
+            companion[k, k - 1] = mpf(1)
+    return [unit * root for root in mp.eig(companion, left=False, right=False)]
+
+
+def _value(a: list, x) -> mpf:
+    value = mpf(0)
+    for coefficient in a:
+        value = value * x + coefficient
+    return value
 
 
 def _times(a: list, b: list) -> list:
