@@ -16,11 +16,12 @@ from lsvib.models.threads import threads_drive
 
 LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
 PARADOX = {"mass": 15.0, "axial_force": 100.0}
+SOFT = {"contact_stiffness": 1e7, "contact_damping": 1e4}
 START = (0.1, 0.0, 0.0, 0.0)
 SCENES = {
     "stick-slip": (LeadScrew, rigid_drive, LOADED, ()),
     "sprag-slip": (LeadScrew, rigid_drive, PARADOX, ()),
-    "compliant threads": (ThreadsDrive, threads_drive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}, ()),
+    "compliant threads": (ThreadsDrive, threads_drive, {**PARADOX, **SOFT}, ()),
     "support": (SupportDrive, support_drive, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
     "support, rubbing": (
         SupportDrive,

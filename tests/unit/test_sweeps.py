@@ -67,8 +67,8 @@ SLOW_TO_JUDGE = (Family.DOUBLE_RATE_OF_THREADS, Family.SUPPORT, Family.NUT)
 def test_families(family):
     """Seeded, so that it is the same everywhere; ten times this many and more are in the dataset."""
     rng = np.random.default_rng([1, family])
-    count = 3 if family in SLOW_TO_JUDGE else 12
-    outcomes = [judge(c, rng, thorough=k < (1 if family in SLOW_TO_JUDGE else 2)) for k, c in enumerate(cases(family, count, rng))]
+    count, asked = (3, 1) if family in SLOW_TO_JUDGE else (12, 2)
+    outcomes = [judge(c, rng, thorough=k < asked) for k, c in enumerate(cases(family, count, rng))]
     assert {o.verdict for o in outcomes} <= {Verdict.PASSED, Verdict.CORNER}
     assert Judge.REFERENCE in {o.judge for o in outcomes}
 

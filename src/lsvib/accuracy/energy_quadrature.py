@@ -23,9 +23,12 @@ _EPS = float(np.finfo(float).eps)
 
 
 class Terms(NamedTuple):
-    """Energy Σ (energy·x)² and power Σ (left·x)(right·x) − Σ |pressing·x| sgn(direction·x) (sliding·x) + (holding·x)
-    (approach·x); a seizure takes (seized·x)². Rows over the state and 1; ``pressing`` (terms, modes, n + 1) and
-    ``holding`` (modes, n + 1) depend on the mode."""
+    """Energy and power of a motion as products of affine functions of the state x, each a row over x and 1.
+
+    Energy Σ (energy·x)²; power Σ (left·x)(right·x) − Σ |pressing·x| sgn(direction·x) (sliding·x) + (holding·x)
+    (approach·x); a seizure takes (seized·x)². Shapes (terms, n + 1), but ``pressing`` (terms, modes, n + 1),
+    ``holding`` (modes, n + 1), ``approach`` and ``seized`` (n + 1).
+    """
 
     energy: np.ndarray
     left: np.ndarray
@@ -145,7 +148,7 @@ def _residual(flow, terms, rates, modes, starts, ends, durations, clock, seized,
                     largest_power = max(largest_power, abs(power))
                     rounding += weight * size
             passed = passed + width if width < half - passed else half
-        # The clock holds the end of the arc to its last place; so long the largest power may act too much or too little.
+        # The clock holds the end of the arc to its last place; so long the largest power may act too much.
         rounding += largest_power * abs(clock[k])
         if k + 1 < modes.size and seized[k]:
             loss, _ = _at(terms.seized, ends[k])

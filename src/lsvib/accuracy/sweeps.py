@@ -77,11 +77,16 @@ class Outcome:
 def judge(case: Case, rng: np.random.Generator, thorough: bool = False, by_reference: bool = False) -> Outcome:
     """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity."""
     outcome = _judge(case, rng, thorough, by_reference)
-    if outcome.energy is not None and outcome.verdict in _GOOD:
-        # Written so that a balance that could not be drawn (nan) does not condemn; the dataset counts those.
-        if outcome.energy.residual > ENERGY_TOLERANCE + ENERGY_PLACES * outcome.energy.rounding:
-            outcome.verdict = Verdict.UNBALANCED
+    balanced = outcome.energy
+    # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
+    if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
+        outcome.verdict = Verdict.UNBALANCED
     return outcome
+
+
+def allowed_residual(rounding):
+    """Residual of an energy balance that passes, from what rounding may make of it; floats or arrays [1]."""
+    return ENERGY_TOLERANCE + ENERGY_PLACES * rounding
 
 
 def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: bool) -> Outcome:

@@ -82,11 +82,10 @@ def search(family: Family, begin: list[Tried], evaluations: int, rng: np.random.
     for _ in range(evaluations):
         if worst and worst[0].error == math.inf:
             break
-        if len(worst) < _KEPT:
-            genes = rng.random(GENES)
-        else:
-            genes = _changed(worst[int(_KEPT * rng.random() ** 2)], rng)  # the worst ones more often
-        worst = sorted([*worst, attempt(family, genes, rng, by_reference=True)], key=lambda tried: -tried.error)[:_KEPT]
+        k = int(_KEPT * rng.random() ** 2)  # the worst ones more often
+        genes = _changed(worst[k], rng) if k < len(worst) else rng.random(GENES)
+        tried = attempt(family, genes, rng, by_reference=True)
+        worst = sorted([*worst, tried], key=lambda other: -other.error)[:_KEPT]
     return worst[0]
 
 

@@ -11,9 +11,10 @@ import xarray as xr
 from lsvib.accuracy.sides import attractor_is_right, long_run
 from lsvib.accuracy.sweep_cases import THRESHOLDS
 from lsvib.accuracy.sweep_families import Case, Family, Group
-from lsvib.accuracy.sweeps import ENERGY_PLACES, ENERGY_TOLERANCE, TOLERANCE, Judge, Outcome, Verdict, judge
+from lsvib.accuracy.sweeps import ENERGY_TOLERANCE, TOLERANCE, Judge, Outcome, Verdict, allowed_residual, judge
 from lsvib.accuracy.worst_case import GENES, Tried, attempt, search
 from lsvib.datasets.checks import Check
+from lsvib.datasets.stability_worst import description, worst_cases
 from lsvib.datasets.variables import flags
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 
@@ -46,6 +47,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         begin = []
         for k in range(count):
             tried = attempt(family, rng.random(GENES), rng, thorough=k < settings["thorough"])
+            tried.outcome.path = None  # of no further use, and most of the memory
             rows.append((tried.case, tried.outcome))
             if tried.outcome.judge == Judge.REFERENCE:
                 begin.append(tried)
@@ -55,7 +57,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     sides = _sides(settings["distances"])
     runs = [long_run(LeadScrew.of(changes), settings["periods"]) for changes in _LONG]
     return xr.Dataset(
-        _cases(rows) | _summary(rows, families) | _worst([worst[f] for f in families]) | sides | _runs(runs),
+        _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
         coords={
             "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
             "family": ("family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", Family)),
@@ -78,7 +80,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "title": "The engine at the edge of the domain",
             "source": "lsvib, exact event-driven motion; judges: Taylor steps, and a reference with 40 digits",
             "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
-            "worst_cases": json.dumps({f.name.lower(): _description(worst[f]) for f in families}),
+            "worst_cases": json.dumps({f.name.lower(): description(worst[f]) for f in families}),
         },
     )  # fmt: skip
 
@@ -129,7 +131,7 @@ def _energy_check(dataset: xr.Dataset) -> Check:
     residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
     tolerance = float(dataset.energy_tolerance)
     drawn = np.isfinite(residual)
-    astray = int((residual[drawn] > tolerance + ENERGY_PLACES * rounding[drawn]).sum())
+    astray = int((residual[drawn] > allowed_residual(rounding[drawn])).sum())
     sharp = drawn & (rounding <= tolerance)
     return Check.holds(
         f"Energy balances in every motion: supply, storage, friction, dampers and seizures, to {tolerance:.0e} of the "
@@ -223,36 +225,4 @@ def _runs(runs: list) -> dict[str, tuple]:
     return {
         name: ("run", [getattr(run, key) for run in runs], {"units": "1", "long_name": text})
         for name, (key, text) in words.items()
-    }
-
-
-def _worst(worst: list[Tried]) -> dict[str, tuple]:
-    words = {
-        "worst_state_error": ("state_error", "error of the final state in the worst case of the family"),
-        "worst_time_error": ("time_error", "error of an event time in the worst case of the family"),
-        "worst_sensitivity": ("sensitivity", "change of the worst case when its input is moved in its last places"),
-        "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
-    }
-    found = {
-        name: ("family", np.array([getattr(tried.outcome, key) for tried in worst]), {"units": "1", "long_name": text})
-        for name, (key, text) in words.items()
-    }
-    verdicts = np.array([tried.outcome.verdict for tried in worst], np.int8)
-    return found | {"worst_verdict": ("family", verdicts, _flag("verdict on the worst case", Verdict))}
-
-
-def _description(tried: Tried) -> dict[str, Any]:
-    """Everything that is needed to run a case again."""
-    case, outcome = tried.case, tried.outcome
-    numbers = {key: getattr(outcome, key) for key in ("state_error", "time_error", "sensitivity", "condition")}
-    return {
-        **{key: value if np.isfinite(value) else None for key, value in numbers.items()},
-        "verdict": outcome.verdict.name.lower(),
-        "events": outcome.events,
-        "group": case.group.name.lower(),
-        "level": case.level if np.isfinite(case.level) else None,
-        "drive": dict(case.drive),
-        "physics": list(case.physics),
-        "start": list(case.start),
-        "duration": case.duration,
     }

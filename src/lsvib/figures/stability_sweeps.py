@@ -69,8 +69,8 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     axes.set_yticks(range(dataset.sizes["family"]), [names[int(f)] for f in dataset.family.values])
     axes.set(
         title=f"(a) {total:,} cases, those that 40 digits judged",
-        xlabel="Digits of the final state that are right",
-        xlim=(4, 22),
+        xlabel="Digits that are right",
+        xlim=(-3.5, 22.5),
         ylim=(dataset.sizes["family"] - 0.4, -0.6),
     )
     axes.set_xticks([4, 8, 12, 16])
@@ -108,11 +108,11 @@ def _edges(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarra
     axes.set(
         title="(d) next to the edges",
         xlabel="log$_{10}$ of the relative distance from the edge",
-        ylabel="Digits that are right",
+        ylabel="Digits of the final state",
         xlim=(-17, -1),
-        ylim=(8, 18.8),
+        ylim=(3.5, 18),
     )
-    axes.legend(ncols=2, loc="upper center", handletextpad=0.1, columnspacing=1.0)
+    axes.legend(ncols=2, loc="lower left", fontsize=6.5, handletextpad=0.1, columnspacing=0.8)
 
 
 def _energy(axes: Axes, dataset: xr.Dataset) -> None:

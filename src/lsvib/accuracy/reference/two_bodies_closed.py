@@ -3,8 +3,8 @@
 Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of ``two_bodies.py``,
 here in mpmath numbers; the closed form of the motion and the search for roots are those of ``threads.py``. What is
 added: speeds that a mode ties are eliminated from its field, so that the rates left over are the modal ones and one
-zero for each tie; and a mode follows if each of its conditions holds, one that is zero by its first derivative along the
-mode's own flow that is not.
+zero for each tie; and a mode follows if each of its conditions holds, one that is zero by its first derivative along
+the mode's own flow that is not.
 """
 
 from dataclasses import dataclass
@@ -97,8 +97,9 @@ class Mode:
             c0[t], c1[t] = _at(row, c0), _at([*row[:4], mpf(0)], c1)
             for column in columns:
                 column[t] = sum(g * c for g, c in zip(row[:4], column, strict=True))
-        if not kept:
-            kept, columns = [-mp.sqrt(self.drive.p["coupling_stiffness"] / self.drive.p["screw_inertia"])], [[mpf(0)] * 4]
+        if not kept:  # nothing swings; a rate of no weight sets the scale of time
+            stiffness, inertia = self.drive.p["coupling_stiffness"], self.drive.p["screw_inertia"]
+            kept, columns = [-mp.sqrt(stiffness / inertia)], [[mpf(0)] * 4]
         return Arc(kept, columns, c0, c1, None)
 
     def lasts(self, x, zero):
@@ -188,7 +189,7 @@ def simulate(parameters, model, slide, bearing, start, t_end, *, dps=40, max_eve
         mode = (direction, -direction, None) if drive.painleve and direction else drive.choose(x, zero)
         while len(events) < max_events:
             here, seized = drive.mode(mode), False
-            if drive.painleve and direction and not events and here.rows[1] is not None and _at(here.rows[1], x) < 0:
+            if drive.painleve and direction and not events and _at(here.rows[1], x) < 0:
                 stay, fired = mpf(0), 1  # a start where law -1 is not admissible
             else:
                 arc = here.arc(x)
