@@ -82,16 +82,14 @@ def test_hypothesis_searches_longer(family):
 @pytest.mark.parametrize("law", [1, -1])
 def test_rates_coincide(law, group, count):
     """n rates that coincide but for the rounding of a parameter, 1e-16, lie within about its n-th root: 1e-7, 1e-4."""
-    found = 0
-    for friction in (0.1, 0.218, 0.35, 0.45):
-        drive = ThreadsDrive.of(mass=3.0, friction_coefficient=friction, translation_damping=300.0, axial_force=50.0)
-        for stiffness, damping in coinciding(drive, law, group, 1e5):
-            tuned = drive.replace(contact_stiffness=stiffness, contact_damping=damping)
-            rates = rates_of(tuned, law)
+    for damping in (2e-4, 5e-3):
+        drive = ThreadsDrive.of(mass=3.0, support_damping=damping, translation_damping=300.0, axial_force=50.0)
+        found = coinciding(drive, law, group, 1e5)
+        assert found or damping == 2e-4  # too little of it for three
+        for stiffness, rate in found:
+            rates = rates_of(drive.replace(contact_stiffness=stiffness, contact_damping=rate), law)
             gaps = [sorted(abs(a - b) / abs(a) for b in rates) for a in rates]
             assert min(gap[count - 1] for gap in gaps) < (1e-6 if count == 2 else 1e-3)
-            found += 1
-    assert found or group == Group.TRIPLE
 
 
 def rates_of(drive, law):
