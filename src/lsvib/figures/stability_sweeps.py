@@ -13,7 +13,7 @@ _REFERENCE = "reference"
 _EDGES = {  # families with a distance from the edge: colour, marker, words
     "critical mass": (style.BLUE, "o", "critical mass"),
     "friction": (style.GREEN, "^", "friction: 0, tan λ, cot λ"),
-    "axial force": (style.ORANGE, "s", "thresholds of the axial force"),
+    "axial force": (style.ORANGE, "s", "thresholds of R"),
     "double rate": (style.PURPLE, "D", "double rate"),
 }
 _PASSED = ("passed", "corner")
@@ -70,7 +70,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     axes.set(
         title=f"(a) {total:,} cases, those that 40 digits judged",
         xlabel="Digits that are right",
-        xlim=(-3.5, 22.5),
+        xlim=(-3.5, 24.5),
         ylim=(dataset.sizes["family"] - 0.4, -0.6),
     )
     axes.set_xticks([4, 8, 12, 16])
