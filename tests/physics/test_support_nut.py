@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import lsvib
+from lsvib.accuracy.reference import two_bodies_closed
 from lsvib.accuracy.reference.two_bodies import Drive, simulate
 from lsvib.core import flows, planar
 from lsvib.core.status import FIRST_MODEL_KIND
@@ -203,6 +204,20 @@ def test_seizures_against_the_reference(model, force):
     assert np.sum(motion.kind == EVENTS[model].SEIZURE) >= 1
     assert late <= 1e-13
     assert error <= 1e-10
+
+
+@pytest.mark.parametrize("scene", ["rubbed", "paradox"])
+@pytest.mark.parametrize("model", MODELS)
+def test_closed_form_of_the_reference_against_its_steps(model, scene):
+    """The reference in closed form, of which errors in the sweeps are taken, against the one in steps of 2 µs."""
+    rubbed = scene == "rubbed"
+    drive, _, reference = build(model, rubbed, rubbed, **(RUBBED if rubbed else PARADOX)[model])
+    end, _, events = simulate(reference, START, 0.02, 2e-6)
+    exact = two_bodies_closed.simulate(dict(drive), model, rubbed, rubbed, START, 0.02)
+    assert len(events) >= 1
+    assert [(e.mode_after, e.seizure) for e in exact.events] == [(e.mode_after, e.seizure) for e in events]
+    size = np.maximum(np.abs(np.array([e.state for e in events])).max(axis=0), LEAST[model])
+    assert np.all(np.abs(np.array(exact.state, dtype=float) - end) <= 1e-10 * size)
 
 
 def check_random_motions(seed, count):

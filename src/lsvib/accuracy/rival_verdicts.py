@@ -15,9 +15,11 @@ import numpy as np
 from lsvib.accuracy import sweeps
 from lsvib.accuracy.catalogue import Family, find_method
 from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, counted
+from lsvib.accuracy.paths import automaton
 from lsvib.accuracy.rival_comparison import GENEROSITY, Answer, Verdict, compare
 from lsvib.accuracy.scenes import Scene
 from lsvib.accuracy.sweep_cases import Case
+from lsvib.models.automaton import Automaton
 from lsvib.models.coefficients import coefficients
 from lsvib.models.model import MODELS, find_model
 from lsvib.models.motion import Motion, follow
@@ -37,6 +39,11 @@ class _Posed(Scene):
     """A case as a scene; ``sizes`` (n) are those of its motion."""
 
     sizes: tuple[float, ...] = ()
+    case: Case | None = None
+
+    def automaton(self) -> Automaton:
+        """The one that is judged."""
+        return automaton(self.case)
 
     @property
     def scales(self) -> np.ndarray:
@@ -116,7 +123,9 @@ def pose(case: Case, rng: np.random.Generator) -> tuple[sweeps.Verdict, Question
         return outcome.verdict, None
     kind = next(name for name in MODELS if find_model(name).drive is type(case.drive))
     size = outcome.path.size
-    scene = _Posed("case", "a case", kind, case.drive, case.start, case.duration, math.inf, sizes=tuple(size))
+    scene = _Posed(
+        "case", "a case", kind, case.drive, case.start, case.duration, math.inf, sizes=tuple(size), case=case
+    )
     hybrid = Hybrid(scene)
     motion = follow(hybrid.automaton, case.start, case.duration, max_events=sweeps.MOST_EVENTS)
     question = Question(case, _truth(hybrid, motion, size), hybrid, *_rates(hybrid, motion))

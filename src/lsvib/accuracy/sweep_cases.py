@@ -2,69 +2,17 @@
 
 import math
 from collections.abc import Callable, Iterator
-from enum import IntEnum
-from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.accuracy import sweep_bodies, sweep_threads
+from lsvib.accuracy.sweep_families import Case, Family, Group, power, sign
 from lsvib.analysis import thresholds
 from lsvib.analysis.conditions import critical_mass
 from lsvib.models.coefficients import coefficients
-from lsvib.models.parameters import LeadScrew, ThreadsDrive
+from lsvib.models.parameters import LeadScrew
 
 _MOST_TURNS = 50  # of the fastest oscillation
-
-
-class Family(IntEnum):
-    """What is driven to the edge."""
-
-    CONTACT = 0  # contact stiffness and damping of compliant threads
-    CRITICAL_MASS = 1  # Γ₊ → 0 from both sides
-    FRICTION = 2  # μ → 0, tan λ, cot λ
-    INPUT_SPEED = 3  # Ω → 0 and 1e6
-    AXIAL_FORCE = 4  # R → 0 and the thresholds from both sides
-    SUPPORT_DAMPING = 5  # c = 0 and c → 1e15
-    TRANSLATION_DAMPING = 6  # c_x = 0 and c_x → 1e15
-    TIME_SPAN = 7
-    START = 8  # on guards, on corners, on the equilibrium, at 1e±8
-    DOUBLE_RATE = 9  # critical damping, to the last digit
-    RANDOM = 10  # every parameter over decades
-
-
-class Group(IntEnum):
-    """Which edge of a family a case is at; 0 where the family has only one."""
-
-    ONLY = 0
-    ZERO = 1
-    TAN_LEAD = 2
-    COT_LEAD = 3
-    ONSET_FORCE = 4
-    STICK_FORCE = 5
-    DETACH_FORCE = 6
-    GLOBAL_STABILITY_FORCE = 7
-    ON_SPEED_ZERO = 8
-    ON_CONTACT_ZERO = 9
-    ON_CORNER = 10
-    ON_EQUILIBRIUM = 11
-    NEAR_EQUILIBRIUM = 12
-    FAR_AWAY = 13
-    LAW_PLUS = 14
-    LAW_MINUS = 15
-
-
-class Case(NamedTuple):
-    """One motion: its drive and start, and where in its family it stands.
-
-    ``level`` is the decimal logarithm of what the family varies: of the parameter, or of its relative distance from
-    the edge (−inf: on the edge).
-    """
-
-    family: Family
-    group: Group
-    level: float
-    drive: LeadScrew
-    start: tuple[float, ...]
-    duration: float
 
 
 def cases(family: Family, count: int, rng: np.random.Generator) -> Iterator[Case]:
@@ -73,23 +21,15 @@ def cases(family: Family, count: int, rng: np.random.Generator) -> Iterator[Case
         yield _FAMILIES[family](rng)
 
 
-def _sign(rng) -> int:
-    return int(rng.choice((-1, 1)))
-
-
-def _power(rng, low: float, high: float) -> float:
-    return 10.0 ** rng.uniform(low, high)
-
-
 def _some_drive(rng, **fixed) -> LeadScrew:
     """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
     values = {
         "mass": rng.uniform(0.5, 30.0),
         "friction_coefficient": rng.uniform(0.05, 0.5),
-        "axial_force": _sign(rng) * _power(rng, 0.0, 2.3),
-        "input_speed": _sign(rng) * rng.uniform(5.0, 80.0),
-        "support_damping": support * _power(rng, -4.5, -2.0),
+        "axial_force": sign(rng) * power(rng, 0.0, 2.3),
+        "input_speed": sign(rng) * rng.uniform(5.0, 80.0),
+        "support_damping": support * power(rng, -4.5, -2.0),
         "translation_damping": translation * rng.uniform(50.0, 2000.0),
     }
     return LeadScrew.of(values | fixed)
@@ -121,7 +61,7 @@ def _fastest(drive: LeadScrew) -> float:
 def _critical_mass(rng) -> Case:
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
-    mass = critical_mass(drive) * (1 + _sign(rng) * 10.0**level)
+    mass = critical_mass(drive) * (1 + sign(rng) * 10.0**level)
     return _case(rng, Family.CRITICAL_MASS, Group.ONLY, level, drive.replace(mass=mass))
 
 
@@ -134,7 +74,7 @@ def _friction(rng) -> Case:
         level = level if rng.random() < 0.9 else -math.inf
         value = 10.0**level
     elif group == Group.TAN_LEAD:
-        value = tan * (1 + _sign(rng) * 10.0**level)
+        value = tan * (1 + sign(rng) * 10.0**level)
     else:
         level = max(
             level, -13.0
@@ -145,7 +85,7 @@ def _friction(rng) -> Case:
 
 def _input_speed(rng) -> Case:
     level = rng.uniform(-9, 6)
-    drive = _some_drive(rng, input_speed=_sign(rng) * 10.0**level)
+    drive = _some_drive(rng, input_speed=sign(rng) * 10.0**level)
     return _case(rng, Family.INPUT_SPEED, Group.ONLY, level, drive)
 
 
@@ -168,11 +108,11 @@ def _axial_force(rng) -> Case:
     group = (Group.ZERO, *THRESHOLDS)[rng.integers(1 + len(THRESHOLDS))]
     if group == Group.ZERO:
         level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
-        drive = _some_drive(rng, axial_force=_sign(rng) * 10.0**level)
+        drive = _some_drive(rng, axial_force=sign(rng) * 10.0**level)
     else:
         level = rng.uniform(-10, -1)
         force, drive = threshold(group)
-        drive = drive.replace(axial_force=force * (1 + _sign(rng) * 10.0**level))
+        drive = drive.replace(axial_force=force * (1 + sign(rng) * 10.0**level))
     return _case(rng, Family.AXIAL_FORCE, group, level, drive)
 
 
@@ -217,7 +157,7 @@ def _double_rate(rng) -> Case:
     """c at which C_s² = 4 Γ_s k, by the drive's own 50 digits rounded once, then moved by 10^level of itself."""
     while True:
         drive = _some_drive(rng, support_damping=0.0)
-        law = _sign(rng)
+        law = sign(rng)
         c = coefficients(drive)
         if c.gamma[law] <= 0:
             continue
@@ -226,41 +166,29 @@ def _double_rate(rng) -> Case:
             break
     level = rng.uniform(-17, -1)
     group = Group.LAW_PLUS if law > 0 else Group.LAW_MINUS
-    damped = drive.replace(support_damping=critical * (1 + _sign(rng) * 10.0**level))
+    damped = drive.replace(support_damping=critical * (1 + sign(rng) * 10.0**level))
     return _case(rng, Family.DOUBLE_RATE, group, level, damped)
 
 
 def _random(rng) -> Case:
-    lead = math.radians(_power(rng, -0.5, 1.5))
+    lead = math.radians(power(rng, -0.5, 1.5))
     drive = LeadScrew.of(
-        pitch_radius=_power(rng, -4, 0),
+        pitch_radius=power(rng, -4, 0),
         lead_angle=lead,
-        screw_inertia=_power(rng, -9, 1),
-        coupling_stiffness=_power(rng, -3, 6),
-        support_damping=_power(rng, -7, 1) if rng.random() < 0.9 else 0.0,
+        screw_inertia=power(rng, -9, 1),
+        coupling_stiffness=power(rng, -3, 6),
+        support_damping=power(rng, -7, 1) if rng.random() < 0.9 else 0.0,
         friction_coefficient=rng.uniform(0.0, min(1.0, 0.99 / math.tan(lead))),
-        input_speed=_sign(rng) * _power(rng, -2, 4),
-        mass=_power(rng, -3, 4),
-        translation_damping=_power(rng, -3, 5) if rng.random() < 0.5 else 0.0,
-        axial_force=_sign(rng) * _power(rng, -2, 5),
+        input_speed=sign(rng) * power(rng, -2, 4),
+        mass=power(rng, -3, 4),
+        translation_damping=power(rng, -3, 5) if rng.random() < 0.5 else 0.0,
+        axial_force=sign(rng) * power(rng, -2, 5),
     )
     return _case(rng, Family.RANDOM, Group.ONLY, math.log10(drive.mass), drive)
 
 
-def _contact(rng) -> Case:
-    stiffness, damping = _power(rng, 3, 14), _power(rng, 3, 14)
-    mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
-    drive = ThreadsDrive.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
-    # So many radians of the contact where it vibrates, else of the drive.
-    contact = math.sqrt(0.4 * stiffness)
-    vibrates = damping < 4.0 * stiffness / contact
-    duration = min(0.01, rng.uniform(5, 40) / contact) if vibrates else 0.01
-    start = (rng.uniform(-0.2, 0.2), rng.uniform(-120, 60), 0.0, 0.0)
-    return Case(Family.CONTACT, Group.ONLY, math.log10(stiffness), drive, start, duration)
-
-
 _FAMILIES: dict[Family, Callable[[np.random.Generator], Case]] = {
-    Family.CONTACT: _contact,
+    Family.CONTACT: sweep_threads.contact,
     Family.CRITICAL_MASS: _critical_mass,
     Family.FRICTION: _friction,
     Family.INPUT_SPEED: _input_speed,
@@ -271,4 +199,7 @@ _FAMILIES: dict[Family, Callable[[np.random.Generator], Case]] = {
     Family.START: _start,
     Family.DOUBLE_RATE: _double_rate,
     Family.RANDOM: _random,
+    Family.DOUBLE_RATE_OF_THREADS: sweep_threads.double_rate,
+    Family.SUPPORT: sweep_bodies.support,
+    Family.NUT: sweep_bodies.nut,
 }

@@ -2,36 +2,30 @@
 
 A case passes if the engine reports the events of an independent computation, in order, and its final state and event
 times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.accuracy.stepper`; where it disagrees, or
-the drive is too stiff for it, the reference with 40 digits decides (always, for compliant threads). Where the engine
+the drive is too stiff for it, the reference with 40 digits decides (always, for the other models). Where the engine
 disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16 units of its
 last place, the size below which the engine takes a sum for zero: if that changes its own answer as early, the case is
-decided by digits that double precision does not have.
+decided by digits that double precision does not have. The energy of the motion must balance, too
+(:mod:`lsvib.accuracy.energy`).
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
 
-from lsvib.accuracy import stepper
-from lsvib.accuracy.reference import rigid as rigid_reference
-from lsvib.accuracy.reference import threads as threads_reference
-from lsvib.accuracy.sweep_cases import Case
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.accuracy.energy import Balance, balance
+from lsvib.accuracy.paths import MOST_EVENTS, Path, automaton, engine_path, exact_path, is_rigid, stepper_path
+from lsvib.accuracy.sweep_families import Case
 from lsvib.errors import InputError, LsvibError
-from lsvib.models.motion import Motion, follow
-from lsvib.models.parameters import LeadScrew, ThreadsDrive
-from lsvib.models.rigid import EventKind, rigid_drive
-from lsvib.models.threads import ThreadsEvent, threads_drive
+from lsvib.models.motion import follow
+from lsvib.models.parameters import LeadScrew
 
 TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
-MOST_EVENTS = 60
-_MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
+ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
 _AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
-_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
-_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _LAST_PLACES = 16
 _PERTURBED = 4
 _EPS = float(np.finfo(float).eps)
@@ -46,6 +40,10 @@ class Verdict(IntEnum):
     CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
     INACCURATE = 4  # the right events, an error above the tolerance
     WRONG = 5  # other events
+    UNBALANCED = 6  # right events, time and state, but the energy of the motion does not balance
+
+
+_GOOD = (Verdict.PASSED, Verdict.CORNER)
 
 
 class Judge(IntEnum):
@@ -54,20 +52,6 @@ class Judge(IntEnum):
     NONE = 0
     STEPPER = 1
     REFERENCE = 2
-
-
-@dataclass(frozen=True)
-class Path:
-    """A motion as far as judges compare it: kinds and times [s] of events, final state, size of each coordinate.
-
-    ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
-    """
-
-    kinds: list[str]
-    times: np.ndarray
-    end: np.ndarray
-    size: np.ndarray
-    complete: bool
 
 
 @dataclass
@@ -86,28 +70,43 @@ class Outcome:
     sensitivity: float = math.nan
     condition: float = math.nan
     stepper_agrees: bool | None = None
+    energy: Balance | None = None
     path: Path | None = field(default=None, repr=False)
 
 
-def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outcome:
-    """Follow a case and compare; ``thorough``: ask the reference, and for its sensitivity, in any case."""
-    is_rigid = not isinstance(case.drive, ThreadsDrive)
+def judge(case: Case, rng: np.random.Generator, thorough: bool = False, by_reference: bool = False) -> Outcome:
+    """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity."""
+    outcome = _judge(case, rng, thorough, by_reference)
+    balanced = outcome.energy
+    # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
+    if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
+        outcome.verdict = Verdict.UNBALANCED
+    return outcome
+
+
+def allowed_residual(rounding):
+    """Residual of an energy balance that passes, from what rounding may make of it; floats or arrays [1]."""
+    return ENERGY_TOLERANCE + ENERGY_PLACES * rounding
+
+
+def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: bool) -> Outcome:
     try:
-        automaton = rigid_drive(case.drive) if is_rigid else threads_drive(case.drive)
-        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+        model = automaton(case)
+        motion = follow(model, case.start, case.duration, max_events=MOST_EVENTS)
     except LsvibError:
         return Outcome(Verdict.REFUSED, Judge.NONE)
-    path = _engine_path(motion, case)
-    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=automaton.condition, path=path)
+    path = engine_path(motion, case)
+    outcome = Outcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=model.condition, path=path)
     if not np.isfinite(path.end).all():
         return outcome
-    quick = _stepper_path(case, path.size) if is_rigid else None
+    outcome.energy = balance(motion, case.drive, case.physics)
+    quick = stepper_path(case, path.size) if is_rigid(case) else None
     if quick is not None:
         outcome.stepper_agrees = _compare(outcome, path, quick, case) is Verdict.PASSED
-        if outcome.stepper_agrees and not thorough:
+        if outcome.stepper_agrees and not (thorough or by_reference):
             outcome.verdict, outcome.judge = Verdict.PASSED, Judge.STEPPER
             return outcome
-    exact = _exact_path(case, case.drive, case.start)
+    exact = exact_path(case, case.drive, case.start)
     if exact is None:
         return outcome
     if quick is not None:
@@ -116,7 +115,7 @@ def judge(case: Case, rng: np.random.Generator, thorough: bool = False) -> Outco
     if outcome.verdict is Verdict.WRONG and _same_but_corners(path, exact, case):
         outcome.verdict = Verdict.CORNER
         outcome.state_error = _distance(path.end, exact)
-    if outcome.verdict not in (Verdict.PASSED, Verdict.CORNER) or thorough:
+    if outcome.verdict not in _GOOD or thorough:
         _weigh(outcome, path, exact, case, rng)
     return outcome
 
@@ -162,7 +161,7 @@ def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random
     known, moved = len(path.kinds) + 1, 0.0
     for _ in range(_PERTURBED):
         try:
-            other = _exact_path(case, *_moved(case, rng))
+            other = exact_path(case, *_moved(case, rng))
         except InputError:  # moved out of the domain
             continue
         if other is None:
@@ -196,56 +195,3 @@ def _moved(case: Case, rng: np.random.Generator) -> tuple[LeadScrew, tuple[float
     if case.start[1] == -case.drive.input_speed:
         start[1] = -values["input_speed"]
     return type(case.drive).model_construct(**values), tuple(start)
-
-
-def _path(case: Case, kinds: list[str], times: np.ndarray, end, size, complete: bool) -> Path:
-    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
-    kept: list[int] = []
-    instant = _INSTANT * case.duration
-    for k, kind in enumerate(kinds):
-        if times[k] <= instant:
-            continue
-        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
-            kept.pop()
-            continue
-        kept.append(k)
-    return Path([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)
-
-
-def _engine_path(motion: Motion, case: Case) -> Path:
-    names: Callable = EventKind if motion.start_state.size == 2 else ThreadsEvent
-    counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
-    kinds = [names(kind).name.lower() for kind in motion.kind[counted]]
-    size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
-    return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
-
-
-def _stepper_path(case: Case, size: np.ndarray) -> Path | None:
-    """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
-    constants = stepper.constants(dict(case.drive))
-    rates = np.abs(constants.rates)
-    if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * stepper.PART:
-        return None
-    times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
-    complete, count, u, w = stepper.run(constants, *case.start, case.duration, times, kinds)
-    names = [stepper.KINDS[kind] for kind in kinds[:count]]
-    return _path(case, names, times[:count], (u, w), size, complete)
-
-
-def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
-    """The reference's motion, or None where it gives up because no digit of it can decide."""
-    try:
-        if isinstance(drive, ThreadsDrive):
-            result = threads_reference.simulate(dict(drive), start, case.duration)
-            visited = [event.state for event in result.events]
-            end, complete = result.state, True
-        else:
-            result = rigid_reference.simulate(dict(drive), *start, case.duration, max_events=MOST_EVENTS)
-            visited = [(event.u_before, event.w_before) for event in result.events]
-            visited += [(segment.u, segment.w) for segment in result.segments]
-            end, complete = (result.u, result.w), result.complete
-    except (ArithmeticError, AssertionError):
-        return None
-    size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
-    times = np.array([float(event.time) for event in result.events])
-    return _path(case, [event.kind for event in result.events], times, end, size, complete)

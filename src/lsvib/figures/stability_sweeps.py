@@ -13,7 +13,7 @@ _REFERENCE = "reference"
 _EDGES = {  # families with a distance from the edge: colour, marker, words
     "critical mass": (style.BLUE, "o", "critical mass"),
     "friction": (style.GREEN, "^", "friction: 0, tan λ, cot λ"),
-    "axial force": (style.ORANGE, "s", "thresholds of the axial force"),
+    "axial force": (style.ORANGE, "s", "thresholds of R"),
     "double rate": (style.PURPLE, "D", "double rate"),
 }
 _PASSED = ("passed", "corner")
@@ -21,10 +21,11 @@ _PASSED = ("passed", "corner")
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw (a) the digits of every case that the reference judged, (b, c) the contact, (d) digits near the edges."""
-    figure = style.new_figure(style.DOUBLE, 6.2)
-    axes = figure.subplot_mosaic([["a", "b"], ["a", "c"], ["d", "d"]], width_ratios=[1.5, 1],
-                                 height_ratios=[1, 1, 0.9])  # fmt: skip
+    """Draw (a) the digits of every case that the reference judged, and of the worst one that a search found, (b, c) the
+    contact, (d) digits near the edges, (e) the energy balance."""
+    figure = style.new_figure(style.DOUBLE, 7.0)
+    axes = figure.subplot_mosaic([["a", "b"], ["a", "c"], ["d", "e"]], width_ratios=[1.5, 1],
+                                 height_ratios=[1.1, 1.1, 0.9])  # fmt: skip
     digits = -np.log10(np.maximum(dataset.state_error.values, 10.0**-_ALL))
     asked = _is(dataset.judge, _REFERENCE) & np.isfinite(digits)
     _families(axes["a"], dataset, digits, asked)
@@ -32,6 +33,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     condition = np.log10(dataset.condition.values)
     _contact(figure, axes["c"], dataset, condition, "(c) condition of the modal form", "log$_{10}$ condition", 0, None)
     _edges(axes["d"], dataset, digits, asked)
+    _energy(axes["e"], dataset)
     return figure
 
 
@@ -55,6 +57,9 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         limits = limits[np.isfinite(limits) & (limits > 0)]
         if limits.size:
             axes.plot(-np.log10(limits.max()), row, marker="|", markersize=13, color=style.BLACK, linestyle="none")
+        found = np.fmax(dataset.worst_state_error.values[row], dataset.worst_time_error.values[row])
+        axes.plot(-np.log10(max(found, 10.0**-_ALL)), row, marker="D", markersize=3.5, markerfacecolor="none",
+                  markeredgecolor=style.ORANGE, linestyle="none")  # fmt: skip
         counts = {outcomes[int(v)]: int(n) for v, n in zip(dataset.outcome.values, dataset.case_count.values[row],
                                                            strict=True) if n}  # fmt: skip
         rest = ", ".join(f"{n} {word}" for word, n in counts.items() if word not in _PASSED)
@@ -64,8 +69,8 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     axes.set_yticks(range(dataset.sizes["family"]), [names[int(f)] for f in dataset.family.values])
     axes.set(
         title=f"(a) {total:,} cases, those that 40 digits judged",
-        xlabel="Digits of the final state that are right",
-        xlim=(4, 22),
+        xlabel="Digits that are right",
+        xlim=(-3.5, 24.5),
         ylim=(dataset.sizes["family"] - 0.4, -0.6),
     )
     axes.set_xticks([4, 8, 12, 16])
@@ -74,6 +79,8 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
                label="what 16 units in the\nlast place of the\ninput may change"),
+        Line2D([], [], markeredgecolor=style.ORANGE, markerfacecolor="none", marker="D", markersize=3.5,
+               linestyle="none", label="worst of a search"),
     )  # fmt: skip
     axes.legend(handles=handles, loc="lower left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
@@ -101,8 +108,27 @@ def _edges(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarra
     axes.set(
         title="(d) next to the edges",
         xlabel="log$_{10}$ of the relative distance from the edge",
-        ylabel="Digits that are right",
+        ylabel="Digits of the final state",
         xlim=(-17, -1),
-        ylim=(8, 18.8),
+        ylim=(3.5, 18),
     )
-    axes.legend(ncols=4, loc="upper center", handletextpad=0.1, columnspacing=1.0)
+    axes.legend(ncols=2, loc="lower left", fontsize=6.5, handletextpad=0.1, columnspacing=0.8)
+
+
+def _energy(axes: Axes, dataset: xr.Dataset) -> None:
+    residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
+    tolerance = float(dataset.energy_tolerance)
+    digits = np.clip(-np.log10(np.maximum(residual, 10.0**-_ALL)), 0, _ALL)
+    drawn = np.isfinite(residual)
+    bins = np.arange(5.0, _ALL + 0.5, 0.5)
+    parts = (
+        (drawn & (rounding <= tolerance), style.BLUE, "rounding < 10$^{-10}$"),
+        (drawn & ~(rounding <= tolerance), style.ORANGE, "more"),
+    )
+    axes.hist([digits[part] for part, *_ in parts], bins, stacked=True, color=[colour for _, colour, _ in parts],
+              label=[label for *_, label in parts])  # fmt: skip
+    axes.axvline(-np.log10(tolerance), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.set_yscale("log")
+    axes.set(title=f"(e) energy balance, {drawn.sum():,} motions", xlabel="Digits to which energy balances",
+             ylabel="Motions")  # fmt: skip
+    axes.legend(loc="upper left", handlelength=1.0)

@@ -145,8 +145,10 @@ class _Build:
 
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
+        # Of e and v the one that moves N more is set on N = 0: the other's rounding would be amplified by their ratio.
+        by_mismatch, by_rate = (abs(float(self.normal[i])) * self.sizes[i] for i in (2, 3))
         found = {
-            "contact": Surface(self.normal, 2 if not self.d.contact_damping else 3),
+            "contact": Surface(self.normal, 2 if by_mismatch >= by_rate else 3),
             "screw_speed": Surface(self.speed, 1),
         }
         for sign, contact in _SIGNS.items():

@@ -101,6 +101,11 @@ class Drive:
         self.cx, self.R = q["translation_damping"], q["axial_force"]
         self.tan = mp.tan(q["lead_angle"])
         self.p = self.r * self.tan
+        self.by_law = {}  # xi, Gamma and C of each law, formed once
+        for law in (-1, 0, 1):
+            xi = (self.mu * law - self.tan) / (1 + self.mu * law * self.tan)
+            Gamma, C = self.I - xi * self.r * self.p * self.m, self.c - xi * self.r * self.p * self.cx
+            self.by_law[law] = xi, Gamma, C
         self.R_tilde = self.R - self.p * self.cx * self.Omega
         self.s0 = int(mp.sign(self.R_tilde * self.Omega))
         self.z0 = -(self.C(self.s0) * self.Omega + self.r * self.xi(self.s0) * self.R) / self.k  # (8.14)
@@ -110,13 +115,13 @@ class Drive:
         self.band = min(edges), max(edges)
 
     def xi(self, s):  # (5.11)
-        return (self.mu * s - self.tan) / (1 + self.mu * s * self.tan)
+        return self.by_law[s][0]
 
     def Gamma(self, s):  # (8.2)
-        return self.I - self.xi(s) * self.r * self.p * self.m
+        return self.by_law[s][1]
 
     def C(self, s):  # below (8.13)
-        return self.c - self.xi(s) * self.r * self.p * self.cx
+        return self.by_law[s][2]
 
     def T_rest(self, u):
         return -self.k * (self.z0 + u)

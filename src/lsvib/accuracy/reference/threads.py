@@ -62,6 +62,7 @@ class Function:
         coefficients = [sum(g * x for g, x in zip(weights, column, strict=True)) for column in arc.columns]
         self.powers = [[c * rate**k for c, rate in zip(coefficients, arc.rates, strict=True)] for k in range(7)]
         self.sizes = [[abs(c) for c in power] for power in self.powers]
+        self.differences = {}
 
     def __call__(self, t, k=0):
         smooth = (self.c0 + self.c1 * t, self.c1)[k] if k < 2 else mpf(0)
@@ -73,9 +74,33 @@ class Function:
         return slope
 
     def bound(self, k, left, right):
-        """Of |f^(k)|, k >= 2, on an interval: each |exp(l t)| is largest at an end."""
-        ends = zip(self.arc.magnitudes(left), self.arc.magnitudes(right), strict=True)
-        return sum(c * max(x) for c, x in zip(self.sizes[k], ends, strict=True))
+        """Of |f^(k)|, k >= 2, on an interval: each |exp(l t)| is largest at an end.
+
+        Rates close together have large coefficients that cancel. In Newton's form through such rates l_0, l_1, ...
+
+            sum_j b_j exp(l_j t) = sum_m a_m E_m(t),      a_m = sum_j b_j prod_{i<m} (l_j - l_i),
+
+        E_m, the divided difference of exp(l t) over l_0 ... l_m, is at most t^m / m! max |exp(l_j t)|.
+        """
+        ends = [max(x) for x in zip(self.arc.magnitudes(left), self.arc.magnitudes(right), strict=True)]
+        total = mpf(0)
+        for cluster in self.arc.clusters:
+            most = sum(self.sizes[k][j] * ends[j] for j in cluster)
+            if len(cluster) > 1:
+                newton = sum(a * right**m / mp.factorial(m) for m, a in enumerate(self.newton(k, cluster)))
+                most = min(most, newton * max(ends[j] for j in cluster))
+            total += most
+        return total
+
+    def newton(self, k, cluster):
+        """|a_m| of f^(k) over a cluster of rates."""
+        if (k, cluster) not in self.differences:
+            terms, found = {j: self.powers[k][j] for j in cluster}, []
+            for i in cluster:
+                found.append(abs(sum(terms.values())))
+                terms = {j: b * (self.arc.rates[j] - self.arc.rates[i]) for j, b in terms.items()}
+            self.differences[k, cluster] = found
+        return self.differences[k, cluster]
 
     def keeps_sign(self, k, left, right):
         """True if Taylor's theorem about the middle shows that f^(k) has no zero on the interval."""
@@ -157,6 +182,7 @@ class Arc:
     def __init__(self, rates, columns, c0, c1, check):
         self.rates, self.columns, self.c0, self.c1, self.check = rates, columns, c0, c1, check
         self.fastest = max(abs(rate) for rate in rates)
+        self.clusters = _clusters(rates)
         self._exponentials, self._magnitudes = {}, {}
 
     def exponentials(self, t):
@@ -172,6 +198,15 @@ class Arc:
     def state(self, t):
         unit = [[mpf(i == j) for j in range(5)] for i in range(4)]
         return tuple(Function(self, row)(t) for row in unit)
+
+
+def _clusters(rates):
+    """Indices of the rates in groups, of which each member is within a tenth of another."""
+    groups = []
+    for j, rate in enumerate(rates):
+        near = [g for g in groups if any(abs(rate - rates[i]) < abs(rate) / 10 for i in g)]
+        groups = [g for g in groups if g not in near] + [(*(i for g in near for i in g), j)]
+    return groups
 
 
 class Drive:

@@ -109,6 +109,10 @@ class Drive:
         equation(slip if d == 0 else [0, 0, -d * q * p["friction_coefficient"], 1, 0, 0], 0)
         equation(fixed_along, along)
         equation(second if a == 0 else fixed_second, 0 if a == 0 else self.second * (a or 0))
+        return self.solve(rows, sides)
+
+    def solve(self, rows, sides):
+        """Linear equations, in the numbers of this drive."""
         if self.exact:
             return list(mp.lu_solve(mp.matrix(rows), mp.matrix(sides)))
         return np.linalg.solve(np.array(rows), np.array(sides))
@@ -234,13 +238,14 @@ class Drive:
             rows = [[p["screw_inertia"], 0, *arm], [0, p["nut_inertia"], -arm[0], -arm[1]]]
             rows += [[m * self.reach, -m * self.reach, self.cos, self.sin], [1, -1, 0, 0]]
         slip = self.speeds(x)[0]
-        jump = np.linalg.solve(np.array(rows), np.array([0, 0, 0, -slip]))
+        jump = self.solve(rows, [0, 0, 0, -slip])
         assert abs(jump[3]) <= p["friction_coefficient"] * abs(jump[2]) * (1 + 1e-12), (
             "the impact needs too much friction"
         )
-        assert np.sign(jump[2]) == np.sign(slip)
+        sign = 1 if jump[2] > 0 else -1
+        assert sign * slip > 0
         after = x + np.array([0, jump[0], 0, jump[1]])
-        return self.tie(after, {0}), int(np.sign(jump[2]))
+        return self.tie(after, {0}), sign
 
 
 def simulate(drive, start, t_end, step):

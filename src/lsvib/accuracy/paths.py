@@ -1,0 +1,157 @@
+"""Motions as far as judges compare them: of the engine, of the Taylor stepper, and of the references with 40 digits."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.accuracy import stepper
+from lsvib.accuracy.reference import rigid as rigid_reference
+from lsvib.accuracy.reference import threads as threads_reference
+from lsvib.accuracy.reference import two_bodies_closed
+from lsvib.accuracy.reference.two_bodies import Drive as TwoBodies
+from lsvib.accuracy.sweep_families import Case
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.models.automaton import Automaton
+from lsvib.models.motion import Motion
+from lsvib.models.nut import NutEvent, NutMode, nut_drive
+from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.models.support import SupportEvent, SupportMode, support_drive
+from lsvib.models.threads import ThreadsEvent, threads_drive
+
+MOST_EVENTS = 60
+_MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+_LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
+_SLIPS = {1: "forward", -1: "backward"}
+_CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
+_SECONDS = {1: "_forward", -1: "_backward", 0: "_held"}
+
+
+@dataclass(frozen=True)
+class Path:
+    """A motion as far as judges compare it: kinds and times [s] of events, final state, size of each coordinate.
+
+    ``kinds`` are those of the model's events; with a second body, the mode after the event and whether it is a seizure.
+    ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
+    """
+
+    kinds: list[str]
+    times: np.ndarray
+    end: np.ndarray
+    size: np.ndarray
+    complete: bool
+
+
+def is_rigid(case: Case) -> bool:
+    """Whether a case is of the rigid drive, which the stepper can follow."""
+    return type(case.drive) is LeadScrew
+
+
+def automaton(case: Case) -> Automaton:
+    """Build the engine's model of a case; errors of the library where it refuses."""
+    if isinstance(case.drive, ThreadsDrive):
+        return threads_drive(case.drive)
+    if is_rigid(case):
+        return rigid_drive(case.drive)
+    build = support_drive if isinstance(case.drive, SupportDrive) else nut_drive
+    return build(case.drive, **_frictions(case))
+
+
+def engine_path(motion: Motion, case: Case) -> Path:
+    """Path of the engine's motion."""
+    counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
+    if isinstance(case.drive, SupportDrive | NutDrive):
+        modes, events = (SupportMode, SupportEvent) if isinstance(case.drive, SupportDrive) else (NutMode, NutEvent)
+        pairs = zip(motion.mode[counted], motion.kind[counted] == events.SEIZURE, strict=True)
+        kinds = [_token(modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
+        size = np.maximum(size, _least(case))
+    else:
+        names: Callable = EventKind if is_rigid(case) else ThreadsEvent
+        kinds = [names(kind).name.lower() for kind in motion.kind[counted]]
+    return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
+
+
+def stepper_path(case: Case, size: np.ndarray) -> Path | None:
+    """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
+    constants = stepper.constants(dict(case.drive))
+    rates = np.abs(constants.rates)
+    if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * stepper.PART:
+        return None
+    times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
+    complete, count, u, w = stepper.run(constants, *case.start, case.duration, times, kinds)
+    names = [stepper.KINDS[kind] for kind in kinds[:count]]
+    return _path(case, names, times[:count], (u, w), size, complete)
+
+
+def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
+    """The reference's motion, or None where it gives up because no digit of it can decide."""
+    try:
+        if isinstance(drive, ThreadsDrive):
+            result = threads_reference.simulate(dict(drive), start, case.duration)
+            kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
+            end, complete = result.state, True
+        elif is_rigid(case):
+            result = rigid_reference.simulate(dict(drive), *start, case.duration, max_events=MOST_EVENTS)
+            kinds = [event.kind for event in result.events]
+            visited = [(event.u_before, event.w_before) for event in result.events]
+            visited += [(segment.u, segment.w) for segment in result.segments]
+            end, complete = (result.u, result.w), result.complete
+        else:
+            model = "support" if isinstance(drive, SupportDrive) else "nut"
+            result = two_bodies_closed.simulate(
+                dict(drive), model, *_frictions(case).values(), start, case.duration, max_events=MOST_EVENTS
+            )
+            kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
+            visited = [event.state for event in result.events]
+            end, complete = result.state, result.complete
+    except (ArithmeticError, AssertionError):
+        return None
+    size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
+    if isinstance(drive, SupportDrive | NutDrive):
+        size = np.maximum(size, _least(case))
+    times = np.array([float(event.time) for event in result.events])
+    return _path(case, kinds, times, end, size, complete)
+
+
+def _frictions(case: Case) -> dict[str, bool]:
+    return {"slide": "slide_friction" in case.physics, "bearing": "bearing_friction" in case.physics}
+
+
+def _token(mode: str, seized: bool) -> str:
+    return mode + ("_by_seizure" if seized else "")
+
+
+def _name(mode: tuple, model: str) -> str:
+    """Name of a mode (d, q, a) of the reference."""
+    slip, contact, second = mode
+    name = f"slip_{_SLIPS[slip]}{_CONTACTS[contact]}" if slip else f"rest{_CONTACTS[contact]}"
+    body = "nut" if model == "support" else "screw"
+    return name if second is None else f"{name}_{body}{_SECONDS[second]}"
+
+
+def _least(case: Case) -> np.ndarray:
+    """Smallest size by which each coordinate of a drive with a second body is measured."""
+    model = "support" if isinstance(case.drive, SupportDrive) else "nut"
+    steady = TwoBodies(model, dict(case.drive), *_frictions(case).values())
+    speed = abs(case.drive.input_speed)
+    rate = speed * math.tan(case.drive.lead_angle) * case.drive.pitch_radius if model == "support" else speed
+    return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
+
+
+def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Path:
+    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
+    kept: list[int] = []
+    instant = _INSTANT * case.duration
+    for k, kind in enumerate(kinds):
+        if times[k] <= instant:
+            continue
+        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
+            kept.pop()
+            continue
+        kept.append(k)
+    return Path([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)

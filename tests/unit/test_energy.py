@@ -1,0 +1,102 @@
+"""The energy balance of motions: that it closes to rounding, and that it notices what it is there for."""
+
+import numpy as np
+import pytest
+
+from lsvib.accuracy.energy import balance, terms
+from lsvib.accuracy.energy_quadrature import residual
+from lsvib.core import planar
+from lsvib.models.automaton import oscillator
+from lsvib.models.motion import follow
+from lsvib.models.nut import nut_drive
+from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.rigid import rigid_drive
+from lsvib.models.support import support_drive
+from lsvib.models.threads import threads_drive
+
+LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
+PARADOX = {"mass": 15.0, "axial_force": 100.0}
+SOFT = {"contact_stiffness": 1e7, "contact_damping": 1e4}
+START = (0.1, 0.0, 0.0, 0.0)
+SCENES = {
+    "stick-slip": (LeadScrew, rigid_drive, LOADED, ()),
+    "sprag-slip": (LeadScrew, rigid_drive, PARADOX, ()),
+    "compliant threads": (ThreadsDrive, threads_drive, {**PARADOX, **SOFT}, ()),
+    "support": (SupportDrive, support_drive, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
+    "support, rubbing": (
+        SupportDrive,
+        support_drive,
+        {**LOADED, "screw_mass": 3.0, "slide_friction": 8.0, "bearing_friction": 0.02},
+        ("slide_friction", "bearing_friction"),
+    ),
+    "support, seizing": (SupportDrive, support_drive, {**PARADOX, "screw_mass": 50.0}, ()),
+    "nut, rubbing": (
+        NutDrive,
+        nut_drive,
+        {**LOADED, "slide_friction": 8.0, "bearing_friction": 0.02},
+        ("slide_friction", "bearing_friction"),
+    ),
+    "nut, seizing": (NutDrive, nut_drive, {**PARADOX, "mass": 11.0}, ()),
+}  # fmt: skip
+
+
+def motion_of(name, **changes):
+    kind, make, parameters, physics = SCENES[name]
+    drive = kind.of({**parameters, **changes})
+    frictions = {word.removesuffix("_friction"): True for word in physics}
+    automaton = make(drive, **frictions)
+    return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_balance_closes(name):
+    """1e-13: a few hundred panels and tens of events, each good to 1e-16."""
+    motion, drive, physics = motion_of(name)
+    assert motion.time.size >= 2
+    found = balance(motion, drive, physics)
+    assert found.residual <= 1e-13 + 4 * found.rounding
+    assert found.rounding <= 1e-10
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_wrong_parameter_is_seen(name):
+    """Powers with a friction coefficient that is off by 1e-6, as from a wrong law: far above the tolerance of 1e-10."""
+    motion, drive, physics = motion_of(name)
+    wrong = drive.replace(friction_coefficient=drive.friction_coefficient * (1 + 1e-6))
+    assert balance(motion, wrong, physics).residual > 1e-8
+
+
+@pytest.mark.parametrize("column", [planar.A0, planar.A1, planar.B])
+def test_wrong_field_is_seen(column):
+    """The flow of a mode with a coefficient that is off by 1e-6; those of its closed form are tied to A0 and A1."""
+    drive = LeadScrew.of(LOADED)
+    automaton = rigid_drive(drive)
+    row = automaton.tables.flow[1]
+    a0, a1, b = row[planar.A0], row[planar.A1], row[planar.B]
+    values = {planar.A0: a0, planar.A1: a1, planar.B: b}
+    values[column] *= 1 + 1e-6
+    row[:] = oscillator(1.0, values[planar.A1], values[planar.A0], values[planar.B])
+    motion = follow(automaton, (0.1, 0.0), 0.05)
+    assert 1 in motion.mode
+    assert balance(motion, drive).residual > 1e-9
+
+
+@pytest.mark.parametrize("name", ["sprag-slip", "support, seizing", "nut, seizing"])
+def test_loss_in_seizures_is_counted(name):
+    """Without it the balance is open by a good part of the energy."""
+    motion, drive, physics = motion_of(name)
+    assert np.isin(motion.kind, motion.automaton.sprag_kinds).any()
+    lossless = terms(motion, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
+    assert residual(motion, lossless)[0] > 1e-3
+
+
+def test_missed_reversal_is_seen():
+    """A motion that stays under the old law after N = 0 has friction that drives it."""
+    drive = LeadScrew.of(LOADED)
+    automaton = rigid_drive(drive)
+    motion = follow(automaton, (0.1, 0.0), 0.05)
+    guards = automaton.tables.guard_start
+    automaton.tables.guard_sign[guards[0]] = 0.0  # of N = 0 in the first mode
+    deaf = follow(automaton, (-0.1, 0.0), 0.05)
+    assert balance(motion, drive).residual <= 1e-13
+    assert balance(deaf, drive).residual > 1e-6
