@@ -280,10 +280,16 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
 
 
 def search(flow, state, guard, on_surface=False, limit=10.0):
-    found, index, t = walk.first_crossing(
-        flow, 0, np.array(state, dtype=float), np.array(guard, dtype=float).reshape(-1, len(state) + 1),
-        np.atleast_1d(on_surface), limit,
-    )  # fmt: skip
+    guards = np.array(guard, dtype=float).reshape(-1, len(state) + 1)
+    found, index, t = walk.search(
+        flow,
+        0,
+        np.array(state, dtype=float),
+        guards,
+        np.atleast_1d(on_surface),
+        limit,
+        sums.room_for(flow, len(guards)),
+    )
     return Found(found), index, t
 
 

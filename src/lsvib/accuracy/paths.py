@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,28 +90,38 @@ def stepper_path(case: Case, size: np.ndarray) -> Path | None:
 
 
 def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
-    """The reference's motion, or None where it gives up because no digit of it can decide."""
-    try:
-        if isinstance(drive, ThreadsDrive):
-            result = threads_reference.simulate(dict(drive), start, case.duration)
-            kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
-            end, complete = result.state, True
-        elif is_rigid(case):
-            result = rigid_reference.simulate(dict(drive), *start, case.duration, max_events=MOST_EVENTS)
-            kinds = [event.kind for event in result.events]
-            visited = [(event.u_before, event.w_before) for event in result.events]
-            visited += [(segment.u, segment.w) for segment in result.segments]
-            end, complete = (result.u, result.w), result.complete
-        else:
-            model = "support" if isinstance(drive, SupportDrive) else "nut"
-            result = two_bodies_closed.simulate(
-                dict(drive), model, *_frictions(case).values(), start, case.duration, max_events=MOST_EVENTS
-            )
-            kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
-            visited = [event.state for event in result.events]
-            end, complete = result.state, result.complete
-    except (ArithmeticError, AssertionError):
-        return None
+    """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
+    for digits in (40, 80):
+        with suppress(ArithmeticError, AssertionError):
+            return _exact_path(case, drive, start, digits)
+    return None
+
+
+def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...], digits: int) -> Path:
+    if isinstance(drive, ThreadsDrive):
+        result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits)
+        kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
+        end, complete = result.state, True
+    elif is_rigid(case):
+        result = rigid_reference.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
+        kinds = [event.kind for event in result.events]
+        visited = [(event.u_before, event.w_before) for event in result.events]
+        visited += [(segment.u, segment.w) for segment in result.segments]
+        end, complete = (result.u, result.w), result.complete
+    else:
+        model = "support" if isinstance(drive, SupportDrive) else "nut"
+        result = two_bodies_closed.simulate(
+            dict(drive),
+            model,
+            *_frictions(case).values(),
+            start,
+            case.duration,
+            dps=digits,
+            max_events=MOST_EVENTS,
+        )
+        kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
+        visited = [event.state for event in result.events]
+        end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
     if isinstance(drive, SupportDrive | NutDrive):
         size = np.maximum(size, _least(case))

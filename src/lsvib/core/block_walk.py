@@ -41,7 +41,7 @@ _LARGEST = 1e200
 
 
 @allocating_kernel
-def first_crossing(flow, mode, state, guards, on_surface, limit):
+def search(flow, mode, state, guards, on_surface, limit):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)

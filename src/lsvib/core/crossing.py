@@ -134,6 +134,13 @@ def crossing(flow, mode, state, guard, on_surface, limit):
 
 
 @kernel
+def _hop(top, on_surface, limit):
+    """Event of a guard whose maximum at ``top`` [s] is zero to rounding; from zero it rises and falls as a parabola."""
+    t = 2.0 * top if on_surface else top
+    return (_CROSSING, t) if t <= limit else (_NONE, limit)
+
+
+@kernel
 def _oscillating_crossing(row, shape, bend, on_surface, limit):
     p, q, is_far, constant = shape[0], shape[1], shape[2] == _FAR, shape[3]
     alpha, beta = row[ALPHA], row[BETA]
@@ -172,7 +179,7 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
     rise = swing * math.exp(-alpha * top / beta)
     highest = middle + rise
     if top > 0.0 and highest <= 8.0 * EPS * (abs(constant) + rise):
-        return _CROSSING, top / beta  # it rose by less than rounding
+        return _hop(top / beta, on_surface, limit)
     fraction = (highest + lowest) / (lowest - highest)
     guess = (top + math.acos(min(1.0, max(-1.0, fraction)))) / beta
     return _up_to(row, shape, max(top, 0.0) / beta, t_bottom, guess, limit)
@@ -233,7 +240,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
         return _NONE, limit
     value, slope, _ = _value(row, shape, low)
     if value <= 0.0:
-        return _CROSSING, low  # it rose by less than rounding
+        return _hop(low, on_surface, limit)
     guess = low - value / slope if slope < 0.0 else low
     if high == math.inf and limit == math.inf:
         if row[R1] < 0.0 and bend / row[A0] >= 0.0:

@@ -39,7 +39,7 @@ def _planar_search(flow, mode, state, guards, on_surface, limit, work):
 
 @allocating_kernel
 def _block_search(flow, mode, state, guards, on_surface, limit, work):
-    return block_walk.first_crossing(flow, mode, state, guards, on_surface, limit)
+    return block_walk.search(flow, mode, state, guards, on_surface, limit)
 
 
 @kernel
@@ -94,23 +94,29 @@ def _searched_extremes(flow, mode, state, functional, duration):
     root does not end.
     """
     n = state.size
-    work = workspace(flow, 1)
-    guards, on_surface = np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
-    rate, here = np.zeros(n + 1), state.copy()
-    for i in range(n):
-        for j in range(n + 1):
+    work, guards, on_surface = workspace(flow, 1), np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
+    rate, here, sizes = np.zeros(n + 1), np.empty(n), np.empty(n)
+    moves = False
+    for j in range(n + 1):
+        for i in range(n):
             rate[j] += functional[i] * flow.field[mode, i, j]
+        moves = moves or rate[j] != 0.0
+    for i in range(n):  # element by element: whole arrays compile numba's texts of errors as well
+        here[i] = state[i]
     low = high = level(functional, here, here)[0]
-    if not rate.any():
+    if not moves:
         return low, high
     passed, sign = 0.0, 0.0
     for _ in range(_MANY):
-        value, size = level(rate, here, np.abs(here))
-        slope, _, _, _ = modal.slopes_at(flow, mode, here, np.abs(here), rate)
+        for i in range(n):
+            sizes[i] = abs(here[i])
+        value, size = level(rate, here, sizes)
+        slope, _, _, _ = modal.slopes_at(flow, mode, here, sizes, rate)
         on_surface[0] = sign != 0.0 or abs(value) <= size
         if sign == 0.0:
             sign = math.copysign(1.0, slope if on_surface[0] else value)
-        guards[0] = sign * rate
+        for j in range(n + 1):
+            guards[0, j] = sign * rate[j]
         found, _, stay = search(flow, mode, here, guards, on_surface, duration - passed, work)
         if found == _LOST:
             return -math.inf, math.inf

@@ -17,7 +17,7 @@ together are below the guards' constants.
 import math
 
 from lsvib.core import modal, sums
-from lsvib.core.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.core.jit import inlined_kernel, kernel
 from lsvib.core.planar import ALPHA, BETA, R1, R2
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
@@ -32,12 +32,6 @@ _LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grow
 _BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
 _GROWTH = 8.0  # of the exponent of a growing term within one step
 _SPARE = 2  # node for roots
-
-
-@allocating_kernel
-def first_crossing(flow, mode, state, guards, on_surface, limit):
-    """As :func:`search`, in room of its own."""
-    return search(flow, mode, state, guards, on_surface, limit, sums.room_for(flow, guards.shape[0]))
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lsvib.core import crossing, flows, loop, planar, walk
+from lsvib.core import crossing, flows, loop, planar
 from lsvib.core.modal import ModalFlow
 from lsvib.core.status import Test
 from lsvib.core.tables import Tables
@@ -63,5 +63,3 @@ def _bounce(flow) -> None:
     flows.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
         crossing.crossing(flow, 0, state, surface, False, 1.0)
-    else:
-        walk.first_crossing(flow, 0, state, surface[None], np.array([False]), 1.0)

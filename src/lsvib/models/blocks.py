@@ -21,7 +21,10 @@ from lsvib.models.field import WORST_CONDITION, Field, amplification
 _DIGITS = 120  # the factors of far groups, in powers, take some of them
 _SAME = mpmath.mpf(10) ** -12  # relative size of a rate that is zero, and of the imaginary part of a real one
 _APART = 0.25  # relative distance of two rates from which on each is carried alone
-_CONDITION = 100.0  # amplification by a group's projector from which on it is merged
+# Amplification by a group's projector from which on it is merged with the nearest. The four digits that this loses at
+# most are fewer than those that far rates in one block may lose.
+_CONDITION = 1e4
+_NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in any case
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,7 @@ def _balanced(block: _Block) -> _Block:
         return _Block(block.matrix, block.into, block.out, spectral)
     fastest = max(abs(rate) for rate in rates)
     margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
-    most = max(2 * _CONDITION, 4 * _amplification(block))
+    most = max(_NORM_CONDITION, 4 * _amplification(block))
     while True:
         found = _in_lyapunov_norm(block, spectral + margin)
         if _amplification(found) <= most or margin > 8 * size:
