@@ -1,5 +1,6 @@
 """What a module loads: no engine for eigenvalues, no matplotlib for data, no engine for pictures; import contracts."""
 
+import ast
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -66,3 +67,13 @@ def test_import_contracts_hold():
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 0, run.stdout
     assert "0 broken" in run.stdout
+
+
+def test_kernels_need_no_linear_algebra():
+    """numba's products and solutions of matrices call scipy, which the runtime does not install."""
+    for path in (PACKAGE / "core").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            product = isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.MatMult)
+            assert not product, f"{path.name}:{node.lineno} multiplies matrices"
+            named = isinstance(node, ast.Attribute) and node.attr in {"dot", "vdot", "linalg", "matmul"}
+            assert not named, f"{path.name}:{node.lineno} uses {getattr(node, 'attr', '')}"

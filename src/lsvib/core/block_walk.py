@@ -22,10 +22,11 @@ import numpy as np
 
 from lsvib.core.affine import apply
 from lsvib.core.blocks import carry
-from lsvib.core.jit import allocating_kernel
+from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import EPS
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
+from lsvib.core.walk import first_below
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -50,31 +51,37 @@ def search(flow, mode, state, guards, on_surface, limit):
     edges, matrix = flow.edges[mode], flow.matrix[mode]
     size, count = matrix.shape[0], guards.shape[0]
     start, there = np.empty(size), np.empty(size)
-    work = np.empty((3, size, size))
+    work, noise, moving = np.empty((2, size, size)), np.empty(size), np.empty((2, size))
     weights, constants = np.empty((count, _ORDERS, size)), np.empty(count)
     sizes, moved = np.empty((count, _ORDERS, size)), np.empty((_ORDERS, size))
-    values, ahead = np.empty((count, 3)), np.empty((count, 3))
+    values, ahead, rounding = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
     apply(flow.to_blocks[mode], state, start)
     _forms(flow, mode, guards, weights, constants, sizes)
     _values(weights, constants, start, values)
     for guard in range(count):
         if on_surface[guard]:
             values[guard, 0], values[guard, 1] = 0.0, max(values[guard, 1], 0.0)
-    fastest, rising = _fastest(matrix), max(0.0, flow.growth[mode].max())
+    fastest, rising = _fastest(matrix), 0.0
+    for place in range(size):
+        rising = max(rising, flow.growth[mode, place])
     longest = _GROWTH / rising if rising > 0.0 else math.inf
     a, step = 0.0, min(limit, longest, 1.0 / fastest if fastest > 0.0 else 1.0)
-    _derivative_sizes(matrix, edges, start, a, moved)
-    there[:] = start
+    _derivative_sizes(matrix, edges, start, a, moved, noise, moving)
+    for i in range(size):
+        there[i] = start[i]
     for _ in range(_STEPS):
         if a >= limit or (limit == math.inf and _never(flow, mode, there, weights, constants, sizes, moved)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
-        rounding = _rounding(weights, constants, there)
+        for guard in range(count):
+            rounding[guard] = _rounding(weights[guard, 0], constants[guard], there)
         carry(flow, mode, start, b, there, work)
-        if not np.abs(there).max() < _LARGEST:
-            return _LOST, -1, limit
+        for i in range(size):
+            if not abs(there[i]) < _LARGEST:
+                return _LOST, -1, limit
         _values(weights, constants, there, ahead)
-        rounding = np.maximum(rounding, _rounding(weights, constants, there))
+        for guard in range(count):
+            rounding[guard] = max(rounding[guard], _rounding(weights[guard, 0], constants[guard], there))
         outcome, stretch = _POSITIVE, _LONGEST
         for guard in range(count):
             decision, slack = _decide(
@@ -90,19 +97,19 @@ def search(flow, mode, state, guards, on_surface, limit):
         if outcome == _UNDECIDED:
             step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
             if a + step == a:
-                return _CROSSING, int(np.argmin(ahead[:, 0])), b
+                return first_below(ahead, b)
             continue
         if outcome == _ROOT:
-            return _earliest(flow, mode, start, weights, constants, ahead, a, b, work)
+            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
-        values[:] = ahead
-        _derivative_sizes(matrix, edges, there, a, moved)
+        values, ahead = ahead, values
+        _derivative_sizes(matrix, edges, there, a, moved, noise, moving)
     return _LOST, -1, limit
 
 
-@allocating_kernel
+@kernel
 def _forms(flow, mode, guards, weights, constants, sizes):
     """Write g_c B_c^k (g, k, q), g₀ (g), and the norm of each block's part of the former at the block's first place."""
     table, edges = flow.from_blocks[mode], flow.edges[mode]
@@ -124,10 +131,11 @@ def _forms(flow, mode, guards, weights, constants, sizes):
             _norms(weights[guard, k], edges, sizes[guard, k])
 
 
-@allocating_kernel
+@kernel
 def _norms(vector, edges, out):
     """Write the Euclidean norm of each block's part of a vector to its first place, zero elsewhere."""
-    out[:] = 0.0
+    for i in range(out.size):
+        out[i] = 0.0
     for block in range(edges.size - 1):
         total = 0.0
         for i in range(edges[block], edges[block + 1]):
@@ -136,24 +144,37 @@ def _norms(vector, edges, out):
             out[edges[block]] = math.sqrt(total)
 
 
-@allocating_kernel
-def _derivative_sizes(matrix, edges, z, t, out):
-    """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide."""
-    now, noise = z.copy(), np.empty(z.size)
+@kernel
+def _derivative_sizes(matrix, edges, z, t, out, noise, moving):
+    """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide.
+
+    ``noise`` (q) and ``moving`` (2, q) are scratch space.
+    """
+    now, following = moving[0], moving[1]
+    for i in range(z.size):
+        now[i] = z[i]
     _norms(z, edges, noise)
     for k in range(_ORDERS):
         _norms(now, edges, out[k])
-        now = matrix @ now
+        for i in range(z.size):
+            total = 0.0
+            for j in range(z.size):
+                total += matrix[i, j] * now[j]
+            following[i] = total
+        now, following = following, now
         for block in range(edges.size - 1):
             first, last = edges[block], edges[block + 1]
             if first < last:
-                part = matrix[first:last, first:last]
-                rate = math.sqrt((part * part).sum())
+                square = 0.0
+                for i in range(first, last):
+                    for j in range(first, last):
+                        square += matrix[i, j] * matrix[i, j]
+                rate = math.sqrt(square)
                 out[k, first] += EPS * (_NOISE + rate * t) * noise[first]
                 noise[first] *= rate
 
 
-@allocating_kernel
+@kernel
 def _bound(sizes, moved, growth, k, step):
     """M_k of a guard on a step, see the module docstring."""
     total = 0.0
@@ -166,7 +187,7 @@ def _bound(sizes, moved, growth, k, step):
     return total
 
 
-@allocating_kernel
+@kernel
 def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
     eighth = 0.125 * step * step
@@ -198,7 +219,7 @@ def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface
     return _UNDECIDED, slack
 
 
-@allocating_kernel
+@kernel
 def _values(weights, constants, z, out):
     """Write each guard and its first two derivatives to its row of ``out`` (g, 3)."""
     for guard in range(constants.size):
@@ -209,19 +230,28 @@ def _values(weights, constants, z, out):
             out[guard, k] = total
 
 
-@allocating_kernel
-def _rounding(weights, constants, z):
-    """Size of each guard's rounding (g)."""
-    return 8.0 * EPS * (np.abs(constants) + np.abs(weights[:, 0]) @ np.abs(z))
+@kernel
+def _rounding(weights, constant, z):
+    """Size of the rounding of a guard with these weights (q)."""
+    total = abs(constant)
+    for i in range(z.size):
+        total += abs(weights[i] * z[i])
+    return 8.0 * EPS * total
 
 
-@allocating_kernel
+@kernel
 def _fastest(matrix):
     """Bound of the rates [1/s] of a mode."""
-    return np.abs(matrix).sum(axis=1).max()
+    fastest = 0.0
+    for i in range(matrix.shape[0]):
+        total = 0.0
+        for j in range(matrix.shape[1]):
+            total += abs(matrix[i, j])
+        fastest = max(fastest, total)
+    return fastest
 
 
-@allocating_kernel
+@kernel
 def _never(flow, mode, z, weights, constants, sizes, moved):
     """True if the blocks that move die away and the guards stay positive on the way."""
     edges, growth = flow.edges[mode], flow.growth[mode]
@@ -242,24 +272,23 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
     return True
 
 
-@allocating_kernel
-def _earliest(flow, mode, start, weights, constants, ahead, a, b, work):
+@kernel
+def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
-    first, when, z = -1, b, np.empty(start.size)
+    first, when = -1, b
     for guard in range(constants.size):
         if first >= 0 and ahead[guard, 0] <= 0.0:
             carry(flow, mode, start, when, z, work)
             _values(weights, constants, z, ahead)
         if ahead[guard, 0] <= 0.0:
-            first, when = guard, _root(flow, mode, start, weights, constants, guard, a, when, ahead, work)
+            first, when = guard, _root(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
     return _CROSSING, first, when
 
 
-@allocating_kernel
-def _root(flow, mode, start, weights, constants, guard, low, high, out, work):
+@kernel
+def _root(flow, mode, start, weights, constants, guard, low, high, out, z, work):
     """Root of a guard that falls from positive at ``low`` to not positive at ``high``."""
-    rate, z = _fastest(flow.matrix[mode]), np.empty(start.size)
-    t = 0.5 * (low + high)
+    rate, t = _fastest(flow.matrix[mode]), 0.5 * (low + high)
     for count in range(300):
         carry(flow, mode, start, t, z, work)
         _values(weights, constants, z, out)

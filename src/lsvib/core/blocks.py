@@ -7,6 +7,9 @@ chains of any length. e^{B_c t} is the Taylor polynomial of degree 18 in B_c t /
 
 The coordinates of a block are such that its Euclidean norm obeys |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)|;
 :mod:`lsvib.core.block_walk` isolates roots with that.
+
+Everything is written element by element: numba's own products of matrices need scipy, and its assignment of slices
+compiles for minutes.
 """
 
 import math
@@ -15,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.core.affine import apply
-from lsvib.core.jit import allocating_kernel
+from lsvib.core.jit import allocating_kernel, kernel
 
 _DEGREE = 18  # of the Taylor polynomial
 
@@ -31,8 +34,19 @@ class BlockFlow(NamedTuple):
     field: np.ndarray  # (m, n, n + 1), A and b
 
 
-@allocating_kernel
-def _exponential(matrix, low, high, t, out, power, scratch):
+@kernel
+def _multiply(left, right, low, high, factor, one, out):
+    """Write ``factor`` · left · right + ``one`` · I of the blocks at ``low:high`` to the same place of ``out``."""
+    for i in range(low, high):
+        for j in range(low, high):
+            total = 0.0
+            for m in range(low, high):
+                total += left[i, m] * right[m, j]
+            out[i, j] = total * factor + (one if i == j else 0.0)
+
+
+@kernel
+def _exponential(matrix, low, high, t, out, scratch):
     """Write e^{B t} of the block at ``low:high`` of ``matrix`` to the same place of ``out``."""
     if high == low + 1:
         out[low, low] = math.exp(matrix[low, low] * t)
@@ -47,37 +61,30 @@ def _exponential(matrix, low, high, t, out, power, scratch):
     step = t * 0.5**squarings
     for i in range(low, high):
         for j in range(low, high):
-            power[i, j] = 1.0 if i == j else 0.0
-    for k in range(_DEGREE, 0, -1):  # Horner: I + (B h / k) (…)
-        for i in range(low, high):
-            for j in range(low, high):
-                total = 0.0
-                for m in range(low, high):
-                    total += matrix[i, m] * power[m, j]
-                scratch[i, j] = total * step / k + (1.0 if i == j else 0.0)
-        power[low:high, low:high] = scratch[low:high, low:high]
+            out[i, j] = 1.0 if i == j else 0.0
+    for k in range(_DEGREE, 0, -2):  # Horner: I + (B h / k) (…)
+        _multiply(matrix, out, low, high, step / k, 1.0, scratch)
+        _multiply(matrix, scratch, low, high, step / (k - 1), 1.0, out)
     for _ in range(squarings):
+        _multiply(out, out, low, high, 1.0, 0.0, scratch)
         for i in range(low, high):
             for j in range(low, high):
-                total = 0.0
-                for m in range(low, high):
-                    total += power[i, m] * power[m, j]
-                scratch[i, j] = total
-        power[low:high, low:high] = scratch[low:high, low:high]
-    out[low:high, low:high] = power[low:high, low:high]
+                out[i, j] = scratch[i, j]
 
 
-@allocating_kernel
+@kernel
 def _propagator(flow, mode, t, work):
-    """Write e^{B t} of all blocks to ``work[0]``; ``work`` (3, q, q)."""
-    edges = flow.edges[mode]
-    work[0] = 0.0
+    """Write e^{B t} of all blocks to ``work[0]``; ``work`` (2, q, q)."""
+    edges, count = flow.edges[mode], work.shape[1]
+    for i in range(count):
+        for j in range(count):
+            work[0, i, j] = 0.0
     for block in range(edges.size - 1):
         if edges[block] < edges[block + 1]:
-            _exponential(flow.matrix[mode], edges[block], edges[block + 1], t, work[0], work[1], work[2])
+            _exponential(flow.matrix[mode], edges[block], edges[block + 1], t, work[0], work[1])
 
 
-@allocating_kernel
+@kernel
 def carry(flow, mode, start, t, out, work):
     """Write the block coordinates (q) a time t [s] after ``start`` to ``out``."""
     _propagator(flow, mode, t, work)
@@ -94,7 +101,7 @@ def advance(flow, mode, state, t, out):
     count = flow.matrix.shape[1]
     start, there = np.empty(count), np.empty(count)
     apply(flow.to_blocks[mode], state, start)
-    carry(flow, mode, start, t, there, np.empty((3, count, count)))
+    carry(flow, mode, start, t, there, np.empty((2, count, count)))
     apply(flow.from_blocks[mode], there, out)
 
 
@@ -102,12 +109,14 @@ def advance(flow, mode, state, t, out):
 def magnitudes(flow, mode, state, stay, scale):
     """Write to ``scale`` (n) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
     count = flow.matrix.shape[1]
-    start, work = np.empty(count), np.empty((3, count, count))
+    start, work = np.empty(count), np.empty((2, count, count))
     apply(flow.to_blocks[mode], state, start)
     _propagator(flow, mode, stay, work)
-    sizes = np.abs(work[0]) @ np.abs(start)
     for i in range(state.size):
-        total = abs(flow.from_blocks[mode, i, count])
-        for j in range(count):
-            total += abs(flow.from_blocks[mode, i, j]) * sizes[j]
-        scale[i] = total
+        scale[i] = abs(flow.from_blocks[mode, i, count])
+    for j in range(count):
+        size = 0.0
+        for k in range(count):
+            size += abs(work[0, j, k] * start[k])
+        for i in range(state.size):
+            scale[i] += abs(flow.from_blocks[mode, i, j]) * size

@@ -68,7 +68,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _UNDECIDED:
             step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
             if a + step == a:
-                return _first_below(work.values[there, :count], b)
+                return first_below(work.values[there, :count], b)
             continue
         if outcome == _ROOT:
             return _earliest(flow, mode, work, count, there, a, b)
@@ -178,7 +178,7 @@ def _never(flow, mode, work, count, node, t):
 
 
 @kernel
-def _first_below(values, b):
+def first_below(values, b):
     """Guard that is lowest at a node where no further halving is possible."""
     lowest = 0
     for guard in range(values.shape[0]):
