@@ -38,6 +38,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for ticks in (axes.get_yticklabels()[0], axes.get_xticklabels()[-1]):
         ticks.set_fontweight("bold")
     axes.tick_params(length=0, labelsize=6.5)
+    axes.tick_params(axis="x", labelsize=5.5)
     axes.tick_params(axis="x", top=False, labeltop=True, bottom=False, labelbottom=False)
     axes.spines[:].set_visible(False)
     axes.axhline(0.4, color=style.BLACK, linewidth=0.6)
@@ -48,7 +49,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for colour, hatch, text in _PARTS.values()
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize=6.5, handlelength=1.5,
-                  columnspacing=1.2, title="Share of cases; above a bar: wrong of all", title_fontsize=6.5)  # fmt: skip
+                  columnspacing=1.2, title="Share of cases; above a bar: wrong / all", title_fontsize=6.5)  # fmt: skip
     return figure
 
 
@@ -86,5 +87,5 @@ def _bar(axes: Axes, row: int, column: int, count: dict[str, int]) -> None:
             axes.barh(row, width, _HEIGHT, left=left, **look)
         left += width
     wrong = sum(count[word] for word in _WRONG)
-    axes.text(column - _WIDTH / 2, row - 0.24, f"{wrong} of {total}", va="bottom", fontsize=5.2,
+    axes.text(column - _WIDTH / 2, row - 0.24, f"{wrong}/{total}", va="bottom", fontsize=5.2,
               fontweight="bold" if wrong else "normal")  # fmt: skip

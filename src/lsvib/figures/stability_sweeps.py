@@ -64,7 +64,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
                                                            strict=True) if n}  # fmt: skip
         rest = ", ".join(f"{n} {word}" for word, n in counts.items() if word not in _PASSED)
         text = f"{sum(counts.values()):,} cases" + (f"\n{rest}" if rest else "")
-        axes.text(17.6, row, text, va="center", fontsize=6, linespacing=0.95)
+        axes.text(17.6, row, text, va="center", fontsize=6, linespacing=1.1)
     axes.axvline(-np.log10(float(dataset.tolerance)), color=style.GREY, linestyle=":", linewidth=0.9)
     axes.set_yticks(range(dataset.sizes["family"]), [names[int(f)] for f in dataset.family.values])
     axes.set(
@@ -82,9 +82,9 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], markeredgecolor=style.ORANGE, markerfacecolor="none", marker="D", markersize=3.5,
                linestyle="none", label="worst of a search"),
     )  # fmt: skip
-    axes.legend(handles=handles, loc="lower left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
+    axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
-    axes.text(9.15, -0.45, "tolerance", fontsize=6, color=style.GREY, va="center")
+    axes.text(9.15, dataset.sizes["family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")
 
 
 def _contact(figure: Figure, axes: Axes, dataset: xr.Dataset, values: np.ndarray, title: str, words: str,
