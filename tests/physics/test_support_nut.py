@@ -231,6 +231,7 @@ def check_random_motions(seed, count):
     return visited
 
 
+@pytest.mark.slow
 def test_random_motions_against_the_reference():
     visited = check_random_motions(1, 60)
     for model in MODELS:

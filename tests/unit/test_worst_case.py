@@ -59,6 +59,7 @@ def test_hypothesis_finds_no_wrong_translation_damping(genes):
     assert judged(Family.TRANSLATION_DAMPING, genes) <= TOLERANCE
 
 
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(GENOMES)
 def test_hypothesis_finds_no_wrong_double_rate_of_threads(genes):
