@@ -37,7 +37,7 @@ guard is monotone, hence a sign change is a bracket with exactly one root: no ev
 """
 
 from dataclasses import dataclass, field
-from itertools import chain, count
+from itertools import chain
 
 from mpmath import mp, mpf
 
@@ -219,8 +219,8 @@ class Flow:
         decay = mp.exp(-self.a * tau)
         if self.disc == 0:
             return decay * (h0 + (h1 + self.a * h0) * tau)
-        x = self.omega * tau
-        return decay * (h0 * mp.cos(x) + (h1 + self.a * h0) / self.omega * mp.sin(x))
+        cos, sin = mp.cos_sin(self.omega * tau)
+        return decay * (h0 * cos + (h1 + self.a * h0) / self.omega * sin)
 
     def second(self, y, w):
         return -2 * self.a * w - self.b * y
@@ -294,29 +294,33 @@ class Flow:
 def solve(f, slope, left, right, tolerance):
     """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
 
-    Every fourth step halves it, because along a steep exponential Newton's steps stay small.
+    Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
     """
-    x = (left + right) / 2
     tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
-    for step in count(1):
-        if right - left <= tolerance:
-            break
-        value = f(x)
+    x, last = (left + right) / 2, right - left
+    while right - left > tolerance:
+        value, d = f(x), slope(x)
         if value > 0:
             left = x
         else:
             right = x
-        d = slope(x)
-        guess = x - value / d if d != 0 else left
-        if not left < guess < right or step % 4 == 0:
-            guess = (left + right) / 2
-        if abs(guess - x) < tolerance / 4:  # converged? then a step of tolerance brackets it
-            low, high = max(left, guess - tolerance / 2), min(right, guess + tolerance / 2)
+        step = -value / d if d != 0 else right - left
+        if abs(step) < tolerance / 4:  # converged? then a step of tolerance brackets it
+            low, high = max(left, x + step - tolerance / 2), min(right, x + step + tolerance / 2)
             if f(low) > 0 >= f(high):
-                return guess
-            guess = (left + right) / 2
-        x = guess
+                return x + step
+        if not (left < x + step < right and abs(step) <= last / 2):
+            step = (left + right) / 2 - x
+        x, last = x + step, abs(step)
     return (left + right) / 2
+
+
+def windows(first, end):
+    """Growing parts of a run, so that a guard that never falls is not searched to the end if another one does."""
+    while first < end:
+        yield first
+        first *= 4
+    yield end
 
 
 def simulate(parameters, u, w, t_end, *, dps=40, resume_rule="contact_sign", max_events=10000):
@@ -371,10 +375,13 @@ def _simulate(drive, u, w, t_end, rule, max_events):
 
         direction, contact = mode
         flow = Flow(drive, direction * contact, u, w)
-        tau_v = flow.first_root(speed_guard, direction, speed_is_zero, left, drive.dps)
-        horizon = left if tau_v is None else tau_v
-        tau_Q = flow.first_root(Q_guard, contact, drive.Q_sign(u, w) == 0, horizon, drive.dps)
-        tau = horizon if tau_Q is None else tau_Q
+        for horizon in windows(10 / flow.rate, left):
+            tau_v = flow.first_root(speed_guard, direction, speed_is_zero, horizon, drive.dps)
+            tau = horizon if tau_v is None else tau_v
+            tau_Q = flow.first_root(Q_guard, contact, drive.Q_sign(u, w) == 0, tau, drive.dps)
+            if tau_v is not None or tau_Q is not None:
+                break
+        tau = tau if tau_Q is None else tau_Q
         u, w = flow.state(tau)
         t = t_end if tau == left else t + tau
         if tau_v is None and tau_Q is None:

@@ -26,11 +26,11 @@ followed by its first non-zero derivative until M of the next order lets that de
 """
 
 from dataclasses import dataclass, field
-from itertools import count
 
 from mpmath import mp, mpf
 
 SPARE_DIGITS = 30  # extra working digits beyond the dps asked for
+_CLOSE = mpf(1) / 10  # of a rate: rates so close together have coefficients that cancel, and one bound
 
 
 @dataclass
@@ -125,19 +125,19 @@ class Function:
     def solve(self, left, right):
         """Root of a function that is monotone from left to right: Newton kept inside a shrinking bracket.
 
-        Every fourth step halves it, because along a steep exponential Newton's steps stay small.
+        Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
         """
         sign = 1 if self(left) < 0 else -1
-        t, finest = (left + right) / 2, mpf(10) ** -(mp.dps - 10)
-        for k in count(1):
-            if right - left <= finest * right:
-                break
+        t, last, finest = (left + right) / 2, right - left, mpf(10) ** -(mp.dps - 10)
+        while right - left > finest * right:
             value = sign * self(t)
             left, right = (t, right) if value < 0 else (left, t)
             step = -value / (sign * self(t, 1))
             if abs(step) < finest * right:
                 return t + step
-            t = t + step if left < t + step < right and k % 4 else (left + right) / 2
+            if not (left < t + step < right and abs(step) <= last / 2):
+                step = (left + right) / 2 - t
+            t, last = t + step, abs(step)
         return t
 
     def sign_after_zero(self, sizes):
@@ -201,10 +201,10 @@ class Arc:
 
 
 def _clusters(rates):
-    """Indices of the rates in groups, of which each member is within a tenth of another."""
+    """Indices of the rates in groups, of which each member is close to another."""
     groups = []
     for j, rate in enumerate(rates):
-        near = [g for g in groups if any(abs(rate - rates[i]) < abs(rate) / 10 for i in g)]
+        near = [g for g in groups if any(abs(rate - rates[i]) < _CLOSE * abs(rate) for i in g)]
         groups = [g for g in groups if g not in near] + [(*(i for g in near for i in g), j)]
     return groups
 
@@ -281,8 +281,9 @@ class Drive:
         kept, columns = [], []
         for j, rate in enumerate(rates):
             real = abs(mp.im(rate)) < mpf(10) ** -(mp.dps // 2) * abs(rate)
-            if real or mp.im(rate) > 0:  # a conjugate pair is twice the real part of one of the two
-                column = [(1 if real else 2) * weights[j] * vectors[i, j] for i in range(4)]
+            close = abs(mp.im(rate)) < _CLOSE / 2 * abs(rate)  # conjugates that are one cluster are both kept
+            if real or close or mp.im(rate) > 0:  # else a pair is twice the real part of one of the two
+                column = [(1 if real or close else 2) * weights[j] * vectors[i, j] for i in range(4)]
                 kept.append(mp.re(rate) if real else rate)
                 columns.append([mp.re(c) for c in column] if real else column)
         return Arc(kept, columns, list(steady), [mpf(0)] * 4, lambda t: _by_matrix_exponential(A, b, x, t))
