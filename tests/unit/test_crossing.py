@@ -147,8 +147,8 @@ def bouncer(stiffness, force, restitution, beyond=None):
 
 def bounce(automaton, state, t_end, room=2000):
     events = (np.empty(room), *(np.empty(room, t) for t in (np.int8, np.int8, np.int64)), *np.empty((2, room, 2)))
-    state, clock = np.array(state, float), np.zeros(2)
-    status, mode, count = loop.run(automaton.tables, 0, state, clock, t_end, -1, -1, events)
+    state, clock = np.array(state, float), np.zeros(3)
+    status, mode, count = loop.run(automaton.tables, 0, state, np.abs(state), clock, t_end, -1, -1, events)
     return Status(status), mode, state, events[0][:count], events[1][:count]
 
 
@@ -196,3 +196,30 @@ def test_growing_oscillation_crosses_after_many_turns(turns):
         assert before > 0
     times = t - np.linspace(2 * math.pi, 1e-3, 500)
     assert min(float(advanced(row, (1.0, 0.0), max(x, 0.0))[0]) for x in times) > -5.0
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+@pytest.mark.parametrize("miss", [-1e-9, -1e-12, 1e-12, 2e-10, 1e-9, 1e-6])
+def test_growing_oscillation_that_just_misses_or_meets_its_nth_minimum(turns, miss):
+    """A minimum that is missed by more than rounding is not the last: the oscillation grows and falls in the next."""
+    coefficients = ("1", "-0.2", "1", "0")
+    row, state = oscillator(*coefficients), (1.0, 0.0)
+    half_turn = math.pi / row[planar.BETA]  # u has extrema at whole numbers of it
+    lowest = float(flow(*coefficients, *state, mpf((2 * turns + 1) * half_turn))[0])
+    guard = (1.0, 0.0, -lowest * (1.0 + miss))
+    found, t = search(row, state, guard)
+    assert found == Found.CROSSING
+    nth = turns if miss < 0 else turns + 1
+    assert 2 * nth * half_turn < t < (2 * nth + 1) * half_turn
+    slope = float(flow(*coefficients, *state, mpf(t))[1])
+    assert abs(float(value(coefficients, state, guard, t))) <= 64 * EPS * abs(lowest) + 4 * EPS * t * abs(slope)
+
+
+def test_growth_beyond_the_largest_number_is_no_graze():
+    """Half a turn multiplies the oscillation by e^1571, but it falls through the guard long before."""
+    coefficients = ("1", "-1000", "250001", "0")
+    guard = (1.0, 0.0, 2.0)
+    found, t = search(oscillator(*coefficients), (1.0, 0.0), guard)
+    assert found == Found.CROSSING
+    slope = float(flow(*coefficients, 1.0, 0.0, mpf(t))[1])
+    assert abs(float(value(coefficients, (1.0, 0.0), guard, t))) <= 64 * EPS + 4 * EPS * t * abs(slope)

@@ -406,3 +406,16 @@ def test_the_guard_that_falls_first_is_reported():
         found, index, t = search(flow, state, guards, [False, False])
         assert (found, index) == (Found.CROSSING, first)
         assert t == search(flow, state, early)[2]
+
+
+@pytest.mark.parametrize("touching", [0, 1])
+def test_a_guard_that_falls_where_another_one_touches_is_not_passed_over(touching):
+    """One guard touches zero at t = π, where it is flat over 1e-8; the other falls through zero 1e-9 before that."""
+    flow, _ = decoupled([(1.0, 0.0), (-1.0,)])
+    state, touches = [1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]
+    falls = [0.0, 0.0, 1.0, -math.exp(1e-9 - math.pi)]
+    assert search(flow, state, touches)[0] == Found.GRAZE
+    guards = [touches, falls] if touching == 0 else [falls, touches]
+    found, index, t = search(flow, state, guards, [False, False])
+    assert (found, index) == (Found.CROSSING, 1 - touching)
+    assert t == pytest.approx(math.pi - 1e-9, abs=1e-14)

@@ -94,3 +94,19 @@ def test_extremes_against_dense_evaluation(name, state, angle, part_u, part_w):
     # Between two of the 400 points the functional bends by no more than (30/400)²/8 of its swing, or is monotone.
     assert values.min() - low <= 1e-2 * terms
     assert high - values.max() <= 1e-2 * terms
+
+
+@pytest.mark.parametrize(
+    "coefficients", [("1", "-0.2", "1", "0.5"), ("1", "-3", "1", "0.5"), ("1", "0.2", "-1", "0.5")]
+)
+def test_magnitudes_grow_with_the_motion(coefficients):
+    """From 1e-9 off the equilibrium, a millionfold: the terms are as large as the motion has become."""
+    row = oscillator(*coefficients)
+    state = np.array([row[planar.EQUILIBRIUM] + 1e-9, 0.0])
+    rate = -row[planar.ALPHA] if row[planar.BETA] > 0 else row[planar.R1]
+    stay = math.log(1e6) / rate
+    scale = np.zeros(2)
+    planar.magnitudes(np.array([row]), 0, state, stay, scale)
+    size = 1e-9 * 1e6 * max(1.0, rate)
+    assert 1e-3 * 0.99 <= scale[0] - abs(row[planar.EQUILIBRIUM]) <= 4 * size
+    assert 1e-3 * 0.99 <= scale[1] <= 4 * size

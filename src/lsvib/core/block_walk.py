@@ -82,15 +82,15 @@ def search(flow, mode, state, guards, on_surface, limit):
         _values(weights, constants, there, ahead)
         for guard in range(count):
             rounding[guard] = max(rounding[guard], _rounding(weights[guard, 0], constants[guard], there))
-        outcome, stretch = _POSITIVE, _LONGEST
+        outcome, stretch, touched = _POSITIVE, _LONGEST, -1
         for guard in range(count):
             decision, slack = _decide(
                 values[guard], ahead[guard], sizes[guard], moved, flow.growth[mode], b - a, rounding[guard],
                 on_surface[guard],
             )  # fmt: skip
             stretch = min(stretch, slack)
-            if decision == _TOUCHES and outcome == _POSITIVE:
-                return _GRAZE, guard, 0.5 * (a + b)
+            if decision == _TOUCHES:
+                touched = guard
             outcome = max(outcome, decision)
             if decision == _UNDECIDED:
                 break
@@ -99,6 +99,8 @@ def search(flow, mode, state, guards, on_surface, limit):
             if a + step == a:
                 return first_below(ahead, b)
             continue
+        if outcome == _TOUCHES:
+            return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
             return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work)
         for guard in range(count):

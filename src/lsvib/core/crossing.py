@@ -117,9 +117,9 @@ def _up_to(row, shape, low, high, guess, limit):
 def crossing(flow, mode, state, guard, on_surface, limit):
     """Find the first time in (0, limit] at which a guard falls through zero or touches it from above.
 
-    Arguments: flow table, mode, state (2), guard (g_u, g_w, g_0), positive at the start or – with ``on_surface`` – zero
-    at the start and rising; limit [s], may be infinite. Returns (``Found``, time [s]); certain in the sense of the
-    module docstring.
+    Arguments: flow table, mode, state (2), guard (g_u, g_w, g_0, and its parts if it has them), positive at the start
+    or – with ``on_surface`` – zero at the start and rising; limit [s], may be infinite. Returns (``Found``, time [s]);
+    certain in the sense of the module docstring.
     """
     row = flow[mode]
     shape = _shape(row, state, guard)
@@ -141,6 +141,14 @@ def _hop(top, on_surface, limit):
 
 
 @kernel
+def _minimum(row, shape, middle, swing, t):
+    """Value of a guard at its minimum at t [s], and the size below which that is rounding only."""
+    reach = min(swing * math.exp(-row[ALPHA] * t), _HUGE)
+    lowest = _value(row, shape, t)[0] if shape[2] == _FAR else middle - reach
+    return lowest, 8.0 * EPS * (abs(shape[3]) + reach)
+
+
+@kernel
 def _oscillating_crossing(row, shape, bend, on_surface, limit):
     p, q, is_far, constant = shape[0], shape[1], shape[2] == _FAR, shape[3]
     alpha, beta = row[ALPHA], row[BETA]
@@ -158,22 +166,19 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
         return _NONE, limit
     swing = beta * math.sqrt(p * p + across * across) / row[A0]
     middle = bend / row[A0] if is_far else constant
-    t_bottom = bottom / beta
-    lowest = middle - swing * math.exp(-alpha * t_bottom)
-    if lowest > 0.0 and alpha < 0.0:
-        # A growing oscillation: go straight to the first minimum that is deep enough.
-        turns = math.ceil((math.log(middle / swing) / -alpha - t_bottom) * beta / _TWO_PI - 1e-9)
+    if alpha < 0.0 and middle > swing * math.exp(-alpha * bottom / beta):
+        # A growing oscillation: go straight to the first minimum that is deep enough. One too early is no harm.
+        turns = math.floor((math.log(middle / swing) / -alpha * beta - bottom) / _TWO_PI + 1e-9)
         top += turns * _TWO_PI
         bottom += turns * _TWO_PI
-        t_bottom = bottom / beta
-        lowest = middle - swing * math.exp(-alpha * t_bottom)
-    if top >= limit * beta:
+    lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
+    if lowest > resolution and alpha < 0.0:
+        top += _TWO_PI
+        bottom += _TWO_PI
+        lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
+    if lowest > resolution or top >= limit * beta:
         return _NONE, limit
-    if is_far:
-        lowest = _value(row, shape, t_bottom)[0]
-    resolution = 8.0 * EPS * (abs(constant) + swing * math.exp(-alpha * t_bottom))
-    if lowest > resolution:
-        return _NONE, limit
+    t_bottom = bottom / beta
     if lowest >= -resolution:
         return (_GRAZE, t_bottom) if t_bottom <= limit else (_NONE, limit)
     rise = swing * math.exp(-alpha * top / beta)

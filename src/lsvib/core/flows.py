@@ -91,7 +91,7 @@ def _searched_extremes(flow, mode, state, functional, duration):
 
     The rate of the function is affine in the state as well; its roots are isolated one after the other.
     Arguments: ``functional`` (n + 1), finite duration [s]. Returns (smallest, largest), infinite if the search for a
-    root does not end.
+    root does not end, or there are a million.
     """
     n = state.size
     work, guards, on_surface = workspace(flow, 1), np.zeros((1, n + 1)), np.zeros(1, dtype=np.bool_)
@@ -128,6 +128,8 @@ def _searched_extremes(flow, mode, state, functional, duration):
         low, high = min(low, value), max(high, value)
         if found == _CROSSING:
             sign = -sign
+    else:
+        return -math.inf, math.inf
     advance(flow, mode, state, duration, here)
     value, _ = level(functional, here, here)
     return min(low, value), max(high, value)

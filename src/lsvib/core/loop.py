@@ -144,21 +144,23 @@ def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
 
 
 @allocating_kernel
-def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
+def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
-    Arguments: tables; mode; state (n), replaced by the final state; clock (2): time [s] and its compensation, replaced;
+    Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
+    from, replaced; clock (3): time [s], its compensation, and the number of shortest stays so far in a row, replaced;
     t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any
     mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled
-    from index 0. Returns (``Status``, mode, number of events).
+    from index 0. A run that ends because they are full goes on from what it has replaced as if it had never ended.
+    Returns (``Status``, mode, number of events).
     """
     times, kinds, signs, modes, before, after = events
     n = state.size
-    scratch, scale = np.empty(n), np.abs(state)
+    scratch = np.empty(n)
     room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     work = flows.workspace(tables.flow, tables.guard_sign.size)
-    short_stays, count = 0, 0
+    count = 0
     while True:
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
@@ -178,12 +180,12 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
             before[count, i] = state[i]
             if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
-        short_stays = short_stays + 1 if stay < tables.shortest_stay else 0
-        end, mode, kind, sign = leave(tables, mode, found, guard, short_stays, state, scale, scratch)
+        clock[2] = clock[2] + 1.0 if stay < tables.shortest_stay else 0.0
+        end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
         if end != GOES_ON:
             return end, mode, count
         if kind == ACCUMULATION_KIND:
-            short_stays = 0
+            clock[2] = 0.0
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
         for i in range(n):
             after[count, i] = state[i]
@@ -194,7 +196,7 @@ def run(tables, mode, state, clock, t_end, stop_kind, stop_mode, events):
 
 @inlined_kernel
 def add_time(clock, stay):
-    """Add to a compensated sum, so that a million short stays lose no digits."""
+    """Add a stay [s] to ``clock`` (time, compensation), a compensated sum: a million short stays lose no digits."""
     total = clock[0] + stay
     if abs(clock[0]) >= abs(stay):
         clock[1] += (clock[0] - total) + stay

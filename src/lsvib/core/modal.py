@@ -19,9 +19,7 @@ import numpy as np
 from lsvib.core import planar
 from lsvib.core.affine import apply
 from lsvib.core.jit import allocating_kernel, inlined_kernel
-from lsvib.core.planar import A0, ALPHA, BETA, DELTA, R1, ROUNDING
-
-_OVERFLOW = 700.0  # of an exponent
+from lsvib.core.planar import A0, ALPHA, BETA, DELTA, OVERFLOW, R1, ROUNDING
 
 
 class ModalFlow(NamedTuple):
@@ -66,10 +64,10 @@ def growth(rate, push, t):
     It ends short of overflow, so that what does not take part in it is not spoilt by an infinity.
     """
     if push == 0.0:
-        return math.exp(min(rate * t, _OVERFLOW)), 0.0
+        return math.exp(min(rate * t, OVERFLOW)), 0.0
     if rate == 0.0:
         return 1.0, t
-    more = math.expm1(min(rate * t, _OVERFLOW))
+    more = math.expm1(min(rate * t, OVERFLOW))
     return 1.0 + more, more / rate
 
 
@@ -129,6 +127,8 @@ def travel(flow, mode, state, stay, scale, room):
         q = coordinates[k]
         reach = min(stay, 1.0 / abs(rate)) if push == 0.0 and rate != 0.0 else stay
         sizes[k] = abs(q) + abs(rate * q + push) * reach
+        if rate > 0.0:
+            sizes[k] += abs(q + push / rate) * math.expm1(min(rate * stay, OVERFLOW))
         k += 1
     carry(flow, mode, coordinates, stay, coordinates)
     apply(table, coordinates, state)

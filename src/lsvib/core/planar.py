@@ -21,6 +21,7 @@ A0, A1, B, ALPHA, BETA, DELTA, R1, R2, EQUILIBRIUM, TIME_SCALE = range(10)
 COLUMNS = 10
 
 EPS = float(np.finfo(np.float64).eps)
+OVERFLOW = 700.0  # of an exponent
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 
 
@@ -103,8 +104,15 @@ def magnitudes(flow, mode, state, stay, scale):
     """Write to ``scale`` (2) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
     row = flow[mode]
     reach = min(stay, row[TIME_SCALE]) if row[A0] != 0.0 else stay
-    scale[0] = abs(state[0]) + abs(state[1]) * reach
-    scale[1] = abs(state[1]) + abs(row[B] - row[A0] * state[0]) * reach
+    speed, push = abs(state[1]), abs(row[B] - row[A0] * state[0])
+    scale[0] = abs(state[0]) + speed * reach
+    scale[1] = speed + push * reach
+    rate = -row[ALPHA] if row[BETA] > 0.0 else row[R1]
+    if rate > 0.0:  # the deviation from the equilibrium grows
+        more = math.expm1(min(rate * stay, OVERFLOW))
+        reach = row[TIME_SCALE] if row[A0] != 0.0 else 1.0 / rate
+        scale[0] += more * (speed + push * reach) * reach
+        scale[1] += more * (speed + push * reach)
 
 
 @kernel

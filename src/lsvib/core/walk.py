@@ -55,13 +55,13 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
         sums.go_to(flow, mode, work, b, there)
-        outcome, stretch = _POSITIVE, _LONGEST
+        outcome, stretch, touched = _POSITIVE, _LONGEST, -1
         for guard in range(count):
             sums.evaluate(flow, mode, work, guard, there)
             decision, slack = _decide(flow, mode, work, guard, here, there, b - a, on_surface[guard])
             stretch = min(stretch, slack)
-            if decision == _TOUCHES and outcome == _POSITIVE:
-                return _GRAZE, guard, 0.5 * (a + b)
+            if decision == _TOUCHES:
+                touched = guard
             outcome = max(outcome, decision)
             if decision == _UNDECIDED:
                 break
@@ -70,6 +70,8 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             if a + step == a:
                 return first_below(work.values[there, :count], b)
             continue
+        if outcome == _TOUCHES:
+            return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
             return _earliest(flow, mode, work, count, there, a, b)
         for guard in range(count):
@@ -179,12 +181,15 @@ def _never(flow, mode, work, count, node, t):
 
 @kernel
 def first_below(values, b):
-    """Guard that is lowest at a node where no further halving is possible."""
+    """Result of the search where a step that ends at b [s] cannot be halved any more: the guard that is lowest there.
+
+    Returns (``Found``, index of the guard, b): undecided if every guard is positive.
+    """
     lowest = 0
     for guard in range(values.shape[0]):
         if values[guard, 0] < values[lowest, 0]:
             lowest = guard
-    return _CROSSING, lowest, b
+    return (_CROSSING if values[lowest, 0] <= 0.0 else _LOST), lowest, b
 
 
 @inlined_kernel

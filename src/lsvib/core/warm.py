@@ -49,7 +49,7 @@ def _bounce(flow) -> None:
         np.zeros(shape, dtype)
         for shape, dtype in ((8, float), (8, np.int8), (8, np.int8), (8, np.int64), ((8, 2), float), ((8, 2), float))
     )
-    _, _, count = loop.run(tables, 0, state, np.zeros(2), 10.0, -1, -1, events)
+    _, _, count = loop.run(tables, 0, state, np.abs(state), np.zeros(3), 10.0, -1, -1, events)
     if count != 2:
         raise AssertionError(f"the compiled engine bounced {count} times instead of 2")
     loop.choose_branch(tables, 0, state, np.abs(state))

@@ -11,6 +11,7 @@ from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.automaton import Automaton
 
 _FIRST_CAPACITY = 256
+_MANY_EVENTS = 10_000_000  # that nobody asked for; a gigabyte
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL)
 
 
@@ -87,14 +88,15 @@ def follow(
     *,
     mode: int | None = None,
     stop: tuple[int, int] = (-1, -1),
-    max_events: int = 10_000_000,
+    max_events: int | None = None,
 ) -> Motion:
     """Follow the motion from ``state`` (n) at time 0 until ``t_end`` [s].
 
     Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
     there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
-    many. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or EVENTS_FULL. Raises ``EngineError``
-    if the model has no answer, ``DivergenceError`` if the motion grows without bound.
+    many. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or, with ``max_events``, EVENTS_FULL.
+    Raises ``EngineError`` if the model has no answer or there are more than ten million events, ``DivergenceError`` if
+    the motion grows without bound.
     """
     if not t_end >= 0:
         raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
@@ -103,21 +105,25 @@ def follow(
     else:
         state = np.array(state, dtype=float)
     start_mode, start_state = mode, state.copy()
-    clock = np.zeros(2)
-    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, max_events)
+    scale, clock = np.abs(state), np.zeros(3)
+    most = _MANY_EVENTS if max_events is None else max_events
+    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
     while True:
         events = _room(capacity, state.size)
-        status, mode, count = loop.run(automaton.tables, mode, state, clock, t_end, stop[0], stop[1], events)
+        status, mode, count = loop.run(automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events)
         pieces.append([column[:count] for column in events])
         total += count
-        if status != Status.EVENTS_FULL or total >= max_events:
+        if status != Status.EVENTS_FULL or total >= most:
             break
-        capacity = min(2 * total, max_events - total)
-    _complain(Status(status), float(clock.sum()), state)
+        capacity = min(2 * total, most - total)
+    end_time = float(clock[0] + clock[1])
+    if status == Status.EVENTS_FULL and max_events is None:
+        raise EngineError(f"more than {most} events before t = {end_time:.6g} s; shorten t_end.")
+    _complain(Status(status), end_time, state)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(
         automaton, 0.0, start_mode, start_state, *columns,
-        status=Status(status), end_time=float(clock.sum()), end_mode=int(mode), end_state=state,
+        status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
 
 
