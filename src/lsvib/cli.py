@@ -124,16 +124,14 @@ def simulate(
     from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
     from lsvib.datasets.writer import write_dataset
 
-    given: dict[str, Any] = {"t_end": t_end, "samples": samples, "resume": resume}
+    given: dict[str, Any] = {"model": model, "t_end": t_end, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
     if initial:
         given["initial"] = _pairs(initial)
-    if model is not None:
-        given["model"] = model
-    checked = as_scene(scene, **given, **_pairs(changes))
+    checked = as_scene(scene, given, _pairs(changes))
     motion = run(checked)
-    write_dataset(trajectory(checked, motion), out)
     result = summary(checked, motion)
+    write_dataset(trajectory(checked, motion), out)
     if as_json:
         _print_json(result)
         return
@@ -173,39 +171,41 @@ def figure(
         Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
     from importlib import import_module
-    from importlib.util import find_spec
 
     from lsvib.datasets.writer import write_dataset
-    from lsvib.files import write_json
+    from lsvib.files import make_folder, write_json
     from lsvib.models.scene import read_yaml
 
     settings = read_yaml(config)
-    labels = {name: _label(name) for name, section in settings.items() if isinstance(section, dict)}
+    names = [name for key in ("figures", "accuracy_figures") for name in settings.get(key) or ()]
+    labels = {name: _label(name) for name in names if isinstance(settings.get(name), dict)}
     name = next((name for name, label in labels.items() if number in (name, label)), number)
-    if name not in labels or find_spec(f"lsvib.datasets.{name}") is None:
+    if name not in labels:
         raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
     section = settings[name]
-    section["drive"] = {**section.get("drive", {}), **_pairs(changes)}
+    if changes:
+        if "drive" not in section:
+            raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
+        section["drive"] = {**section["drive"], **_pairs(changes)}
     module = import_module(f"lsvib.datasets.{name}")
     dataset = module.build(section)
     checks = module.checks(dataset)
     drawn = import_module(f"lsvib.figures.{name}").draw(dataset)
-    for folder in ("datasets", "figures", "checks"):
-        (out / folder).mkdir(parents=True, exist_ok=True)
-    write_dataset(dataset, out / "datasets" / f"{name}.nc")
-    write_json([check.to_json() for check in checks], out / "checks" / f"{name}.json")
+    folders = {kind: make_folder(out / kind) for kind in ("datasets", "figures", "checks")}
+    write_dataset(dataset, folders["datasets"] / f"{name}.nc")
+    write_json([check.to_json() for check in checks], folders["checks"] / f"{name}.json")
     from lsvib.figures.style import save
 
-    picture = out / "figures" / f"{name}.png"
+    picture = folders["figures"] / f"{name}.png"
     save(drawn, picture, picture.with_suffix(".pdf"))
     if as_json:
         _print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
-        return
-    for check in checks:
-        print(check.sentence())
-    print(f"wrote {picture}, its PDF, dataset and checks")
+    else:
+        for check in checks:
+            print(check.sentence())
+        print(f"wrote {picture}, its PDF, dataset and checks")
     if not changes and not all(check.passed for check in checks):
-        raise LsvibError(f"figure {number}: a check failed; see the lines above.")
+        raise LsvibError(f"figure {number}: a check failed; see above.")
 
 
 @app.command
@@ -216,7 +216,7 @@ def attraction(
         Parameter(consume_multiple=True, help="Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", **_ONE_VALUE),
     ],
     out: Path,
-    model: Annotated[str, Parameter(help="rigid or threads.")] = "rigid",
+    model: Annotated[str, Parameter(help="rigid, threads, support or nut.")] = "rigid",
     changes: Changes = None,
     resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
     quantities: Annotated[
@@ -255,6 +255,8 @@ def attraction(
         raise InputError(f"threads = {threads} is outside the allowed range 1 <= threads <= 4096.")
     if resume not in ("contact_sign", "at_once"):
         raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
+    if figure is not None and figure.suffix != ".png":
+        raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
     starts = Grid.parse(grid)
     mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
     wanted = list(dict.fromkeys(["label", *quantities]))
@@ -311,7 +313,7 @@ class _Progress:
 @app.command
 def config(
     *,
-    model: Annotated[str, Parameter(help="Model of the drive.")] = "rigid",
+    model: Annotated[str | None, Parameter(help="rigid (the default), threads, support or nut.")] = None,
     changes: Changes = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     as_json: AsJson = False,
@@ -331,8 +333,11 @@ def config(
     from lsvib.models.scene import read_yaml
 
     start = read_yaml(scene) if scene else {}
-    kind = find_model(start.get("model", model)).drive
-    drive = kind.of(start.get("drive") or {}).replace(**_pairs(changes))
+    kind = find_model(model or start.get("model", "rigid")).drive
+    given = start.get("drive") or {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"drive = {given!r} does not hold names and values, such as mass: 11.0.")
+    drive = kind.of(given).replace(**_pairs(changes))
     fields = {
         key: {
             "value": value,
@@ -377,6 +382,9 @@ def main() -> None:
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of our output, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except MemoryError:
+        print("lsvib: there is not enough memory; take fewer cells or samples.", file=sys.stderr)
+        sys.exit(2)
     except (CycloptsError, LsvibError) as error:
         print(f"lsvib: {' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(2)

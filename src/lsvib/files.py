@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises ``LsvibError`` if the file cannot be written (no such folder, no permission, disk full).
     """
     path = Path(path)
+    if not path.name:
+        raise LsvibError(f"Cannot write {path}: it is not the name of a file.")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield part
@@ -27,7 +29,17 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise LsvibError(f"Cannot write {path}: {error.strerror or error}.") from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):  # it is not there, or the error that is on its way says why
+            part.unlink()
+
+
+def make_folder(path: Path) -> Path:
+    """Make a folder with all above it, unless it exists, and return it; raises ``LsvibError`` if that fails."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LsvibError(f"Cannot make the folder {path}: {error.strerror or error}.") from error
+    return path
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> None:

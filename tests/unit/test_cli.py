@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 import lsvib
 from lsvib import cli
@@ -18,6 +19,7 @@ from lsvib.models.rigid import rigid_drive
 # Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
+GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
 MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
@@ -190,6 +192,18 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
         (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
         (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
+        (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of those"),
+        (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
+        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "Cannot make the folder"),
+        (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
+        (["simulate", *MOTION, "--out", "."], "not the name of a file"),
+        (["simulate", *MOTION, "--set", "t_end=1", "--out", "x.nc"], "t_end is not a known key"),
+        (["simulate", *MOTION, "--set", "drive=1", "--out", "x.nc"], "drive is not a known key"),
+        (["simulate", *MOTION, "--model", "threads", "--resume", "at_once", "--out", "x.nc"], "resume = 'at_once'"),
+        (["thresholds", "--set", "self=1"], "self is not a known key"),
+        (["config", "--set", "lead_angle_deg=95"], "lead_angle_deg = '95' is outside the allowed range 0 <"),
+        (["config", "--set", "input_speed=0"], "-1e+09 <= input_speed <= 1e+09, not 0"),
+        (["attraction", *GRID, "--set", "mass=11", "--figure", "map.pdf", "--out", "x.nc"], ".png"),
         (["nonsense"], "nonsense"),
         (["thresholds", "--nonsense"], "--nonsense"),
     ],
@@ -199,23 +213,52 @@ def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
 
 
 def test_unknown_figure_is_refused_with_all_that_there_are(run, tmp_path):
-    (tmp_path / "figures.yaml").write_text("figures: [fig8_06]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\n")
+    (tmp_path / "figures.yaml").write_text(
+        "figures: [fig8_06, limit_process]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\nattraction: {}\n"
+    )
     sentence = refused(run, "figure", "8.99", "--config", "figures.yaml")
     assert sentence.rstrip().endswith("figure 8.99 is not one of those in figures.yaml: 8.6, limit_process.")
 
 
 @pytest.mark.parametrize("number", ["8.3", "fig8_03"])
-def test_figure_by_number_or_name(run, number):
-    run("figure", number, "--config", str(CONFIG), "--out", "built")
+def test_figure_by_number_or_name(run, tmp_path, number):
+    section = yaml.safe_load(CONFIG.read_text())["fig8_03"]
+    for axis in ("inertia", "damping"):
+        section[axis]["count"] = 41
+    (tmp_path / "figures.yaml").write_text(yaml.safe_dump({"figures": ["fig8_03"], "fig8_03": section}))
+    code, out, _ = run("figure", number, "--config", "figures.yaml", "--out", "built")
+    assert code == 0
+    assert ": true (" in out
     assert Path("built/figures/fig8_03.png").is_file()
 
 
+@pytest.mark.parametrize("form", [[], ["--json"]])
+def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
+    """Another friction than the chapter's in the file of settings, which is not ``--set``: 10.1 kg is missed."""
+    section = yaml.safe_load(CONFIG.read_text())["fig8_08"]
+    section["mass"]["count"], section["drive"] = 21, {"friction_coefficient": 0.3}
+    (tmp_path / "figures.yaml").write_text(yaml.safe_dump({"figures": ["fig8_08"], "fig8_08": section}))
+    code, _, err = run("figure", "8.8", "--config", "figures.yaml", "--out", "built", *form)
+    assert code == 2
+    assert "a check failed" in err
+
+
 @pytest.mark.parametrize(
-    "text", ["drive: {mass: [1\n", "- 1\n", "drive: {mass: 11, weight: 2}\ninitial: {u: 0, w: 0}\nt_end: 1\n"]
+    ("text", "words"),
+    [
+        ("drive: {mass: [1\n", "not valid YAML"),
+        ("- 1\n", "does not hold names and values"),
+        ("drive: {mass: 11, weight: 2}\ninitial: {u: 0, w: 0}\nt_end: 1\n", "weight is not a known key"),
+        ("drive: 5\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = 5 does not hold names and values"),
+        ("drive: [1, 2]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = [1, 2] does not hold"),
+        ("model: [rigid]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "model = ['rigid'] is not one of"),
+        ("1: 2\ninitial: {u: 0, w: 0}\nt_end: 1\n", "1 is not a known key"),
+        ("drive: {mass: 11}\nphysics: [support_damping, axial_force]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "list rest"),
+    ],
 )
-def test_corrupt_scene_is_refused(run, tmp_path, text):
+def test_corrupt_scene_is_refused(run, tmp_path, text, words):
     (tmp_path / "scene.yaml").write_text(text)
-    refused(run, "simulate", "--scene", "scene.yaml", "--out", "x.nc")
+    assert words in refused(run, "simulate", "--scene", "scene.yaml", "--out", "x.nc")
 
 
 def test_installed_command_and_help():
@@ -224,13 +267,10 @@ def test_installed_command_and_help():
     bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr == "lsvib: mass = '-1' is outside the allowed range 0 < mass <= 1e+09.\n"
-    for name in ("thresholds", "stability", "simulate", "figure", "config"):
+    for name in ("thresholds", "stability", "simulate", "figure", "attraction", "config"):
         shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
         assert f"lsvib {name}" in shown
         assert "Example" in shown
-
-
-GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
 
 
 def test_attraction_json_and_dataset(run):

@@ -80,6 +80,7 @@ def new_scratch(tables):
 
 @kernel
 def put(scratch, u, w):
+    """Set the state of the working space to u [rad], w [rad/s], exact as given."""
     scratch.state[0], scratch.state[1] = u, w
     scratch.scale[0], scratch.scale[1] = abs(u), abs(w)
 

@@ -1,4 +1,7 @@
-"""Compile every kernel once, so that parallel jobs find a filled cache."""
+"""Compile what runs of the engine need, so that parallel jobs find a filled cache.
+
+Left to their first use: the flow in blocks, which few models need, and the kernels of maps.
+"""
 
 import numpy as np
 

@@ -15,7 +15,7 @@ from lsvib.models.motion import Motion, follow
 from lsvib.models.scene import Scene, read_yaml
 
 
-def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, **changes: Any) -> xr.Dataset:
+def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
     """Simulate a scene exactly and return its trajectory.
 
     Arguments: a :class:`Scene`, names and values of one, or the path of a YAML file; ``changes`` are keys of the scene
@@ -30,24 +30,30 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, **chan
     >>> int(motion.sizes["event"])
     10
     """
-    scene = as_scene(scene, **changes)
-    return trajectory(scene, run(scene))
+    own = {key: value for key, value in changes.items() if key in Scene.model_fields}
+    checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
+    return trajectory(checked, run(checked))
 
 
-def as_scene(scene: Scene | Mapping[str, Any] | str | Path | None = None, **changes: Any) -> Scene:
-    """Return a checked scene from any of the forms that :func:`simulate` takes."""
+def as_scene(
+    scene: Scene | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
+) -> Scene:
+    """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
+
+    Arguments: ``changes`` of keys of the scene, ``drive`` of parameters of its drive. Raises ``InputError``.
+    """
     if isinstance(scene, Scene):
         values = scene.model_dump()
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
         values = dict(scene or {})
-    own = {key: value for key, value in changes.items() if key in Scene.model_fields}
-    drive = {key: value for key, value in changes.items() if key not in own}
-    if drive.keys() & {"lead_angle", "lead_angle_deg"} and isinstance(values.get("drive"), Mapping):
-        values["drive"] = {k: v for k, v in values["drive"].items() if k not in ("lead_angle", "lead_angle_deg")}
-    values |= own
-    values["drive"] = {**dict(values.get("drive") or {}), **drive}
+    values |= changes
+    given = values.get("drive") or {}
+    if drive and isinstance(given, Mapping):
+        if drive.keys() & {"lead_angle", "lead_angle_deg"}:
+            given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
+        values["drive"] = {**given, **drive}
     return Scene.of(values)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from lsvib.core import planar
 from lsvib.core.status import Test
 from lsvib.core.tables import Tables
+from lsvib.errors import EngineError
 from lsvib.models.parameters import PLACES
 
 Row = Sequence[Decimal | float | int]
@@ -108,11 +109,8 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
         if discriminant < 0:
             row[planar.BETA] = (-discriminant).sqrt()
         else:
-            delta = discriminant.sqrt()
-            large = -(alpha + delta) if alpha >= 0 else -alpha + delta
-            small = a0 / large if large else Decimal(0)
-            row[planar.DELTA] = delta
-            row[planar.R1], row[planar.R2] = max(large, small), min(large, small)
+            row[planar.DELTA] = discriminant.sqrt()
+            row[planar.R1], row[planar.R2] = _real_rates(alpha, a0)
         row[planar.EQUILIBRIUM] = b / a0 if a0 else 0
         row[planar.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
     return row
@@ -125,8 +123,14 @@ def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Dec
         alpha, square = damping / inertia / 2, stiffness / inertia
         if not stiffness or alpha * alpha <= square:
             return None
-        large = -alpha - (alpha * alpha - square).sqrt().copy_sign(alpha)
-        return force / stiffness, max(large, square / large), min(large, square / large)
+        return force / stiffness, *_real_rates(alpha, square)
+
+
+def _real_rates(alpha: Decimal, square: Decimal) -> tuple[Decimal, Decimal]:
+    """Real roots r₁ ≥ r₂ of r² + 2α r + square: the larger one first, so that nothing cancels."""
+    large = -alpha - (alpha * alpha - square).sqrt().copy_sign(alpha)
+    small = square / large if large else Decimal(0)
+    return max(large, small), min(large, small)
 
 
 def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tuple:
@@ -206,7 +210,7 @@ def scaled(row: Row, factor) -> tuple:
 def _rows(rows: Sequence[Row], n: int) -> np.ndarray:
     table = np.array([[float(x) for x in row] for row in rows], dtype=float).reshape(-1, n + 1)
     if not np.isfinite(table).all():
-        raise ArithmeticError("a coefficient of the model is not finite")
+        raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
     return table
 
 

@@ -30,15 +30,10 @@ from lsvib.models.automaton import (
 )
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import PLACES, LeadScrew
-from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_drive
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
-_SIGNS = {
-    MotionMode.SLIP_FORWARD_POSITIVE: (1, 1),
-    MotionMode.SLIP_FORWARD_NEGATIVE: (1, -1),
-    MotionMode.SLIP_BACKWARD_POSITIVE: (-1, 1),
-    MotionMode.SLIP_BACKWARD_NEGATIVE: (-1, -1),
-}
+_SIGNS = dict(enumerate(SLIPS.values()))  # by code of the mode
 
 
 def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:

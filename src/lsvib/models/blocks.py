@@ -16,6 +16,7 @@ import mpmath
 import numpy as np
 
 from lsvib.core.blocks import BlockFlow
+from lsvib.errors import EngineError
 from lsvib.models.field import WORST_CONDITION, Field, amplification
 
 _DIGITS = 120  # the factors of far groups, in powers, take some of them
@@ -49,7 +50,7 @@ class _Block:
 
 
 def block_mode(field: Field) -> BlockMode:
-    """Decompose a field. Raises ``ArithmeticError`` if even so rounding is amplified by more than 1e6."""
+    """Decompose a field. Raises ``EngineError`` if even so rounding is amplified by more than 1e6."""
     with mpmath.workdps(_DIGITS):
         matrix, push, sizes = field.reduced()
         p = len(sizes)
@@ -177,7 +178,10 @@ def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
                 from_blocks[place, part] = [float(x * sizes[j]) for x in block.out[j, :]]
     condition = amplification(from_blocks[:, :q], to_blocks, field.sizes)
     if not condition < WORST_CONDITION:
-        raise ArithmeticError(f"the coordinates of a mode cannot be told apart in double precision ({condition:.1e})")
+        raise EngineError(
+            f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
+            "parameters that lie less far apart."
+        )
     # Of the smallest relative amount, so that the bound covers the rounding of B.
     growth += 1e-14 * np.abs(matrix).sum(axis=1)
     return BlockMode(matrix, edges, growth, to_blocks, from_blocks, field.table(), condition)

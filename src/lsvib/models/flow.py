@@ -21,11 +21,10 @@ from lsvib.models.modes import ModalMode, modal_flow, modal_mode
 
 @dataclass(frozen=True)
 class LinearMode:
-    """The field of a mode, and its modal form or the reason why there is none."""
+    """The field of a mode, and its modal form if it has one."""
 
     field: Field
     modal: ModalMode | None
-    refusal: str = ""
 
     @cached_property
     def blocks(self) -> BlockMode:
@@ -53,12 +52,12 @@ def linear_mode(
     field = exact_field(rows, sizes, frozen)
     try:
         return LinearMode(field, modal_mode(field))
-    except ArithmeticError as refusal:
-        return LinearMode(field, None, str(refusal))
+    except ArithmeticError:
+        return LinearMode(field, None)
 
 
 def flow_of(modes: Sequence[LinearMode]) -> ModalFlow | BlockFlow:
     """Put the modes of a model together in one table, in modal form if all have one, else in blocks."""
-    if any(mode.refusal for mode in modes):
+    if any(mode.modal is None for mode in modes):
         return block_flow([mode.blocks for mode in modes])
     return modal_flow([mode.modal for mode in modes])

@@ -51,8 +51,14 @@ class Model:
         return self.start(drive, values)
 
 
+def seizures_only_by_contact(model: str, resume: str) -> None:
+    """Refuse a reading of what follows a seizure that only the rigid drive has; raises ``InputError``."""
+    if resume != "contact_sign":
+        raise InputError(f"resume = {resume!r} is not known to the model {model}; it knows contact_sign.")
+
+
 def find_model(name: str) -> Model:
     """Return a model by name; ``InputError`` if there is none of that name."""
-    if name not in MODELS:
+    if not isinstance(name, str) or name not in MODELS:
         raise InputError(f"model = {name!r} is not one of {', '.join(MODELS)}.")
     return import_module(MODELS[name]).MODEL

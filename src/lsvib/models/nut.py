@@ -41,7 +41,7 @@ def nut_drive(drive: NutDrive, *, slide: bool = False, bearing: bool = False) ->
     """Build the automaton of the drive with a rotating nut; ``slide``, ``bearing``: with F_0, with T_0.
 
     Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` for T_0 in the Painlevé region, ``ArithmeticError`` if the rates of
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` for T_0 in the Painlevé region, ``EngineError`` if the rates of
     a mode cannot be separated in double precision.
     """
     with localcontext(prec=PLACES):

@@ -55,14 +55,16 @@ class LeadScrew(BaseModel):
                 f"0 <= friction_coefficient < cot(lead_angle) = {limit:.6g}."
             )
         if self.input_speed == 0:
-            raise InputError("input_speed = 0 is outside the allowed range -1e+09 <= input_speed <= 1e+09 without 0.")
+            raise InputError(
+                f"input_speed = 0 is outside the allowed range {allowed_range(type(self), 'input_speed')}."
+            )
 
     @classmethod
-    def of(cls, values: Mapping[str, Any] | None = None, **more: Any) -> Self:
+    def of(cls, values: Mapping[str, Any] | None = None, /, **more: Any) -> Self:
         """Make a drive from names and values; ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]."""
         return validated(cls, _in_radians({**(values or {}), **more}))
 
-    def replace(self, **changes: Any) -> Self:
+    def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
         return self.of({**self.model_dump(), **_in_radians(changes)})
 
@@ -124,17 +126,22 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
         return values
     if "lead_angle" in values:
         raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
-    degrees = values.pop("lead_angle_deg")
+    degrees = values["lead_angle_deg"]
     try:
-        return {**values, "lead_angle": math.radians(float(degrees))}
+        number = math.nan if isinstance(degrees, bool) else float(degrees)
     except (TypeError, ValueError):
-        raise InputError(
-            f"lead_angle_deg = {degrees!r} is not a number; the allowed range is 0 < lead_angle_deg < 90."
-        ) from None
+        number = math.nan
+    if not 0 < number < 90:
+        raise InputError(f"lead_angle_deg = {degrees!r} is outside the allowed range 0 < lead_angle_deg < 90.")
+    rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
+    return {**rest, "lead_angle": math.radians(number)}
 
 
 def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
     """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
+    for key in values:
+        if not isinstance(key, str):
+            raise InputError(f"{key!r} is not a known key; the known keys are {', '.join(model.model_fields)}.")
     try:
         return model(**values)
     except ValidationError as error:
@@ -165,4 +172,5 @@ def allowed_range(model: type[BaseModel], key: str) -> str:
     schema = model.model_json_schema()["properties"][key]
     low = [f"{schema[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in schema]
     high = [f" {sign} {schema[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in schema]
-    return f"{''.join(low)}{key}{''.join(high)}" if low or high else ""
+    without = ", not 0" if key == "input_speed" else ""
+    return f"{''.join(low)}{key}{''.join(high)}{without}" if low or high else ""

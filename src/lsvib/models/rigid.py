@@ -30,6 +30,7 @@ import numpy as np
 
 from lsvib.core import planar
 from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.errors import InputError
 from lsvib.models.automaton import (
     Automaton,
     Branch,
@@ -71,7 +72,7 @@ class MotionMode(IntEnum):
 
 Resume = Literal["contact_sign", "at_once"]
 
-_SLIPS = {  # mode: (sign of θ′, sign of Q)
+SLIPS = {  # mode: (sign of θ′, sign of Q)
     "slip_forward_positive": (1, 1),
     "slip_forward_negative": (1, -1),
     "slip_backward_positive": (-1, 1),
@@ -85,7 +86,8 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
 
     Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
     for motions that are known not to reach it – only outside the Painlevé region; ``resume``: see the module docstring.
-    Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s].
+    Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
+    ``InputError`` for ``rest=False`` in the Painlevé region.
     """
     c = coefficients(drive)
     d = drive.exact()
@@ -105,8 +107,7 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
         if rest:
             surfaces["screw_speed"] = Surface((0, 1, d.input_speed), 1)
             surfaces["band_end"] = Surface(stand.band_end, 0)
-        build = _painleve if c.paradox else _regular
-        modes, transitions = build(flows, stand, rest, resume)
+        modes, transitions = _painleve(flows, stand, rest, resume) if c.paradox else _regular(flows, stand, rest)
         return assemble(
             states=("angle_deviation", "velocity_deviation"),
             surfaces=surfaces,
@@ -173,10 +174,10 @@ def _rest_mode(stand: _Stand) -> Mode:
     return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),))
 
 
-def _regular(flows, stand: _Stand, rest: bool, resume: Resume):
+def _regular(flows, stand: _Stand, rest: bool):
     """Modes and transitions for Γ₊ > 0."""
     modes = {}
-    for code, (name, (direction, q_sign)) in enumerate(_SLIPS.items()):
+    for code, (name, (direction, q_sign)) in enumerate(SLIPS.items()):
         if not rest and direction != stand.turning:
             continue
         guards = (Guard("contact", q_sign, f"contact_reversal_{name}"),)
@@ -187,7 +188,7 @@ def _regular(flows, stand: _Stand, rest: bool, resume: Resume):
     # Q′ at Q = 0 is the same under both laws; on the line itself it decides which side is entered.
     transitions = {"entry": Transition(tuple(_entry(modes, flows, stand, rest)))}
     for name in modes:
-        direction, q_sign = _SLIPS[name]
+        direction, q_sign = SLIPS[name]
         other = Branch(_name(direction, -q_sign), EventKind.CONTACT_REVERSAL, sign=-q_sign)
         transitions[f"contact_reversal_{name}"] = Transition((other,))
     if rest:
@@ -234,7 +235,10 @@ def _entry(modes, flows, stand: _Stand, rest: bool):
 def _painleve(flows, stand: _Stand, rest: bool, resume: Resume):
     """Modes and transitions for Γ₊ ≤ 0: slip under law −1 only, seizure at Q = 0."""
     if not rest:
-        raise ValueError("rest=False is for motions outside the Painlevé region")
+        raise InputError(
+            "physics leaves out rest, which a drive at or beyond its critical mass may always come to; list rest, or "
+            "take mass < critical_mass (see lsvib thresholds)."
+        )
     modes, transitions = {}, {}
     forward_now = ((scaled(stand.q, -1), Test.POSITIVE), (stand.pushes_forward, Test.POSITIVE))
     backward_now = ((stand.q, Test.POSITIVE), (stand.pushes_backward, Test.POSITIVE))
@@ -248,7 +252,7 @@ def _painleve(flows, stand: _Stand, rest: bool, resume: Resume):
     )
     transitions["stop"] = Transition(standing)
     for name in (_FORWARD, _BACKWARD):
-        direction, q_sign = _SLIPS[name]
+        direction, q_sign = SLIPS[name]
         guards = (Guard("contact", q_sign, f"seizure_{name}"), Guard("screw_speed", direction, "stop"))
         flow = flows[-1]
         modes[name] = Mode(MotionMode[name.upper()], flow.row, guards, "rest", flow.exact)
@@ -274,7 +278,7 @@ def _observables(c: Coefficients, d, modes) -> dict[str, dict[str, tuple]]:
             lever = stiffness * d.sin_lead / d.pitch_radius
             normal[name] = (lever, 0, d.axial_force * d.cos_lead + lever * z0)
         else:
-            law = _SLIPS[name][0] * _SLIPS[name][1]
+            law = SLIPS[name][0] * SLIPS[name][1]
             normal[name] = scaled(
                 c.q_row, 1 / (c.gamma[law] * (d.cos_lead + law * d.friction_coefficient * d.sin_lead))
             )

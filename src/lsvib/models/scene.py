@@ -40,6 +40,8 @@ class Scene(BaseModel):
         drive = values.get("drive") or {}
         if isinstance(drive, Mapping):
             drive = find_model(values.get("model", "rigid")).drive.of(drive)
+        elif not isinstance(drive, LeadScrew):
+            raise InputError(f"drive = {drive!r} does not hold names and values, such as mass: 11.0.")
         return {**values, "drive": drive}
 
     def model_post_init(self, context: Any) -> None:

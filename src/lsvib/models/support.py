@@ -37,7 +37,7 @@ def support_drive(drive: SupportDrive, *, slide: bool = False, bearing: bool = F
     """Build the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
 
     Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``ArithmeticError`` if
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``EngineError`` if
     the rates of a mode cannot be separated in double precision.
     """
     with localcontext(prec=PLACES):

@@ -12,7 +12,7 @@ Nothing is imposed in the Painlevé region: a seizure is the growth of N under l
 """
 
 import math
-from decimal import Decimal, localcontext
+from decimal import localcontext
 from enum import IntEnum
 
 import numpy as np
@@ -21,7 +21,8 @@ from lsvib.core.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, T
 from lsvib.models.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.models.coefficients import coefficients
 from lsvib.models.flow import LinearMode, flow_of, linear_mode
-from lsvib.models.model import Model
+from lsvib.models.mechanics import DIRECTIONS, SIGNS, plus
+from lsvib.models.model import Model, seizures_only_by_contact
 from lsvib.models.parameters import PLACES, ThreadsDrive
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -50,29 +51,27 @@ class ThreadsMode(IntEnum):
 
 
 _UNDER_LAW_PLUS = (ThreadsMode.SLIP_FORWARD_POSITIVE, ThreadsMode.SLIP_BACKWARD_NEGATIVE)
-_SIGNS = {1: "positive", -1: "negative"}
-_DIRECTIONS = {1: "forward", -1: "backward"}
 
 
 def threads_drive(drive: ThreadsDrive) -> Automaton:
     """Build the automaton of the drive with compliant threads.
 
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
-    ``ArithmeticError`` if the coordinates of a mode cannot be told apart in double precision.
+    ``EngineError`` if the coordinates of a mode cannot be told apart in double precision.
     """
     with localcontext(prec=PLACES):
         build = _Build(drive)
         slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
         modes: dict[str, Mode] = {}
-        for direction, where in _DIRECTIONS.items():
-            for sign, contact in _SIGNS.items():
+        for direction, where in DIRECTIONS.items():
+            for sign, contact in SIGNS.items():
                 name = f"slip_{where}_{contact}"
                 guards = (
                     Guard("contact", sign, f"contact_reversal_{name}"),
                     Guard("screw_speed", direction, "stop"),
                 )
                 modes[name] = Mode(ThreadsMode[name.upper()], slip[direction * sign], guards)
-        for contact in _SIGNS.values():
+        for contact in SIGNS.values():
             name = f"rest_{contact}"
             guards = (Guard(f"hold_{contact}", 1, f"release_forward_{contact}"),)
             guards += (Guard(f"hold_back_{contact}", 1, f"release_backward_{contact}"),)
@@ -107,7 +106,7 @@ class _Build:
         self.normal = (0, 0, d.cos_lead * d.contact_stiffness, d.cos_lead * d.contact_damping, 0)
         # Friction that holds the screw at rest.
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
-        self.friction = _sum(pull, scaled(self.normal, d.tan_lead))
+        self.friction = plus(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
         force, stiffness, damping = (
             abs(float(d.axial_force)) + 1.0,
@@ -125,23 +124,23 @@ class _Build:
 
     def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
-        torque = _sum(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
+        torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
         lever = d.pitch_radius * (law * d.friction_coefficient * d.cos_lead - d.sin_lead)
-        acceleration = scaled(_sum(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
+        acceleration = scaled(plus(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
         return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
 
     def rest(self) -> LinearMode:
         """Field of rest: w stays −Ω, the nut moves on."""
-        axial = _sum(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
+        axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
         return linear_mode(self._rows((0, 0, 0, 0, 0), axial), self.sizes, {1: -self.d.input_speed})
 
     def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d
-        travel = _sum((0, 0, 0, 1, 0), scaled(self.speed, self.reach))  # x′
+        travel = plus((0, 0, 0, 1, 0), scaled(self.speed, self.reach))  # x′
         nut = scaled(
-            _sum((0, 0, 0, 0, d.axial_force), scaled(travel, -d.translation_damping), scaled(axial, -1)), 1 / d.mass
+            plus((0, 0, 0, 0, d.axial_force), scaled(travel, -d.translation_damping), scaled(axial, -1)), 1 / d.mass
         )
-        return [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), _sum(nut, scaled(acceleration, -self.reach))]
+        return [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), plus(nut, scaled(acceleration, -self.reach))]
 
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
@@ -151,19 +150,19 @@ class _Build:
             "contact": Surface(self.normal, 2 if by_mismatch >= by_rate else 3),
             "screw_speed": Surface(self.speed, 1),
         }
-        for sign, contact in _SIGNS.items():
+        for sign, contact in SIGNS.items():
             limit = scaled(self.normal, sign * self.d.friction_coefficient)
-            found[f"hold_{contact}"] = Surface(_sum(limit, scaled(self.friction, -1)), 0)
-            found[f"hold_back_{contact}"] = Surface(_sum(limit, self.friction), 0)
+            found[f"hold_{contact}"] = Surface(plus(limit, scaled(self.friction, -1)), 0)
+            found[f"hold_back_{contact}"] = Surface(plus(limit, self.friction), 0)
         return found
 
     def transitions(self) -> dict[str, Transition]:
         """Entry and stop choose by the signs of θ′ and N and by static friction; N = 0 changes the law."""
         standing = tuple(self._standing())
         found = {"entry": Transition((*self._moving(), *standing)), "stop": Transition(standing)}
-        for where in _DIRECTIONS.values():
-            for sign, contact in _SIGNS.items():
-                there = f"slip_{where}_{_SIGNS[-sign]}"
+        for where in DIRECTIONS.values():
+            for sign, contact in SIGNS.items():
+                there = f"slip_{where}_{SIGNS[-sign]}"
                 reversal = Branch(there, ThreadsEvent.CONTACT_REVERSAL, sign=-sign)
                 found[f"contact_reversal_slip_{where}_{contact}"] = Transition((reversal,))
                 found[f"release_{where}_{contact}"] = Transition(
@@ -185,30 +184,26 @@ class _Build:
         yield (*zero, (scaled(_rate(rate, rows), sign), last))
 
     def _moving(self):
-        for direction, where in _DIRECTIONS.items():
+        for direction, where in DIRECTIONS.items():
             moves = (scaled(self.speed, direction), Test.POSITIVE)
-            for sign, contact in _SIGNS.items():
+            for sign, contact in SIGNS.items():
                 for conditions in self._contact_has(sign):
                     yield Branch(f"slip_{where}_{contact}", ThreadsEvent.RELEASE, (moves, *conditions))
 
     def _standing(self):
         """At θ′ = 0, for N of either sign: too much friction asked for starts slip, else rest."""
-        for sign, contact in _SIGNS.items():
+        for sign, contact in SIGNS.items():
             limit = scaled(self.normal, -sign * self.d.friction_coefficient)
             for here in self._contact_has(sign):
-                for direction, where in _DIRECTIONS.items():
-                    excess = (_sum(scaled(self.friction, direction), limit), Test.POSITIVE)
+                for direction, where in DIRECTIONS.items():
+                    excess = (plus(scaled(self.friction, direction), limit), Test.POSITIVE)
                     yield Branch(f"slip_{where}_{contact}", ThreadsEvent.REVERSAL, (*here, excess))
                 yield Branch(f"rest_{contact}", ThreadsEvent.STICK, here)
 
 
-def _sum(*rows: tuple) -> tuple:
-    return tuple(sum((Decimal(x) for x in column), Decimal(0)) for column in zip(*rows, strict=True))
-
-
 def _rate(row: tuple, field: list[tuple]) -> tuple:
     """Rate of an affine function of the state along a field."""
-    return _sum(*(scaled(rates, weight) for weight, rates in zip(row[:-1], field, strict=True)))
+    return plus(*(scaled(rates, weight) for weight, rates in zip(row[:-1], field, strict=True)))
 
 
 def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
@@ -224,9 +219,14 @@ def _start(drive: ThreadsDrive, values) -> np.ndarray:
     return state
 
 
+def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Automaton:
+    seizures_only_by_contact("threads", resume)
+    return threads_drive(drive)
+
+
 MODEL = Model(
     drive=ThreadsDrive,
-    build=lambda drive, physics, resume: threads_drive(drive),
+    build=_automaton,
     start=_start,
     modes=ThreadsMode,
     events=ThreadsEvent,

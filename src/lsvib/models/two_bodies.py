@@ -29,7 +29,7 @@ def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) ->
     """Lay a model out as an automaton, in the precision of the current decimal context.
 
     ``codes``: modes as made by :func:`lsvib.models.mechanics.mode_enum`; ``kinds``: events, by ``event_enum``. Raises
-    ``ArithmeticError`` if the rates of a mode cannot be separated in double precision.
+    ``EngineError`` if the rates of a mode cannot be separated in double precision.
     """
     return _Layout(bodies, codes, list(kinds)[2:]).automaton()
 

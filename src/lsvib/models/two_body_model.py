@@ -5,9 +5,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton
-from lsvib.models.model import Model
+from lsvib.models.model import Model, seizures_only_by_contact
 from lsvib.models.parameters import LeadScrew
 
 
@@ -27,8 +26,7 @@ def two_body_model(
     """
 
     def build(drive: LeadScrew, physics: tuple[str, ...], resume: str) -> Automaton:
-        if resume != "contact_sign":
-            raise InputError(f"resume = {resume!r} is not known to the model {name}; it knows contact_sign.")
+        seizures_only_by_contact(name, resume)
         return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
 
     return Model(
