@@ -33,7 +33,7 @@ from lsvib.models.parameters import PLACES, LeadScrew
 from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_drive
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
-_SIGNS = dict(enumerate(SLIPS.values()))  # by code of the mode
+_SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
 def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:
