@@ -9,13 +9,14 @@ and with two signs of R and of the impact there are sixteen branches of the rule
 from the speed θ′ = ±v can reach is decided by the damping c, since the impact needs Q of its sign before it.
 
 The contact stiffens in one of three ways: viscous, c_c = k_c · 1 s; with a fixed damping ratio ζ of the nut on the
-standing screw, c_c = 2 ζ √(k_c m); elastic, c_c = 0. As the screw stops the nut still moves at
+standing screw, c_c = 2 ζ √(k_c m); elastic, c_c = 0. An overdamped contact throws the nut back with the force
 
-    v_0 = r_m tan λ v |Γ₊| / (I − Γ₊),
+    m² r_m tan λ v k_c² / c_c³.
 
-and an overdamped contact throws it back with the force m² v_0 k_c² / c_c³: the fast part of the mismatch dies out at
-c_c / m, the slow one, left at v_0 m / c_c, at k_c / c_c. A contact keeps the sign of the impulse until it carries its
-static force only if this is small beside |R|, so c_c must grow faster than k_c^(2/3).
+As the screw stops the nut still has some speed v_0, and the damper has taken the rest of its momentum over the mismatch
+m (r_m tan λ v − v_0) / c_c. Of both together the slow part of the free motion, of rate k_c / c_c, keeps m r_m tan λ v /
+c_c, whatever v_0 is, after the fast one, of rate c_c / m, has died out. A contact keeps the sign of the impulse until
+it carries its static force only if this is small beside |R|, so c_c must grow faster than k_c^(2/3).
 """
 
 import math
@@ -121,11 +122,10 @@ def stiffened(drive: LeadScrew, family: Family, stiffness: float, damping_ratio:
 
 
 def rebound_force(drive: ThreadsDrive, speed: float) -> float:
-    """Return the force m² v_0 k_c² / c_c³ [N] of the rebound after an impact from θ′ = ``speed`` [rad/s]; see above."""
+    """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]; see above."""
     if drive.contact_damping == 0:
         return math.inf
-    excess = -float(coefficients(drive).gamma[1])
-    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed * excess / (drive.screw_inertia + excess)
+    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
     return drive.mass**2 * nut * drive.contact_stiffness**2 / drive.contact_damping**3
 
 
