@@ -10,6 +10,7 @@ import zipfile
 import pytest
 from conftest import ROOT
 
+from lsvib.datasets.ablation import MODULES
 from lsvib.datasets.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
@@ -140,6 +141,17 @@ def test_accuracy_is_a_target_of_its_own(fresh):
     assert jobs >= {"Compiling the engine", "Computing work_precision", "Drawing work_precision"}
     assert not jobs & {"Computing fig8_03", "Drawing fig8_03"}
     assert "Computing work_precision" not in fresh.plan()
+
+
+def test_a_dataset_depends_on_what_it_runs_without_importing_it(fresh):
+    """The modules whose imports and whose compilation the ablation measures."""
+    for module in {name for words in MODULES.values() for name in words.split(", ")}:
+        path = fresh.folder / "src" / f"{module.replace('.', '/')}.py"
+        text = path.read_text(encoding="utf-8")
+        path.unlink()
+        run = fresh("-n", "results/datasets/ablation.nc")
+        assert f"The module {module} does not exist." in run.stdout
+        path.write_text(text, encoding="utf-8")
 
 
 def test_lint_asks_for_nothing_but_conda(fresh):

@@ -71,7 +71,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     beyond = force < threshold
     touching = dataset.boundary_axial_force.values == Boundary.TOUCHING_MOTION
     scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
-    spread = float(np.ptp(scaled) / scaled.max())
+    spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
     order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]

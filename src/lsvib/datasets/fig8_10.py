@@ -132,6 +132,9 @@ def _rigid_motion(motion: Motion, samples: int) -> phase.Variables:
 
 def _peak(automaton: Automaton, cycle: SteadyState) -> phase.Variables:
     """The contact force around a peak, over time from the start of the sprag."""
+    if cycle.label != Attractor.SPRAG_SLIP_CYCLE:  # nothing to draw; the checks say so
+        times = force = np.full(_ZOOM, np.nan)
+        return _peak_variables(times, force, np.nan)
     period = cycle.orbit.end_time
     twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
     stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
@@ -140,8 +143,12 @@ def _peak(automaton: Automaton, cycle: SteadyState) -> phase.Variables:
     times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
     states, modes = twice.at(times)
     force = automaton.observe("normal_force", states, modes)
+    return _peak_variables(times - begin, force, float(sprag))
+
+
+def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase.Variables:
     return {
-        "peak_time": ("peak_sample", times - begin, attributes("s", "time after the start of a sprag", "$t$")),
+        "peak_time": ("peak_sample", times, attributes("s", "time after the start of a sprag", "$t$")),
         "peak_normal_force": ("peak_sample", force, quantity("normal_force")),
         "sprag_duration": ((), sprag, attributes("s", "time from N = 0 until the screw stands")),
     }

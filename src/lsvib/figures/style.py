@@ -51,7 +51,7 @@ _STYLE = {
     "savefig.dpi": 300,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
@@ -83,7 +83,7 @@ def unit(units: str) -> str:
     """Return a unit for the eye: ``"N m s rad-1"`` becomes ``"[N m s rad⁻¹]"``, ``"1"`` becomes empty."""
     if units == "1":
         return ""
-    return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(_SUPERSCRIPTS), units) + "]"
+    return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(SUPERSCRIPTS), units) + "]"
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:
