@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 import pytest
-from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, drawn_from_file, scale, set_to
+from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, draft, drawn_from_file, scale, set_to
 
 from lsvib.analysis import limit_process
 from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
 from lsvib.analysis.impact import seizure_impulses
 from lsvib.analysis.limit_process import Family, Region
 from lsvib.analysis.orbits import Orbit, farthest
+from lsvib.datasets import fig8_10
 from lsvib.datasets.limit_process import Verdict
+from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
+from lsvib.figures.fig8_10 import draw
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 from lsvib.models.rigid import EventKind, rigid_drive
@@ -60,6 +63,15 @@ def test_check_fails_on_spoiled_data(figure, words):
 @pytest.mark.parametrize("figure", SPOILERS)
 def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
     drawn_from_file(figure, tmp_path / "a.nc")
+
+
+def test_without_a_cycle_checks_fail_and_the_rest_is_drawn(tmp_path):
+    """Below the critical mass nothing sprags: no peak, no period."""
+    settings = draft("fig8_10")
+    dataset = fig8_10.build(settings | {"drive": {**settings["drive"], "mass": 9.0}})
+    assert not any(check.passed for check in fig8_10.checks(dataset))
+    write_dataset(dataset, tmp_path / "a.nc")
+    draw(read_dataset(tmp_path / "a.nc")).draw_without_rendering()
 
 
 def test_farthest_point_from_a_polygon():

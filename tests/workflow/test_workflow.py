@@ -98,7 +98,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/datasets/fig8_08.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/analysis/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout

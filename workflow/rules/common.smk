@@ -107,6 +107,13 @@ def caption(wildcards):
     return Path(workflow.basedir, "workflow", "report", f"{wildcards.figure}.rst").read_text(encoding="utf-8")
 
 
+def category(wildcards):
+    """Return the part of the report in which the figure is."""
+    if wildcards.figure.startswith("fig8_"):
+        return "Chapter 8"
+    return "Accuracy and cost" if wildcards.figure in config["accuracy_figures"] else "Beyond the chapter"
+
+
 def remove_leftovers():
     """Remove temporary files of runs that were killed; a run that ended well has none of its own."""
     for part in Path("results").rglob(".*.part"):

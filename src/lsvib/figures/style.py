@@ -26,6 +26,8 @@ PURPLE = "#CC79A7"
 WINE = "#882255"  # Tol (2021), "Colour schemes", muted
 GREY = "#8C8C8C"
 
+PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a value that the chapter prints
+
 SINGLE = 3.5  # width of one journal column [inch]
 DOUBLE = 7.2  # width of two columns [inch]
 
