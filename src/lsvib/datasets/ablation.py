@@ -14,7 +14,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.trajectory import simulate
 from lsvib.models.model import find_model
 
-_SOURCE = "issue: nothing a scene does not need"
+_SOURCE = "docs/stability.md"
 _ROUNDING = 1e-12
 _MODELS = ("pared", "general")
 MODULES = {  # what a rule of the workflow imports

@@ -14,7 +14,7 @@ from lsvib.accuracy import sweeps
 from lsvib.accuracy.catalogue import METHODS, find_method
 from lsvib.accuracy.catalogue import Family as Kind
 from lsvib.accuracy.contest import quiet
-from lsvib.accuracy.rival_comparison import GENEROSITY, Answer, Verdict
+from lsvib.accuracy.rival_comparison import Answer, Verdict
 from lsvib.accuracy.rival_verdicts import Question, ask, confirm, pose
 from lsvib.accuracy.sweep_cases import Case, Family, Group, cases
 from lsvib.datasets.checks import Check
@@ -22,7 +22,7 @@ from lsvib.datasets.variables import flags
 
 NOT_ASKED = -1
 WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)
-_SOURCE = "issue: the number of wrong verdicts of each peer"
+_SOURCE = "docs/stability.md"
 _QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
 
 
@@ -122,7 +122,6 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "engine_outcome": ("engine_outcome", np.array(sweeps.Verdict, np.int8),
                                _text("verdict on the engine") | flags(sweeps.Verdict)),
             "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
-            "generosity": ((), GENEROSITY, _text("tolerances of error that are still right")),
         },
         attrs={
             "title": "Verdicts on other methods over the sweeps to the edge of the domain",
