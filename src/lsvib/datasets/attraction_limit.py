@@ -31,7 +31,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     found by bisection. Raises ``InputError``, also if a ray ends within the basin.
     """
     drive, grid = LeadScrew.of(settings["drive"]), Grid.of(settings["grid"])
-    grid = grid if grid.x.coordinate == "u" else Grid(grid.y, grid.x)
     stiffness = np.array(settings["stiffnesses"], dtype=float)
     rigid = mapper(drive)
     label = rigid.cells(grid, quantities=("label",))["label"]
