@@ -102,10 +102,11 @@ def _boundary(mapped: Mapper | StateMapper, ends: np.ndarray) -> np.ndarray:
         return mapped.labels_of(*(part * ends)) == Attractor.STEADY_SLIDING
 
     low, high = np.zeros(ends.shape[1]), np.ones(ends.shape[1])
-    if inside(high).any():
+    beyond = int(inside(high).sum())
+    if beyond:
         raise InputError(
-            f"grid = {ends[0].max():g} rad by {ends[1].max():g} rad/s around steady sliding does not hold the boundary "
-            "of its basin on every ray; widen the grid."
+            f"grid: {beyond} of {high.size} rays end within the basin of steady sliding, whose boundary they are to "
+            "cross; widen u or w."
         )
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
