@@ -90,7 +90,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that no verdict is wrong, that rigid motions are accurate, and the thresholds and long runs."""
+    """Check that no verdict is wrong and hardly one but passed, accuracy and energy, the thresholds and long runs."""
     total = dataset.sizes["case"]
     verdict, rigid = dataset.verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
     inaccurate = verdict == Verdict.INACCURATE
