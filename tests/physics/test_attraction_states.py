@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from lsvib.analysis import attraction_states
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.grid import Grid
-from lsvib.datasets import attraction_limit
+from lsvib.datasets import attraction, attraction_limit
+from lsvib.errors import InputError
+from lsvib.models.motion import follow
 from lsvib.models.parameters import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
@@ -26,6 +29,41 @@ def test_labels_against_the_return_map(kind, model):
     again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), threads=2)
     assert again["time"].tobytes() == found["time"][2:5, 1:4].tobytes()
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()
+    columns = np.tile(grid.x.centres(), 5)
+    assert (mapped.labels_of(columns, np.repeat(grid.y.centres(), 6)) == found["label"].ravel()).all()
+
+
+def test_what_is_open_after_many_events_is_asked_of_the_return_map_in_the_mode_reached(monkeypatch):
+    """On a surface the state alone does not say in which mode the motion is."""
+    mapped = mapper(ThreadsDrive.of(DRIVE), "threads")
+    mapped.attractors = []
+    state = mapped.kind.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
+    asked = []
+
+    def remember(automaton, state, *, mode=None):
+        asked.append((state, mode))
+        return steady_state(automaton, state, mode=mode)
+
+    monkeypatch.setattr(attraction_states, "_ROUNDS", 1)
+    monkeypatch.setattr(attraction_states, "steady_state", remember)
+    mapped.destiny(state)
+    motion = follow(mapped.automaton, state, np.inf, max_events=attraction_states._CHUNK)
+    assert asked[0][1] == motion.end_mode
+    assert asked[0][0].tobytes() == motion.end_state.tobytes()
+
+
+def test_a_cycle_of_many_arcs_is_sampled_for_the_picture(monkeypatch):
+    monkeypatch.setattr(attraction, "_CYCLE_SAMPLES", 3)
+    mapped = mapper(ThreadsDrive.of(DRIVE), "threads")
+    found = attraction.surroundings(mapped, Grid.parse(GRID))
+    assert len(found["cycle_angle"][1][0]) == 2 * (mapped.attractors[0].orbit.time.size + 1) > 3
+
+
+def test_a_box_within_the_basin_is_refused():
+    settings = {"drive": DRIVE, "stiffnesses": [1e7, 1e8, 1e9], "rays": 3}
+    box = {key: {"start": -x, "stop": x, "count": 2} for key, x in (("u", 1e-5), ("w", 1e-3))}
+    with pytest.raises(InputError, match="grid: 3 of 3 rays end within the basin"):
+        attraction_limit.build(settings | {"grid": box})
 
 
 def test_slice_tends_to_the_rigid_map():

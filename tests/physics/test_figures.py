@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from reference.figures import assert_check_fails, assert_checks_pass, drawn_from_file, scale, set_to
+from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, draft, drawn_from_file, scale, set_to
 
 from lsvib.analysis.basin import Boundary
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.impact import mean_load, seizure_impulses
-from lsvib.datasets import phase
+from lsvib.datasets import basin_sweep, fig8_06, phase
 from lsvib.errors import InputError
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
@@ -114,6 +114,20 @@ def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert names
     assert len(names) == len(set(names))
+
+
+def test_backward_the_thresholds_have_another_order_and_the_checks_fail():
+    """Ω < 0: no force lies between onset and stick as they are ordered forward."""
+    settings = draft("fig8_06")
+    backward = {**settings["drive"], "input_speed": -40.0}
+    dataset = fig8_06.build(settings | {"drive": backward, "axial_force": {"start": -60.0, "stop": 0.0, "count": 5}})
+    failed = {check.claim for check in fig8_06.checks(dataset) if not check.passed}
+    assert any("straight line" in claim for claim in failed)
+
+
+def test_a_sweep_without_the_motion_that_touches_fails_its_check():
+    dataset = set_to("boundary_axial_force", Boundary.NONE)(dataset_of("basin_sweep"))
+    assert any("square of the force" in c.claim and not c.passed for c in basin_sweep.checks(dataset))
 
 
 def test_samples_hold_every_event_before_and_after():

@@ -20,8 +20,8 @@ from lsvib.models.parameters import SupportDrive, ThreadsDrive
 
 SPOILERS = {
     "fig8_01": {
-        "Equilibrium of law +": scale("equilibrium", 1 + 1e-9, 0),
-        "Equilibrium of law −": scale("equilibrium", 1 + 1e-9, 1),
+        "zeros of N″": scale("equilibrium", 1 + 1e-9, 1),
+        "Jacobian of N″": scale("eigenvalue_imaginary", 1 + 1e-9, 0, 1),
         "lies on the side on which": scale("equilibrium", -1.0, 0),
         "law + is a saddle": set_to("eigenvalue_real", -0.5, 1, 0),
         "law − is a centre": set_to("eigenvalue_real", -1e-3, 0, 1, 0),
@@ -33,6 +33,8 @@ SPOILERS = {
         "settles on N = N₋": scale("contact_force", 1.02, 1, 0, -1),
     },
     "fig8_02": {
+        "zeros of N″": scale("equilibrium", 1 + 1e-9, 0),
+        "Jacobian of N″": scale("eigenvalue_real", 1 + 1e-9, 1, 0),
         "on the side of the other law": scale("equilibrium", -1.0, 0),
         "Every start ends growing": set_to("outcome", Outcome.BOUNDED, 1, 3, 3),
         "drawn motions end in the first quadrant": set_to("force_rate", -1.0, 0, 0, -1),

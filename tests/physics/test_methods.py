@@ -164,3 +164,8 @@ def test_a_missing_package_is_one_sentence(monkeypatch, method, words):
 def test_a_wrong_name_is_one_sentence(name, method):
     with pytest.raises(InputError, match=r"= '(stick_slop|inexact)' is not one of"):
         contest(name, {method: [0]}, ONCE, 0.01)
+
+
+def test_a_step_that_is_too_short_is_refused():
+    with pytest.raises(InputError, match="time step of 1e-12 s is outside the allowed range >= "):
+        results("stick_slip", 1.0, rk4=[1e-12])

@@ -120,3 +120,22 @@ def test_dataset_tables_and_picture(tmp_path):
     checks = {check.claim: check.passed for check in work_precision.checks(read)}
     assert checks["The engine shows the true motion on every scene"]
     assert not checks["General solvers show a wrong motion, or none, in some runs"]  # none was run
+
+
+def test_a_scene_in_which_no_rival_is_right_has_a_claim_of_its_own():
+    """It passes as long as the engine reaches all levels; one that reaches none fails it."""
+    dataset = work_precision.build(SETTINGS)
+    rivals = dataset.family.values == int(Family.FIXED_STEP)
+
+    def verdicts(family, spoiled):
+        return {c.claim: c.passed for c in work_precision._ratio_checks(spoiled, family, "a rival", 0.0)}
+
+    assert all(verdicts(Family.FIXED_STEP, dataset).values())
+    wrong = dataset.copy(deep=True)
+    wrong.verdict[0, rivals] = int(Verdict.WRONG_EVENTS)
+    never = "stick_slip: to none of the errors asked for does a rival show the true motion, to all the engine does"
+    assert never not in verdicts(Family.FIXED_STEP, dataset)
+    assert verdicts(Family.FIXED_STEP, wrong)[never]
+    wrong.state_error[0, 0, 0] = 1e-2
+    assert not verdicts(Family.FIXED_STEP, wrong)[never]
+    assert not verdicts(Family.GENERAL, dataset)  # none was run

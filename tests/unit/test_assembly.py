@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from lsvib.analysis.grid import Grid
 from lsvib.datasets.assembly import Window, content_digest, gather, overview, write_tile
-from lsvib.datasets.tiles import grid_of, layout, window
+from lsvib.datasets.tiles import layout, window
 from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
 
@@ -171,10 +172,10 @@ SPAN = {"start": -1.0, "stop": 1.0, "count": 3}
 
 
 def test_the_axes_do_not_depend_on_the_order_in_which_they_are_written():
-    one, other = grid_of({"grid": {"u": SPAN, "w": SPAN}}), grid_of({"grid": {"w": SPAN, "u": SPAN}})
+    one, other = Grid.of({"u": SPAN, "w": SPAN}), Grid.of({"w": SPAN, "u": SPAN})
     assert one == other
     assert (one.x.coordinate, one.y.coordinate) == ("u", "w")
-    slice_of_threads = grid_of({"grid": {"e": 0.0, "w": SPAN, "u": 0.5, "v": SPAN}})
+    slice_of_threads = Grid.of({"e": 0.0, "w": SPAN, "u": 0.5, "v": SPAN})
     assert (slice_of_threads.x.coordinate, slice_of_threads.y.coordinate) == ("w", "v")
     assert slice_of_threads.fixed == {"e": 0.0, "u": 0.5}
 
@@ -184,9 +185,10 @@ def test_the_axes_do_not_depend_on_the_order_in_which_they_are_written():
     [
         ({"u": SPAN, "x": SPAN}, "coordinate 'x', which is not one of u, w"),
         ({"u": SPAN, "w": 1.0}, "spans 1 coordinates"),
+        ({"u": SPAN, "w": {"start": 0.0, "stop": 1.0}}, "axis w has the keys start, stop; it needs"),
         ({"u": SPAN, "w": {**SPAN, "stop": -2.0}}, "it needs start < stop"),
     ],
 )
 def test_a_grid_that_is_not_acceptable_is_refused(grid, words):
     with pytest.raises(InputError, match=words):
-        grid_of({"grid": grid})
+        Grid.of(grid)

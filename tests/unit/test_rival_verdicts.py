@@ -158,5 +158,9 @@ def test_dataset_checks_and_picture(tmp_path):
     assert engine.passed
     assert disputed.passed
     assert not others.passed  # the engine itself, asked as one of the others, is never wrong
+    for fault in (sweeps.Verdict.WRONG, sweeps.Verdict.INACCURATE, sweeps.Verdict.UNBALANCED):
+        spoiled = read.copy(deep=True)
+        spoiled.engine_count.loc[{"engine_outcome": int(fault)}] = 1
+        assert not rival_verdicts.checks(spoiled)[0].passed
     save(draw(read), tmp_path / "a.png", tmp_path / "a.pdf")
     assert (tmp_path / "a.png").stat().st_size > 10_000

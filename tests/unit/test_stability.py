@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lsvib.analysis.conditions import critical_mass
-from lsvib.analysis.stability import Stability, eigenvalues, flag_attributes, stability_class
+from lsvib.analysis.stability import Stability, eigenvalues, stability_class
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 
@@ -66,14 +66,6 @@ def test_arrays_broadcast():
     assert [[Stability(int(kind)).name for kind in row] for row in kinds] == expected
     assert kinds.dtype == np.int8
     assert eigenvalues(np.ones((2, 1)), np.ones(3), 1.0).shape == (2, 3, 2)
-
-
-def test_flags_name_every_class():
-    attributes = flag_attributes()
-    words = attributes["flag_meanings"].split()
-    assert [words[list(attributes["flag_values"]).index(kind)] for kind in Stability] == [
-        kind.name.lower() for kind in Stability
-    ]
 
 
 @pytest.mark.threshold

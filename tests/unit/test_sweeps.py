@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reference.figures import set_to
 
 from lsvib.accuracy import stepper, sweeps
 from lsvib.accuracy.paths import Path
@@ -10,6 +11,7 @@ from lsvib.accuracy.sides import attractor_is_right, long_run
 from lsvib.accuracy.sweep_cases import THRESHOLDS, cases
 from lsvib.accuracy.sweep_families import Case, Family, Group
 from lsvib.accuracy.sweeps import Judge, Verdict, judge
+from lsvib.datasets import stability_sweeps
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
@@ -122,3 +124,28 @@ def test_a_thousand_periods(changes):
     assert run.events > 2000
     assert run.clock_error <= EXACT
     assert run.state_error <= EXACT
+
+
+SMALL = {
+    "seed": 1, "counts": {"contact": 1, "axial_force": 6, "nut": 1}, "thorough": 1, "evaluations": 1,
+    "distances": [1e-2], "periods": 100,
+}  # fmt: skip
+SPOILERS = {
+    "No wrong verdict": set_to("verdict", Verdict.WRONG, 0),
+    "does not pass": set_to("verdict", Verdict.REFUSED, slice(0, 4)),
+    "Rigid drive": set_to("verdict", Verdict.INACCURATE, 1),
+    "Drives with four states": set_to("time_error", 2e-8, 0),
+    "Energy balances": set_to("energy_residual", 1e-3, 2),
+    "A search": set_to("worst_verdict", Verdict.UNBALANCED, 0),
+    "Attractors on both sides": set_to("attractor_is_right", 0, 0, 0, 0),
+    "Cycles over many periods": set_to("clock_error", 1e-11, 0),
+}
+
+
+def test_each_check_of_a_small_sweep_passes_and_fails_on_spoiled_data():
+    dataset = stability_sweeps.build(SMALL)
+    checks = stability_sweeps.checks(dataset)
+    assert [check.sentence() for check in checks if not check.passed] == []
+    assert len(checks) == len(SPOILERS)
+    for words, spoil in SPOILERS.items():
+        assert [check.passed for check in stability_sweeps.checks(spoil(dataset)) if words in check.claim] == [False]

@@ -6,8 +6,10 @@ import signal
 import time
 
 import pytest
+import yaml
 from conftest import ROOT, copy_of_sources
 
+from lsvib.analysis.grid import COORDINATES
 from lsvib.datasets.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
@@ -32,6 +34,11 @@ def mapped(tmp_path_factory):
     run = project(MAP)
     assert run.returncode == 0, run.stdout
     return project
+
+
+def test_the_schema_has_the_coordinates_of_all_models():
+    schema = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text(encoding="utf-8"))
+    assert schema["properties"]["attraction"]["properties"]["grid"]["propertyNames"]["enum"] == list(COORDINATES)
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ import zipfile
 import pytest
 from conftest import ROOT
 
+from lsvib.datasets.ablation import MODULES
 from lsvib.datasets.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
@@ -97,7 +98,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/datasets/fig8_08.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/analysis/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
@@ -140,6 +141,17 @@ def test_accuracy_is_a_target_of_its_own(fresh):
     assert jobs >= {"Compiling the engine", "Computing work_precision", "Drawing work_precision"}
     assert not jobs & {"Computing fig8_03", "Drawing fig8_03"}
     assert "Computing work_precision" not in fresh.plan()
+
+
+def test_a_dataset_depends_on_what_it_runs_without_importing_it(fresh):
+    """The modules whose imports and whose compilation the ablation measures."""
+    for module in {name for words in MODULES.values() for name in words.split(", ")}:
+        path = fresh.folder / "src" / f"{module.replace('.', '/')}.py"
+        text = path.read_text(encoding="utf-8")
+        path.unlink()
+        run = fresh("-n", "results/datasets/ablation.nc")
+        assert f"The module {module} does not exist." in run.stdout
+        path.write_text(text, encoding="utf-8")
 
 
 def test_lint_asks_for_nothing_but_conda(fresh):

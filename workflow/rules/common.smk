@@ -27,6 +27,18 @@ SCRIPT_IMPORTS = {
     "figures": ("lsvib.datasets.writer", "lsvib.figures.style"),
 }
 
+# Modules that a dataset needs without importing them: it runs them in processes of their own, or finds a model by its name.
+UNIMPORTED = {
+    "ablation": (
+        "lsvib.figures.fig8_08",
+        "lsvib.figures.fig8_09",
+        "lsvib.datasets.fig8_08",
+        "lsvib.datasets.fig8_09",
+        "lsvib.cli",
+    ),
+    "attraction_limit": ("lsvib.models.threads",),
+}
+
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
 # configuration file changes the order.
 MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
@@ -67,7 +79,8 @@ def sources(kind):
     """Return an input function: the source files of the figure's module in ``lsvib.datasets`` or ``lsvib.figures``."""
 
     def files(wildcards):
-        roots = (f"lsvib.{kind}.{wildcards.figure}", *SCRIPT_IMPORTS[kind])
+        unimported = UNIMPORTED.get(wildcards.figure, ()) if kind == "datasets" else ()
+        roots = (f"lsvib.{kind}.{wildcards.figure}", *SCRIPT_IMPORTS[kind], *unimported)
         return source_files(frozenset().union(*map(imports, roots)))
 
     return files
@@ -92,6 +105,13 @@ def cores(wildcards):
 def caption(wildcards):
     """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
     return Path(workflow.basedir, "workflow", "report", f"{wildcards.figure}.rst").read_text(encoding="utf-8")
+
+
+def category(wildcards):
+    """Return the part of the report in which the figure is."""
+    if wildcards.figure.startswith("fig8_"):
+        return "Chapter 8"
+    return "Accuracy and cost" if wildcards.figure in config["accuracy_figures"] else "Beyond the chapter"
 
 
 def remove_leftovers():

@@ -47,7 +47,7 @@ rule figure:
         png=report(
             "results/figures/{figure}.png",
             caption="../report/figure.rst",
-            category="Chapter 8",
+            category=category,
             labels={"figure": "{figure}"},
         ),
         pdf="results/figures/{figure}.pdf",

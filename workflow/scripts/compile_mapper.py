@@ -2,7 +2,8 @@
 
 import sys
 
-from lsvib.datasets.tiles import grid_of, mapper_of
+from lsvib.analysis.grid import Grid
+from lsvib.datasets.tiles import mapper_of
 from lsvib.errors import LsvibError
 from lsvib.files import write_text
 
@@ -10,7 +11,7 @@ sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 settings = snakemake.params.settings
 try:
-    cells = mapper_of(settings).cells(grid_of(settings), slice(0, 1), slice(0, 1), settings["quantities"])
+    cells = mapper_of(settings).cells(Grid.of(settings["grid"]), slice(0, 1), slice(0, 1), settings["quantities"])
     write_text(f"{cells['label'].item()}\n", snakemake.output[0])
 except LsvibError as error:
     sys.exit(f"attraction: {error}")

@@ -74,11 +74,6 @@ class Hybrid:
             self.modes.append(HybridMode(field[:, :-1].copy(), field[:, -1].copy(), rows, int(own.start)))
         self.names = {int(kind): kind.name.lower() for kind in scene.kind.events}
 
-    def guard_values(self, mode: int, state: np.ndarray) -> np.ndarray:
-        """Values of the guards of a mode (g)."""
-        rows = self.modes[mode].guards
-        return rows[:, :-1] @ state + rows[:, -1]
-
     def due(self, mode: int, state: np.ndarray) -> int | None:
         """Return the first guard of a mode that is negative, or zero and falling, at ``state``."""
         found = self.modes[mode]

@@ -26,6 +26,7 @@ MOST_EVENTS = 60
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
 _INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+_CORNER = "corner"
 _LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
 _CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
@@ -45,6 +46,22 @@ class Path:
     end: np.ndarray
     size: np.ndarray
     complete: bool
+
+
+def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -> list[str]:
+    """Return the kinds of events, with each run of events that follow each other within ``gap`` [s] as one corner."""
+    tokens: list[str] = []
+    for k, kind in enumerate(kinds):
+        if k and times[k] - times[k - 1] <= gap:
+            tokens[-1] = _CORNER
+        else:
+            tokens.append(kind)
+    return tokens
+
+
+def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
+    """Whether two results of :func:`without_clusters` agree; a corner agrees with any event."""
+    return len(left) == len(right) and all(a == b or _CORNER in (a, b) for a, b in zip(left, right, strict=True))
 
 
 def is_rigid(case: Case) -> bool:

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.accuracy.paths import Path, same_but_corners, without_clusters
 from lsvib.accuracy.result import Run
-from lsvib.accuracy.sweeps import Path
 
 GENEROSITY = 1000.0  # times the tolerance that a method was asked for is still right
 
@@ -50,7 +50,7 @@ def compare(duration: float, truth: Path, run: Run, allowed: float) -> Answer:
             return Answer(Verdict.RIGHT if error <= allowed else Verdict.INACCURATE, error)
     if state_error > allowed:
         return Answer(Verdict.OTHER_MOTION)
-    same = any(_same(_without_clusters(a, gap), _without_clusters(b, gap)) for a, b in pairs)
+    same = any(same_but_corners(_tokens(a, gap), _tokens(b, gap)) for a, b in pairs)
     return Answer(Verdict.RIGHT, state_error) if same else Answer(Verdict.OTHER_EVENTS)
 
 
@@ -63,16 +63,5 @@ def _trimmed(events: list[tuple[float, str]], gap: float, duration: float) -> It
             yield events[first : max(first, len(events) - last)]
 
 
-def _without_clusters(events: list[tuple[float, str]], gap: float) -> list[str]:
-    """Kinds of events, with each run of events that follow each other within ``gap`` [s] as one."""
-    tokens: list[str] = []
-    for k, (time, kind) in enumerate(events):
-        if k and time - events[k - 1][0] <= gap:
-            tokens[-1] = "corner"
-        else:
-            tokens.append(kind)
-    return tokens
-
-
-def _same(left: list[str], right: list[str]) -> bool:
-    return len(left) == len(right) and all(a == b or "corner" in (a, b) for a, b in zip(left, right, strict=True))
+def _tokens(events: list[tuple[float, str]], gap: float) -> list[str]:
+    return without_clusters([kind for _, kind in events], [time for time, _ in events], gap)

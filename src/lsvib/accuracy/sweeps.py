@@ -16,7 +16,17 @@ from enum import IntEnum
 import numpy as np
 
 from lsvib.accuracy.energy import Balance, balance
-from lsvib.accuracy.paths import MOST_EVENTS, Path, automaton, engine_path, exact_path, is_rigid, stepper_path
+from lsvib.accuracy.paths import (
+    MOST_EVENTS,
+    Path,
+    automaton,
+    engine_path,
+    exact_path,
+    is_rigid,
+    same_but_corners,
+    stepper_path,
+    without_clusters,
+)
 from lsvib.accuracy.sweep_families import Case
 from lsvib.errors import InputError, LsvibError
 from lsvib.models.motion import follow
@@ -134,22 +144,10 @@ def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
 
 def _same_but_corners(path: Path, other: Path, case: Case) -> bool:
     """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
-    tokens = [_without_clusters(x, _AT_ONCE * case.duration) for x in (path, other)]
-    if not (path.complete and other.complete and len(tokens[0]) == len(tokens[1])):
+    if not (path.complete and other.complete):
         return False
-    agree = all(a == b or "corner" in (a, b) for a, b in zip(*tokens, strict=True))
-    return agree and _distance(path.end, other) <= TOLERANCE
-
-
-def _without_clusters(path: Path, gap: float) -> list[str]:
-    """Kinds of events, with each run of events that follow each other within ``gap`` [s] as one."""
-    tokens: list[str] = []
-    for k, kind in enumerate(path.kinds):
-        if k and path.times[k] - path.times[k - 1] <= gap:
-            tokens[-1] = "corner"
-        else:
-            tokens.append(kind)
-    return tokens
+    tokens = [without_clusters(x.kinds, x.times, _AT_ONCE * case.duration) for x in (path, other)]
+    return same_but_corners(*tokens) and _distance(path.end, other) <= TOLERANCE
 
 
 def _distance(end: np.ndarray, other: Path) -> float:

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lsvib.analysis import cycles
-from lsvib.analysis.attraction import Progress, check_quantities, in_blocks
+from lsvib.analysis.attraction import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.analysis.grid import COORDINATES, Grid
 from lsvib.core.status import Status
@@ -61,7 +61,7 @@ class StateMapper:
         grid: Grid,
         rows: slice = slice(None),
         columns: slice = slice(None),
-        quantities: Sequence[str] = ("label",),
+        quantities: Sequence[str] = QUANTITIES,
         threads: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
@@ -97,6 +97,11 @@ class StateMapper:
         in_blocks(row, y.size, 1, threads, progress)
         return {name: found[name] for name in quantities}
 
+    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
+        starts = (self.kind.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
+        return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
+
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Label, time [s], sprags and first event of the motion from a state (n)."""
         mode, time, sprags, first = None, 0.0, 0, None
@@ -117,7 +122,7 @@ class StateMapper:
                     return cycle.label, time + float(motion.time[last]), sprags + self._sprags(motion, last + 1), first
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
-        label = steady_state(self.automaton, state).label
+        label = steady_state(self.automaton, state, mode=mode).label
         return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
 
     def _sprags(self, motion: Motion, count: int) -> int:

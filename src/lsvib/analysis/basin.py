@@ -95,7 +95,8 @@ def basin(drive: LeadScrew) -> Basin:
     """Compute the region of attraction of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
-    nothing, and for the few drives whose basin has another shape (see docs/basin.md).
+    nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
+    cannot follow the boundary.
     """
     if drive.input_speed < 0:
         return _mirrored(basin(drive.replace(input_speed=-drive.input_speed, axial_force=-drive.axial_force)), drive)

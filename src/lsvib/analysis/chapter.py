@@ -25,5 +25,19 @@ THRESHOLDS = {
     "detach_force": Claim(46.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
 }
 
+# Not a threshold: the largest contact force on the cycle with k_c = c_c = 1e8 (SI); R is not stated.
+PEAK_FORCE = Claim(320e3, "N", "Sect. 8.6.1, Fig. 8.10b", {"mass": 11.0})
+
+_TWO_DIGITS = "printed with two digits: half a unit of the last one"
+_READ_AS = _NEGATIVE_DAMPING | {"mass": 8.0}  # the mass that the printed inertias belong to, not the stated one
+EFFECTIVE_DAMPING = {  # by the sign of the law
+    -1: Claim(1.0e-3, "N m s/rad", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-4 / 1.0e-3, _TWO_DIGITS),
+    1: Claim(-1.1e-4, "N m s/rad", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-5 / 1.1e-4, _TWO_DIGITS),
+}
+EFFECTIVE_INERTIA = {
+    -1: Claim(9.9e-6, "kg m2", "Sect. 8.5.1", _READ_AS, 0.5e-7 / 9.9e-6, _TWO_DIGITS),
+    1: Claim(6.5e-7, "kg m2", "Sect. 8.5.1", _READ_AS, 0.5e-8 / 6.5e-7, _TWO_DIGITS),
+}
+
 # Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
 GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}

@@ -46,11 +46,6 @@ Piece = Arc | Segment
 Curve = list[Piece]
 
 
-def arc_from(flow: np.ndarray, mode: int, start: np.ndarray, duration: float) -> Arc:
-    """Return the arc of a mode from ``start`` (2) that lasts ``duration`` [s]."""
-    return Arc(mode, start, state_on(flow, Arc(mode, start, start, duration), duration), duration)
-
-
 def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
     """Return the state (2) on an arc at a time [s] after its start."""
     state = np.empty(2)

@@ -78,7 +78,10 @@ class SteadyState:
 
 
 def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
-    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1)."""
+    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
+
+    Raises ``EngineError`` where the rates of a mode lie too far apart to isolate them.
+    """
     low, high = math.inf, -math.inf
     modes, starts, _, durations = orbit.arcs()
     for mode, start, duration in zip(modes, starts, durations, strict=True):
@@ -103,13 +106,6 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
     drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
     return np.stack([np.where(resting, drift, spring), change[:, 0], durations], axis=1), modes
-
-
-def mean(orbit: Motion, observable: str, *, absolute: bool = False) -> float:
-    """Mean of an observable over a motion without impulses; ``absolute``: of its magnitude (one sign in each mode)."""
-    integrals, modes = arc_integrals(orbit)
-    parts = np.einsum("ki,ki->k", orbit.automaton.observables[observable][modes], integrals)
-    return float(np.sum(np.abs(parts) if absolute else parts) / orbit.end_time)
 
 
 def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:

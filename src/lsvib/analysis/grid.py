@@ -63,15 +63,22 @@ class Grid(NamedTuple):
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
-        """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it."""
-        items = []
-        for key, value in values.items():
-            if isinstance(value, Mapping):
-                if set(value) != {"start", "stop", "count"}:
-                    raise InputError(f"axis {key} has the keys {', '.join(value)}; it needs start, stop and count.")
-                value = f"{value['start']}:{value['stop']}:{value['count']}"
-            items.append(f"{key}={value}")
-        return cls.parse(items)
+        """Make a grid from ``{coordinate: {start, stop, count}}`` twice and ``{coordinate: value}``, as YAML has it.
+
+        Of the two axes, the one that comes first in a state is horizontal, whichever is written first. Raises
+        ``InputError``.
+        """
+        for name in values:
+            if name not in COORDINATES:
+                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(COORDINATES)}.")
+        spans = [name for name in COORDINATES if isinstance(values.get(name), Mapping)]
+        if len(spans) != 2:
+            raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
+        for name in spans:
+            if set(values[name]) != {"start", "stop", "count"}:
+                raise InputError(f"axis {name} has the keys {', '.join(values[name])}; it needs start, stop and count.")
+        x, y = (Axis.checked(name, **values[name]) for name in spans)
+        return cls(x, y, {name: value for name, value in values.items() if name not in spans})
 
     @classmethod
     def parse(cls, items: Sequence[str]) -> Self:

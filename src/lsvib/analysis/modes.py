@@ -47,22 +47,6 @@ def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
     return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
 
 
-def growth_rate(model: LinearModel) -> NDArray[np.float64]:
-    """Largest real part [1/s] of the eigenvalues; positive where steady sliding is unstable."""
-    return eigenvalues(model)[..., -1].real
-
-
-def damped_class(model: LinearModel) -> NDArray[np.int8]:
-    """Class (:class:`Mode`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
-
-    The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
-    """
-    fastest = eigenvalues(model)[..., -1]
-    kinds = [Mode.KINEMATIC, Mode.STABLE, Mode.DIVERGENCE]
-    negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
-    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, Mode.FLUTTER).astype(np.int8)
-
-
 def routh_hurwitz(polynomial: tuple) -> bool:
     """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; with decimals the answer is certain."""
     p_4, p_3, p_2, p_1, p_0 = polynomial

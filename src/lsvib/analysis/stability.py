@@ -23,8 +23,8 @@ class Stability(IntEnum):
 def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.complex128]:
     """Eigenvalues of Γ_0 ü + C_0 u̇ + k u = 0 at the origin (8.18), to full precision also where they nearly coincide.
 
-    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k ≥ 0 [N m/rad]; Γ_0
-    and C_0 of any sign; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of
+    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k [N m/rad]; of any
+    sign; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of
     two, in ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the
     other one from the product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no
     second eigenvalue.
@@ -50,7 +50,7 @@ def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) ->
 def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.int8]:
     """Class of the steady sliding (:class:`Stability`) by its eigenvalues (8.18); arguments as :func:`eigenvalues`.
 
-    A pair that coincides counts as a node, Γ_0 = 0 as degenerate.
+    k > 0. A pair that coincides counts as a node, Γ_0 = 0 as degenerate.
     """
     pair = eigenvalues(inertia, damping, stiffness)
     low, high = pair[..., 0], pair[..., 1]
@@ -74,14 +74,6 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
         ],
         Stability.SADDLE,
     ).astype(np.int8)
-
-
-def flag_attributes() -> dict[str, object]:
-    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of a variable that holds :class:`Stability`."""
-    return {
-        "flag_values": np.array([flag.value for flag in Stability], dtype=np.int8),
-        "flag_meanings": " ".join(flag.name.lower() for flag in Stability),
-    }
 
 
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:

@@ -34,7 +34,10 @@ def _require_negative_damping(drive: LeadScrew) -> None:
 
 
 def onset_force(drive: LeadScrew) -> float:
-    """Axial force R [N] at which N_0 = 0 and steady sliding loses stability, R = r_m tan λ c_x Ω (eqs 8.15, 8.19)."""
+    """Axial force R [N] at which N_0 = 0 and steady sliding loses stability, R = r_m tan λ c_x Ω (eqs 8.15, 8.19).
+
+    Raises ``NoThreshold`` in the Painlevé region and where the effective damping of law + is not negative.
+    """
     _require_negative_damping(drive)
     d = drive.exact()
     return float(d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed)

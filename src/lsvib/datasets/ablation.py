@@ -14,10 +14,10 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.trajectory import simulate
 from lsvib.models.model import find_model
 
-_SOURCE = "issue: nothing a scene does not need"
+_SOURCE = "docs/stability.md"
 _ROUNDING = 1e-12
 _MODELS = ("pared", "general")
-_MODULES = {  # what a rule of the workflow imports
+MODULES = {  # what a rule of the workflow imports
     "figure": "lsvib.figures.fig8_08",
     "eigenvalues": "lsvib.datasets.fig8_08",
     "motion": "lsvib.datasets.fig8_09",
@@ -60,7 +60,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "scene": _words("scene", "scene", list(scenes)),
             "model": _words("model", "extent of the model", _MODELS),
             "outputs": _words("outputs", "outputs of the dataset", ("needed", "all")),
-            "rule": _words("rule", "kind of a rule of the workflow", list(_MODULES)),
+            "rule": _words("rule", "kind of a rule of the workflow", list(MODULES)),
             "package": _words("package", "package", _PACKAGES),
             "compiled": _words("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
         },
@@ -69,7 +69,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "source": "lsvib, its own models and general ones of the same motion",
             "references": "docs/stability.md",
             "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
-            "modules": "; ".join(f"{rule}: {module}" for rule, module in _MODULES.items()),
+            "modules": "; ".join(f"{rule}: {module}" for rule, module in MODULES.items()),
             "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
         },
     )
@@ -80,7 +80,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     speed_up = (dataset.run_time[:, 1] / dataset.run_time[:, 0]).values
     built = (dataset.build_time[:, 1] / dataset.build_time[:, 0]).values
     loads = dataset.loads.astype(bool).values
-    rule = {name: k for k, name in enumerate(_MODULES)}
+    rule = {name: k for k, name in enumerate(MODULES)}
     column = {name: k for k, name in enumerate(_PACKAGES)}
     return [
         Check.holds(
@@ -99,7 +99,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "Eigenvalue rules import no numba, rules of motion no matplotlib, figures no engine",
             _SOURCE,
-            ", ".join(f"{name}: {int(n)} modules" for name, n in zip(_MODULES, dataset.imported.values, strict=True)),
+            ", ".join(f"{name}: {int(n)} modules" for name, n in zip(MODULES, dataset.imported.values, strict=True)),
             not (
                 loads[rule["eigenvalues"], column["numba"]]
                 or loads[rule["motion"], column["matplotlib"]]
@@ -128,7 +128,7 @@ def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
 
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
-    found = [imports(module, settings["repeats"]) for module in _MODULES.values()]
+    found = [imports(module, settings["repeats"]) for module in MODULES.values()]
     loads = np.array([[package in names for package in _PACKAGES] for _, _, names in found], np.int8)
     return {
         "imported": ("rule", [count for count, _, _ in found], {

@@ -102,7 +102,8 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
-    points = np.array([phase.sample(orbit, _CYCLE_SAMPLES)[1][:, :2] for orbit in orbits])
+    count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
+    points = np.array([phase.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         dims = ("cycle", "sample")
         data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on a limit cycle", "$u$"))

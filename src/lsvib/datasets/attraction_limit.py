@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.attraction import mapper
+from lsvib.analysis.attraction import Mapper, mapper
+from lsvib.analysis.attraction_states import StateMapper
 from lsvib.analysis.cycles import Attractor
-from lsvib.analysis.grid import Axis, Grid
+from lsvib.analysis.grid import Grid
 from lsvib.analysis.limit_process import fitted_order
 from lsvib.datasets import phase
 from lsvib.datasets.attraction import axis_coordinate
 from lsvib.datasets.checks import Check
 from lsvib.datasets.phase import attributes
+from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
 
 _HALVINGS = 40  # of a ray, until its boundary is known to 1e-12 of its length
@@ -25,11 +27,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compare planar slices (seated contact) with the map of the rigid drive.
 
     ``settings``: ``drive``; ``grid``, the box in u and w; ``stiffnesses`` [N/m], the damping c_c being as large in
-    N s/m; ``rays``, straight lines from steady sliding on each of which the boundary is found by bisection. Raises
-    ``InputError``.
+    N s/m; ``rays``, straight lines from steady sliding to an ellipse within the box, on each of which the boundary is
+    found by bisection. Raises ``InputError``, also if a ray ends within the basin.
     """
     drive, grid = LeadScrew.of(settings["drive"]), Grid.of(settings["grid"])
-    grid = grid if grid.x.coordinate == "u" else Grid(grid.y, grid.x)
     stiffness = np.array(settings["stiffnesses"], dtype=float)
     rigid = mapper(drive)
     label = rigid.cells(grid, quantities=("label",))["label"]
@@ -37,14 +38,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ends = np.array(
         [0.5 * (grid.x.stop - grid.x.start) * np.cos(angle), 0.5 * (grid.y.stop - grid.y.start) * np.sin(angle)]
     )
-    radius = np.array([_boundary(rigid, grid, end) for end in ends.T])
+    radius = _boundary(rigid, ends)
     labels, displacement = [], []
     for k in stiffness:
         compliant = mapper(
             ThreadsDrive.of({**dict(drive), "contact_stiffness": k, "contact_damping": _TIME * k}), "threads"
         )
         labels.append(compliant.cells(grid, quantities=("label",))["label"])
-        displacement.append(np.array([_boundary(compliant, grid, end) for end in ends.T]) / radius - 1)
+        displacement.append(_boundary(compliant, ends) / radius - 1)
     displacement = np.array(displacement)
     typical = np.sqrt(np.mean(displacement**2, axis=1))
     order, error = fitted_order(stiffness, np.where(typical < _SMALL, typical, np.nan))
@@ -94,14 +95,21 @@ def _plane(grid: Grid) -> dict[str, tuple]:
     return {"angle_deviation": axis_coordinate(grid.x), "velocity_deviation": axis_coordinate(grid.y)}
 
 
-def _boundary(mapped, grid: Grid, end: np.ndarray) -> float:
-    """Part of a ray from steady sliding to ``end`` (u, w) at which the label changes, by bisection."""
-    low, high = 0.0, 1.0
+def _boundary(mapped: Mapper | StateMapper, ends: np.ndarray) -> np.ndarray:
+    """Parts (n) of rays from steady sliding to ``ends`` (u and w, n) at which the label changes, by bisection."""
+
+    def inside(part: np.ndarray) -> np.ndarray:
+        return mapped.labels_of(*(part * ends)) == Attractor.STEADY_SLIDING
+
+    low, high = np.zeros(ends.shape[1]), np.ones(ends.shape[1])
+    beyond = int(inside(high).sum())
+    if beyond:
+        raise InputError(
+            f"grid: {beyond} of {high.size} rays end within the basin of steady sliding, whose boundary they are to "
+            "cross; widen u or w."
+        )
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        point = [Axis(key, x - 1e-9 * abs(x), x + 1e-9 * abs(x), 1) for key, x in zip("uw", middle * end, strict=True)]
-        inside = (
-            mapped.cells(Grid(*point, grid.fixed), quantities=("label",))["label"][0, 0] == Attractor.STEADY_SLIDING
-        )
-        low, high = (middle, high) if inside else (low, middle)
+        attracted = inside(middle)
+        low, high = np.where(attracted, middle, low), np.where(attracted, high, middle)
     return 0.5 * (low + high)

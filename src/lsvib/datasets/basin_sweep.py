@@ -39,6 +39,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         values, basins = _swept(drive, name, phase.span(settings[name]))
         coordinates[name] = (name, values, phase.parameter(name))
         variables |= _along(name, basins, window)
+        if name == "axial_force":
+            areas = [b.area() for b in basins]
+            words = "area of the basin, infinite where it has no bound"
+            variables["basin_area_axial_force"] = (name, areas, attributes("rad2 s-1", words))
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
     variables["global_stability_force"] = (
@@ -71,7 +75,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     beyond = force < threshold
     touching = dataset.boundary_axial_force.values == Boundary.TOUCHING_MOTION
     scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
-    spread = float(np.ptp(scaled) / scaled.max())
+    spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
     order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
@@ -144,17 +148,12 @@ def _swept(drive: LeadScrew, name: str, values: np.ndarray) -> tuple[np.ndarray,
 
 
 def _along(name: str, basins: Sequence[Basin], window: Window) -> phase.Variables:
-    """Fraction of the window, area and kind of boundary along a sweep."""
+    """Fraction of the window and kind of boundary along a sweep."""
     return {
         f"fraction_{name}": (
             name,
             [b.fraction(window) for b in basins],
             attributes("1", "fraction of the window that steady sliding attracts, exact"),
-        ),
-        f"basin_area_{name}": (
-            name,
-            [b.area() for b in basins],
-            attributes("rad2 s-1", "area of the basin, infinite where it has no bound"),
         ),
         f"boundary_{name}": (
             name,
@@ -173,7 +172,8 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
     regions = [sampled(b.flow, b.clipped(w), _ARC) for b, w in zip(basins, windows, strict=True)]
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
-    parameters = {f"case_{name}": ("case", [getattr(d, name) for d in drives], phase.parameter(name)) for name in SWEPT}
+    named = ("axial_force", "support_damping")
+    parameters = {f"case_{name}": ("case", [getattr(d, name) for d in drives], phase.parameter(name)) for name in named}
     return {
         **parameters,
         **phase.lines(drives),

@@ -7,7 +7,8 @@ import numpy as np
 
 from lsvib.analysis.cycles import SteadyState, steady_state
 from lsvib.datasets import phase
-from lsvib.datasets.phase import ASSUMED, Variables, attributes
+from lsvib.datasets.phase import Variables
+from lsvib.datasets.variables import ASSUMED, attributes
 from lsvib.models.automaton import Automaton
 from lsvib.models.parameters import ThreadsDrive
 from lsvib.models.threads import seated_state, threads_drive

@@ -14,14 +14,14 @@ import xarray as xr
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Arc, Flow, Outcome, Paradox
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import flags
+from lsvib.datasets.variables import ASSUMED, attributes, flags
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import ThreadsDrive
 
 _LAWS = (1, -1)
-_ASSUMED = "assumed: not stated in the text"
 _UNIT = "kg-1 m-2"
+_ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
 _VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
 _SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
 
@@ -69,41 +69,42 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
             "eigenvalue_real": (
                 ("case", "law", "eigenvalue"),
                 eigenvalues.real,
-                _attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
+                attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
             ),
             "eigenvalue_imaginary": (
                 ("case", "law", "eigenvalue"),
                 eigenvalues.imag,
-                _attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
+                attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
             ),
         }
+        | _by_newton(drives)
         | (_manifolds(cases, settings["samples"], limit, scale) if paradox is Paradox.INDETERMINATE else {}),
         coords={
             "force": ("force", force, _force("contact force of the grid")),
             "rate": ("rate", rate, _rate("rate of the grid")),
-            "law": ("law", np.array(_LAWS), _attributes("1", "friction law", "$s$")),
+            "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
             "law_side": (
                 "law",
                 [flow.side for flow in cases[0].values()],
-                _attributes("1", "sign where the law holds"),
+                attributes("1", "sign where the law holds"),
             ),
             "effective_inertia": (
                 "law",
                 [float(c.gamma[law]) for law in _LAWS],
-                _attributes("kg m2", "effective inertia", r"$\Gamma_s$"),
+                attributes("kg m2", "effective inertia", r"$\Gamma_s$"),
             ),
             "contact_damping": (
                 "case",
                 [drive.contact_damping for drive in drives],
-                _attributes("N s m-1", "damping of the thread contact", "$c_c$", comment=_ASSUMED),
+                attributes("N s m-1", "damping of the thread contact", "$c_c$", comment=ASSUMED),
             ),
             "damping_ratio": (
                 "case",
                 [flows[-1].damping for flows in cases],
-                _attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
+                attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
             ),
-            "force_scale": ((), scale, _attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
-            "mass": ((), base.mass, _attributes("kg", "translating mass", "$m$", comment=_ASSUMED)),
+            "force_scale": ((), scale, attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
+            "mass": ((), base.mass, attributes("kg", "translating mass", "$m$", comment=ASSUMED)),
         },
     )
 
@@ -206,20 +207,61 @@ def _unscaled(force: float, scale: float, side: int) -> float:
     return float(force) / (scale if force * side > 0 else 1.0)
 
 
+def _by_newton(drives: Sequence[ThreadsDrive]) -> dict[str, tuple]:
+    """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
+
+    I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;
+    with constant T and P then N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units of law − without contact damping.
+    """
+    base = drives[0]
+    r, tan, cos, sin = base.pitch_radius, *(f(base.lead_angle) for f in (math.tan, math.cos, math.sin))
+    push, torque = 1.0, -0.01  # P [N] and T [N m]; χ does not depend on them
+    drift = base.screw_inertia * push - base.mass * r * tan * torque  # W
+
+    def slip(force: float, law: int) -> float:
+        """Return e″ [m/s²]."""
+        friction = law * base.friction_coefficient
+        turning = (torque - r * force * (friction * cos - sin)) / base.screw_inertia
+        return (push - force * (cos + friction * sin)) / base.mass - r * tan * turning
+
+    offset = {law: slip(0.0, law) for law in _LAWS}
+    slope = {law: slip(1.0, law) - offset[law] for law in _LAWS}
+    lever = {law: cos + law * base.friction_coefficient * sin for law in _LAWS}
+    unit = math.sqrt(-base.contact_stiffness * cos * slope[-1])  # 1/s
+    jacobian = np.array(
+        [
+            [
+                (d.contact_damping * cos * slope[law] / unit, -d.contact_stiffness * cos * slope[law] / unit**2)
+                for law in _LAWS
+            ]
+            for d in drives
+        ]
+    )
+    return {
+        "equilibrium_by_newton": (
+            "law",
+            [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS],
+            _force("zero of N'' by the equations of motion"),
+        ),
+        "jacobian_trace": (("case", "law"), jacobian[..., 0], attributes("1", "trace of the Jacobian of N''")),
+        "jacobian_determinant": (
+            ("case", "law"),
+            jacobian[..., 1],
+            attributes("1", "determinant of the Jacobian of N''"),
+        ),
+    }
+
+
 def _outcomes(long_name: str) -> dict[str, Any]:
-    return _attributes("1", long_name, **flags(Outcome))
+    return attributes("1", long_name, **flags(Outcome))
 
 
 def _force(long_name: str) -> dict[str, Any]:
-    return _attributes(_UNIT, long_name, r"$\chi$")
+    return attributes(_UNIT, long_name, r"$\chi$")
 
 
 def _rate(long_name: str) -> dict[str, Any]:
-    return _attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
-
-
-def _attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
-    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
+    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
 
 
 def energy_check(dataset: xr.Dataset) -> Check:
@@ -231,3 +273,31 @@ def energy_check(dataset: xr.Dataset) -> Check:
         f"largest spread {spread:.1e} of the larger of potential and kinetic part",
         spread < 1e-12,
     )
+
+
+def newton_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
+    gap = float(np.abs(dataset.equilibrium / dataset.equilibrium_by_newton - 1).max())
+    first, second = (
+        dataset.eigenvalue_real.isel(eigenvalue=k) + 1j * dataset.eigenvalue_imaginary.isel(eigenvalue=k)
+        for k in (0, 1)
+    )
+    off = [
+        np.abs(first + second - dataset.jacobian_trace) / np.abs(first),
+        np.abs(first * second / dataset.jacobian_determinant - 1),
+    ]
+    return [
+        Check.holds(
+            "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.11",
+            f"largest relative difference {gap:.1e}",
+            gap <= _ROUNDING,
+        ),
+        Check.holds(
+            "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.12",
+            f"their sum differs from its trace by {float(off[0].max()):.1e} of them, their product from its "
+            f"determinant by {float(off[1].max()):.1e}",
+            all(float(x.max()) <= _ROUNDING for x in off),
+        ),
+    ]

@@ -38,24 +38,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     unbounded = dataset.start_outcome.values == Outcome.MINUS_INFINITY
     leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.force.min())
     return [
-        Check.within(
-            "Equilibrium of law +, 1/Γ₊",
-            "Sect. 8.2, eq. 8.11",
-            1 / float(inertia.sel(law=1)),
-            float(dataset.equilibrium.sel(law=1)),
-            1e-12,
-            "kg-1 m-2",
-            "both exact; rounding only",
-        ),
-        Check.within(
-            "Equilibrium of law −, 1/Γ₋",
-            "Sect. 8.2, eq. 8.11",
-            1 / float(inertia.sel(law=-1)),
-            float(dataset.equilibrium.sel(law=-1)),
-            1e-12,
-            "kg-1 m-2",
-            "both exact; rounding only",
-        ),
+        *contact.newton_checks(dataset),
         Check.holds(
             "Each equilibrium lies on the side on which its law holds: there are two solutions",
             "Sect. 8.1, Fig. 8.1",

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.stability import Stability, eigenvalues, flag_attributes, stability_class
+from lsvib.analysis.stability import Stability, eigenvalues, stability_class
 from lsvib.datasets.checks import Check
+from lsvib.datasets.variables import flags
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 
@@ -33,7 +34,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "stability": (
                 ("inertia", "damping"),
                 kinds,
-                {"units": "1", "long_name": "class of the steady sliding", **flag_attributes()},
+                {"units": "1", "long_name": "class of the steady sliding", **flags(Stability)},
             ),
             "node_focus_damping": (
                 "positive_inertia",

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.analysis import chapter
 from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
+from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
 from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
@@ -51,6 +53,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
             "damping": ("damping", dampings, attributes("N m s rad-1", "support damping", "$c$")),
             "critical_mass": ((), critical, attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+            "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs={
             "title": "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
@@ -70,7 +73,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     losses = dataset.loss_of_stability.values
     worst = float(losses[np.argmax(np.abs(losses - critical))])
     return [
-        Check.within("Critical mass, root of Γ₊(m) = 0", "Sect. 8.6.1", 10.10, critical, 0.02, "kg"),
+        printed.check("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
         Check.within(
             f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
             "eqs 8.18, 8.20",

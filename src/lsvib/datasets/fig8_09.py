@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.conditions import critical_mass
-from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
-from lsvib.analysis.impact import seizure_impulses, seizure_speeds
+from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.impact import seizure_speeds
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
@@ -92,18 +92,13 @@ def _sensitivity(drive: LeadScrew, forces: np.ndarray, start: Mapping[str, float
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
         steady = steady_state(rigid_drive(pushed), [start["u"], start["w"]])
-        row = [steady.label, steady.amplitude, np.nan, np.nan, np.nan]
+        speeds = np.empty(0)
         if steady.orbit is not None:
             speeds = np.abs(seizure_speeds(pushed, steady.orbit))
-            largest = speeds.max() if speeds.size else np.nan
-            low, high = orbit_extremes(steady.orbit, steady.orbit.automaton.observables["normal_force"])
-            row[2:] = largest, max(-low, high), float(seizure_impulses(pushed, largest).normal)
-        rows.append(row)
-    label, amplitude, speed, peak, impulse = np.array(rows, dtype=float).T
+        rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
+    label, amplitude, speed = np.array(rows, dtype=float).T
     return {
         "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor in case (b)", Attractor)),
         "force_amplitude": ("force", amplitude, phase.attributes("rad", "amplitude in case (b)")),
         "impact_speed": ("force", speed, phase.attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
-        "peak_normal_force": ("force", peak, phase.attributes("N", "largest finite normal force", "$|N|$")),
-        "normal_impulse": ("force", impulse, phase.attributes("N s", "normal impulse of a seizure")),
     }

@@ -55,7 +55,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 np.array([METHODS[name].rule for name in cells], np.int8),
                 attributes("1", "when a motion need not be followed further", **flags(Rule)),
             ),
-            "boundary_length": ("box", lengths, attributes("1", "length of the boundary in widths of the box")),
             "window": (
                 ("box", "edge"),
                 [[*box.window] for box in boxes],

@@ -9,14 +9,10 @@ from collections.abc import Sequence
 import xarray as xr
 
 from lsvib.analysis import chapter, thresholds
-from lsvib.datasets import phase
+from lsvib.datasets import phase, printed
 from lsvib.datasets.checks import Check
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
-
-# Sect. 8.5.1 prints two digits: (law, value, unit of the last digit).
-_PRINTED_DAMPING = {-1: (1.0e-3, 1e-4), 1: (-1.1e-4, 1e-5)}  # C∓ [N m s/rad]
-_PRINTED_INERTIA = {-1: (9.9e-6, 1e-7), 1: (6.5e-7, 1e-8)}  # Γ∓ [kg m²]
 
 
 def variables(drives: Sequence[LeadScrew]) -> phase.Variables:
@@ -49,44 +45,23 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     stated = float(dataset.mass)
     printed_for = float(dataset.reading.values[dataset.reading.values != stated][0])
     ours, theirs = dataset.sel(reading=stated), dataset.sel(reading=printed_for)
-    reason = "printed with two digits: half a unit of the last one"
     for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
-        value, digit = _PRINTED_DAMPING[law]
-        tolerance = 0.5 * digit / abs(value)
-        result.append(
-            Check.within(
-                f"Effective damping C{symbol}, of any mass",
-                "Sect. 8.5.1",
-                value,
-                float(ours[f"damping_{sign}"]),
-                tolerance,
-                "N m s/rad",
-                reason,
-            )
-        )
+        words = f"Effective damping C{symbol}, of any mass"
+        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"damping_{sign}"]))
     for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
-        value, digit = _PRINTED_INERTIA[law]
-        mine = float(ours[f"inertia_{sign}"])
-        result.append(
-            Check.within(
-                f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
-                f"(with the stated m = {stated:g} kg it is {mine:.3g} kg m2)",
-                "Sect. 8.5.1",
-                value,
-                float(theirs[f"inertia_{sign}"]),
-                0.5 * digit / value,
-                "kg m2",
-                reason,
-            )
+        words = (
+            f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
+            f"(with the stated m = {stated:g} kg it is {float(ours[f'inertia_{sign}']):.3g} kg m2)"
         )
+        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"inertia_{sign}"]))
     stick = float(theirs.stick_force_of_reading), float(theirs.detach_force_of_reading)
-    printed = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
+    expected = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
     result.append(
         Check.holds(
             f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)",
             "Sect. 8.5.1, Fig. 8.6",
             f"m = {printed_for:g} kg gives {stick[0]:.2f} N and {stick[1]:.2f} N",
-            all(abs(s / p - 1) > 0.02 for s, p in zip(stick, printed, strict=True)),
+            all(abs(s / p - 1) > 0.02 for s, p in zip(stick, expected, strict=True)),
         )
     )
     return result

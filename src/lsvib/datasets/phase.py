@@ -12,7 +12,7 @@ from typing import Any, get_args
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets.variables import attributes, flags, quantity
+from lsvib.datasets.variables import ASSUMED, attributes, flags, quantity
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import Motion, follow
@@ -20,7 +20,6 @@ from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, Resume, rigid_drive
 
 RULES = get_args(Resume)  # the first is the limit of a compliant contact, the second the chapter's reading
-ASSUMED = "assumed: not stated in the text"
 _GREEK = ("Omega", "lambda", "mu")
 _ARC = 17  # samples of an arc between two events, if there is room
 
@@ -125,15 +124,13 @@ def _events(followed: Sequence[Sequence[Motion]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
     dims = ("case", "start", "event")
     size = (len(followed), len(followed[0]), max(1, max(m.time.size for row in followed for m in row)))
-    numbers = {name: np.full(size, np.nan) for name in ("time", "angle", "velocity_before", "velocity_after")}
+    numbers = {name: np.full(size, np.nan) for name in ("time", "angle", "velocity_before")}
     kind, sign = np.full(size, -1, dtype=np.int8), np.zeros(size, dtype=np.int8)
     for i, row in enumerate(followed):
         for j, motion in enumerate(row):
             here = (i, j, slice(motion.time.size))
             kind[here], sign[here] = motion.kind, motion.sign
-            for name, values in zip(
-                numbers, (motion.time, motion.before[:, 0], motion.before[:, 1], motion.after[:, 1]), strict=True
-            ):
+            for name, values in zip(numbers, (motion.time, *motion.before.T), strict=True):
                 numbers[name][here] = values
     kinds = flags(EventKind)
     kinds = {
@@ -150,11 +147,6 @@ def _events(followed: Sequence[Sequence[Motion]]) -> Variables:
             dims,
             numbers["velocity_before"],
             attributes("rad s-1", "rate of the deviation before the event", r"$\dot u$"),
-        ),
-        "event_velocity_after": (
-            dims,
-            numbers["velocity_after"],
-            attributes("rad s-1", "rate of the deviation after the event", r"$\dot u$"),
         ),
     }
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.attraction import Mapper, mapper
-from lsvib.analysis.grid import COORDINATES, Axis, Grid
+from lsvib.analysis.grid import COORDINATES, Grid
 from lsvib.datasets.assembly import Window, gather, write_tile
 from lsvib.datasets.attraction import axis_coordinate, global_attributes, surroundings, variable_attributes
 from lsvib.errors import InputError
@@ -37,24 +37,6 @@ def window(item: str, rows: int, columns: int) -> Window:
     return Window(i * rows // down, (i + 1) * rows // down, j * columns // across, (j + 1) * columns // across)
 
 
-def grid_of(settings: Mapping[str, Any]) -> Grid:
-    """Return the grid of a map from its settings.
-
-    ``settings["grid"]`` has ``start``, ``stop``, ``count`` for each of the two coordinates that span the map, and a
-    number for every other. Of the two, the one that comes first in a state is horizontal, whichever is written first.
-    Raises ``InputError``.
-    """
-    given = settings["grid"]
-    for name in given:
-        if name not in COORDINATES:
-            raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(COORDINATES)}.")
-    spans = [name for name in COORDINATES if isinstance(given.get(name), Mapping)]
-    if len(spans) != 2:
-        raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
-    x, y = (Axis.checked(name, given[name]["start"], given[name]["stop"], given[name]["count"]) for name in spans)
-    return Grid(x, y, {name: value for name, value in given.items() if name not in spans})
-
-
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
     """Return the mapper of a map from its settings: ``model``, ``drive`` (changes of Table 8.1) and ``resume``.
 
@@ -68,10 +50,10 @@ def mapper_of(settings: Mapping[str, Any]) -> Mapper:
 def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], threads: int = 1) -> None:
     """Map one tile and write it.
 
-    ``settings`` as in :func:`grid_of` and :func:`mapper_of`, and ``quantities`` of each cell; ``item``: "3-of-6".
-    Raises ``InputError`` and ``EngineError``.
+    ``settings``: ``grid`` as in :meth:`Grid.of`, those of :func:`mapper_of`, and ``quantities`` of each cell; ``item``:
+    "3-of-6". Raises ``InputError`` and ``EngineError``.
     """
-    grid, mapped = grid_of(settings), mapper_of(settings)
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     place = window(item, grid.y.count, grid.x.count)
     cells = mapped.cells(grid, place.rows, place.columns, settings["quantities"], threads)
     if "time" in cells:
@@ -93,7 +75,7 @@ def gather_map(
     ``settings`` as in :func:`map_tile`; ``progress`` is told how many of how many tiles are in. Raises ``InputError``
     if a tile is missing, damaged or of another map.
     """
-    grid, mapped = grid_of(settings), mapper_of(settings)
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
     gather(_frame(mapped, grid).assign(surroundings(mapped, grid)), settings, places, path, progress)
 

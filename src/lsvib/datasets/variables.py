@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+ASSUMED = "assumed: not stated in the text"
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),

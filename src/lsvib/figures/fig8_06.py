@@ -32,9 +32,11 @@ def draw(dataset: xr.Dataset) -> Figure:
             curve = dataset.force[inside], dataset.vibration_amplitude[inside]
             axes.plot(*curve, color=colour, linewidth=2.2, label=words)
     top = 1.12 * float(dataset.vibration_amplitude.max())
+    words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
         axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
+        axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
         axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
     axes.set(
         xlabel=style.label(dataset.force),

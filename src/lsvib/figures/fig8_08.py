@@ -16,7 +16,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) real and (b) imaginary parts against the mass, and (c) the real parts close to the critical mass."""
     figure = style.new_figure(style.DOUBLE, 2.7)
     real, imaginary, close = figure.subplots(1, 3)
-    critical = float(dataset.critical_mass)
+    critical, printed = float(dataset.critical_mass), float(dataset.printed_critical_mass)
     _plot(real, dataset, dataset.mass, dataset.real_part)
     _plot(imaginary, dataset, dataset.mass, dataset.imaginary_part)
     for axes, title, variable in (
@@ -24,6 +24,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         (imaginary, "(b) imaginary parts", dataset.imaginary_part),
     ):
         axes.axvline(critical, color=style.BLACK, linewidth=0.8, linestyle=":")
+        axes.axvline(printed, **style.PRINTED)
         axes.set(
             title=title,
             xlabel=style.label(dataset.mass),
@@ -35,6 +36,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     imaginary.text(critical * 1.05, 0.9 * _LIMIT, f"$m_\\mathrm{{cr}}$ =\n{critical:.3f} kg", va="top")
     _plot(close, dataset, (dataset.mass / critical - 1) * 1e3, dataset.real_part)
     close.axvline(0, color=style.BLACK, linewidth=0.8, linestyle=":")
+    aside = (printed / critical - 1) * 1e3
+    close.axvline(aside, **style.PRINTED)
+    close.text(aside - 0.2, 0.97, f"{printed:.2f} kg,\nprinted", ha="right", va="top", clip_on=True,
+               transform=close.get_xaxis_transform())  # fmt: skip
     close.set_yscale("symlog", linthresh=_LINEAR)
     close.set(
         title="(c) real parts near $m_\\mathrm{cr}$",

@@ -83,12 +83,12 @@ def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
         vmax=largest,
         shading="nearest",
     )
-    axes.plot(dataset.boundary_damping, stiffness, color=style.BLACK, label="max z = 0")
+    axes.plot(dataset.boundary_damping, stiffness, color=style.BLACK)
     axes.set(xscale="log", yscale="log", title="(c) largest deflection; on the line 0")
     axes.set(xlabel=style.label(dataset.damping), ylabel=style.label(dataset.stiffness))
     inside = (dataset.contact_damping >= damping[0]) & (dataset.contact_stiffness >= stiffness[0])
-    for k, colour in zip(np.flatnonzero(inside), _COLOURS, strict=False):
-        axes.plot(dataset.contact_damping[k], dataset.contact_stiffness[k], "o", color=colour,
+    for k in np.flatnonzero(inside.values)[: len(_COLOURS)]:
+        axes.plot(dataset.contact_damping[k], dataset.contact_stiffness[k], "o", color=_COLOURS[k],
                   markeredgecolor=style.BLACK, clip_on=False, zorder=4)  # fmt: skip
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label("Largest $z$ [rad]")

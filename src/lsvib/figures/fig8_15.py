@@ -44,6 +44,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     critical = float(dataset.critical_friction)
     words = rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}"
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=words)
+    printed = float(dataset.printed_critical_friction)
+    axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     axes.set(
         xlabel=style.label(friction),
         ylabel=style.label(stiffness),

@@ -85,7 +85,7 @@ def _orders(axes: Axes, viscous: xr.Dataset) -> None:
         if "rule" in order.dims:
             order, error = order.isel(rule=0), error.isel(rule=0)
         axes.errorbar(branch, order, error, color=colour, fmt=symbol, markersize=2.5, linewidth=0.6)
-    axes.set(title="(c) viscous limit: orders", xlabel="Branch", ylabel="Order in $1/k_c$", ylim=(0.8, 1.0))
+    axes.set(title="(c) viscous limit: orders", xlabel="Branch", ylabel="Order in $1/k_c$")
 
 
 def _others(axes: Axes, families: dict[str, xr.Dataset]) -> None:

@@ -16,9 +16,14 @@ _PARTS = {  # verdict: colour, hatch, words
     "gave up": ("white", "//////", "gave up"),
 }
 _WRONG = ("other events", "other motion")
-_ENGINE = {"passed": "right", "inaccurate": "inaccurate", "wrong": "other motion"}
+_ENGINE = {  # its verdicts as those of the others; the rest is asked of nobody
+    "passed": "right",
+    "refused": "gave up",
+    "inaccurate": "inaccurate",
+    "wrong": "other motion",
+    "unbalanced": "other motion",
+}
 _HEIGHT, _WIDTH = 0.42, 0.9
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @style.styled
@@ -54,13 +59,16 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _engine(dataset: xr.Dataset, words: list[str]) -> np.ndarray:
-    """Count the verdicts on the engine (family and shared, outcome); what nobody is asked is left out."""
-    known = style.flag_names(dataset.engine_verdict)
-    verdict = np.array([words.index(_ENGINE.get(known[int(v)], "gave up")) for v in dataset.engine_verdict.values])
-    asked = np.isin(dataset.engine_verdict.values, [v for v, word in known.items() if word in _ENGINE])
+    """Count the verdicts on the engine (family and shared, outcome).
+
+    Cases at a corner, and those that digits beyond the input decide, have no one true motion: they are left out for
+    all methods.
+    """
+    known = [style.flag_names(dataset.engine_verdict)[int(v)] for v in dataset.engine_verdict.values]
+    verdict = np.array([words.index(_ENGINE[word]) if word in _ENGINE else -1 for word in known])
     groups = [dataset.case_family.values == family for family in dataset.family.values]
     groups.append(dataset.shared.values == 1)
-    return np.array([[(verdict[g & asked] == k).sum() for k in range(len(words))] for g in groups])
+    return np.array([[(verdict[g] == k).sum() for k in range(len(words))] for g in groups])
 
 
 def _others(dataset: xr.Dataset) -> np.ndarray:
@@ -72,7 +80,7 @@ def _others(dataset: xr.Dataset) -> np.ndarray:
 def _label(text: str) -> str:
     """A tolerance for the eye: "RK45, 1e-06" becomes "RK45, 10⁻⁶"."""
     name, _, tolerance = text.rpartition(", ")
-    return f"{name}, 10{str(int(tolerance.partition('e')[2])).translate(_SUPERSCRIPTS)}"
+    return f"{name}, 10{str(int(tolerance.partition('e')[2])).translate(style.SUPERSCRIPTS)}"
 
 
 def _bar(axes: Axes, row: int, column: int, count: dict[str, int]) -> None:

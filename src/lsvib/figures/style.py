@@ -26,6 +26,8 @@ PURPLE = "#CC79A7"
 WINE = "#882255"  # Tol (2021), "Colour schemes", muted
 GREY = "#8C8C8C"
 
+PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a value that the chapter prints
+
 SINGLE = 3.5  # width of one journal column [inch]
 DOUBLE = 7.2  # width of two columns [inch]
 
@@ -51,7 +53,7 @@ _STYLE = {
     "savefig.dpi": 300,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
@@ -83,7 +85,7 @@ def unit(units: str) -> str:
     """Return a unit for the eye: ``"N m s rad-1"`` becomes ``"[N m s rad⁻¹]"``, ``"1"`` becomes empty."""
     if units == "1":
         return ""
-    return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(_SUPERSCRIPTS), units) + "]"
+    return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(SUPERSCRIPTS), units) + "]"
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:

@@ -13,6 +13,7 @@ from lsvib.accuracy.hybrid import Clock, Hybrid, fields
 from lsvib.accuracy.result import Run
 from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.loop import apply_reset, choose_branch, put_on_surface
+from lsvib.errors import InputError
 from lsvib.models.motion import enter
 
 _DONE, _FULL, _LOST = 0, 1, 2
@@ -43,7 +44,10 @@ def prepare(
     scene, automaton = hybrid.scene, hybrid.automaton
     table = fields(automaton)
     if scene.duration / setting > _MOST_STEPS:
-        raise ValueError(f"a step of {setting:g} s makes more than {_MOST_STEPS:g} steps of this scene")
+        raise InputError(
+            f"a time step of {setting:g} s is outside the allowed range >= {scene.duration / _MOST_STEPS:.3g} s of a "
+            f"scene of {scene.duration:g} s."
+        )
 
     def run() -> _Stepped:
         mode, state = enter(automaton, scene.state)

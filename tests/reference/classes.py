@@ -1,0 +1,22 @@
+"""Stability of damped models with two coordinates by LAPACK's eigenvalues, against which conditions are held."""
+
+import numpy as np
+
+from lsvib.analysis.modes import Mode, eigenvalues
+from lsvib.models.linear import LinearModel
+
+
+def growth_rate(model: LinearModel) -> np.ndarray:
+    """Largest real part [1/s] of the eigenvalues; positive where steady sliding is unstable."""
+    return eigenvalues(model)[..., -1].real
+
+
+def damped_class(model: LinearModel) -> np.ndarray:
+    """Class (:class:`Mode`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
+
+    The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
+    """
+    fastest = eigenvalues(model)[..., -1]
+    kinds = [Mode.KINEMATIC, Mode.STABLE, Mode.DIVERGENCE]
+    negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
+    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, Mode.FLUTTER)
