@@ -161,15 +161,33 @@ def test_orders_are_recovered_from_powers():
     assert math.isnan(limit_process.fitted_order(stiffness[:3], np.array([1.0, np.nan, 0.1]))[0])
 
 
-@pytest.mark.parametrize("stiffness", [1e7, 1e9, 1e11])
-def test_rebound_force_of_an_overdamped_contact(stiffness):
-    """The most negative force of a screw that stands after a forward impact, against the formula (ζ = 20)."""
-    base = LeadScrew.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
-    drive = limit_process.stiffened(base, Family.DAMPING_RATIO, stiffness, 20.0)
-    speed = 80.0
-    expected = limit_process.rebound_force(drive, speed)
-    nut = expected * drive.contact_damping**3 / (drive.mass * drive.contact_stiffness) ** 2
-    roots = np.roots([1.0, drive.contact_damping / drive.mass, drive.contact_stiffness / drive.mass]).real
-    fast, slow = sorted(roots)
-    # m e″ after the fast part has died out, from e = 0 and e′ = nut
-    assert -drive.mass * nut * slow**2 / (slow - fast) == pytest.approx(-expected, rel=5e-3)
+@pytest.mark.xfail(
+    strict=True,
+    reason="rebound_force leaves out the mismatch m (r_m tan λ θ′ − v_0) / c_c at the stop, two thirds of the force here",
+)
+@pytest.mark.parametrize(("stiffness", "axial_force"), [(1e12, 25.0), (1e13, 40.0), (1e14, 60.0)])
+def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
+    """How far N of the standing screw falls below its static value after a forward impact, against the formula (ζ = 20).
+
+    The static value is that of the balance at rest, N = R cos λ − T_r sin λ / r_m; R keeps the contact closed. What an
+    axial force gives to N is cos λ of it. 3 %: the formula leaves out that law + makes the contact stiffer than rest
+    does, by cos λ (cos λ + μ sin λ) = 1.012, and that the slow part loses 3 ln(4ζ²) / (4ζ²) = 1.4 % until the fast one,
+    4ζ² times as fast, is gone.
+    """
+    base = LeadScrew.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
+    drive, speed = limit_process.stiffened(base, Family.DAMPING_RATIO, stiffness, 20.0), 80.0
+    (impact,) = (
+        x for x in limit_process.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
+    )
+    automaton = threads_drive(drive)
+    motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
+    (stop,) = np.flatnonzero(motion.kind == ThreadsEvent.STICK)
+    assert stop == motion.kind.size - 1  # it stands until the end
+    times = motion.time[stop] + np.geomspace(1e-12, motion.end_time - motion.time[stop], 20_001)[:-1]
+    states, modes = motion.at(times)
+    force = automaton.observe("normal_force", states, modes)
+    torque = automaton.observe("coupling_torque", states, modes)
+    static = axial_force * math.cos(drive.lead_angle) - torque * math.sin(drive.lead_angle) / drive.pitch_radius
+    fall = (static - force) / math.cos(drive.lead_angle)
+    assert abs(fall[-1]) < 0.02 * fall.max() < 0.02 * axial_force
+    assert fall.max() == pytest.approx(limit_process.rebound_force(drive, speed), rel=0.03)
