@@ -163,11 +163,11 @@ def test_orders_are_recovered_from_powers():
 
 @pytest.mark.xfail(
     strict=True,
-    reason="rebound_force leaves out the mismatch m (r_m tan λ θ′ − v_0) / c_c at the stop, two thirds of the force here",
+    reason="rebound_force leaves out the mismatch at the stop, m (r_m tan λ θ′ − v_0) / c_c: two thirds of the force",
 )
 @pytest.mark.parametrize(("stiffness", "axial_force"), [(1e12, 25.0), (1e13, 40.0), (1e14, 60.0)])
 def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
-    """How far N of the standing screw falls below its static value after a forward impact, against the formula (ζ = 20).
+    """How far N of the standing screw falls below its static value after a forward impact, by the formula (ζ = 20).
 
     The static value is that of the balance at rest, N = R cos λ − T_r sin λ / r_m; R keeps the contact closed. What an
     axial force gives to N is cos λ of it. 3 %: the formula leaves out that law + makes the contact stiffer than rest

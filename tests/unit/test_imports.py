@@ -3,32 +3,44 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 import grimp
 import pytest
+import yaml
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(find_spec("lsvib").origin).parent
-ACCURACY = ["ablation", "map_precision", "rival_verdicts", "stability_sweeps"]
-DATASETS = sorted(path.stem for path in (PACKAGE / "datasets").glob("fig8_*.py")) + ACCURACY
-FIGURES = sorted(path.stem for path in (PACKAGE / "figures").glob("fig8_*.py")) + ACCURACY
+CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+FIGURES = CONFIG["figures"] + CONFIG["accuracy_figures"]
 EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
 
 
-def loaded(statement: str) -> set[str]:
+@cache
+def loaded(statement: str) -> frozenset[str]:
     """Names of all modules that a fresh Python has loaded after a statement."""
     program = f"{statement}\nimport sys\nprint(*sys.modules)"
-    return set(
+    return frozenset(
         subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
     )
 
 
-def test_every_dataset_has_a_figure():
-    assert DATASETS == FIGURES
-    assert {"fig8_03", "fig8_08"} <= set(DATASETS)
+@cache
+def import_graph() -> grimp.ImportGraph:
+    return grimp.build_graph("lsvib", cache_dir=None)
+
+
+def test_every_figure_is_configured_and_has_both_modules():
+    """What has ``build`` makes the dataset of a figure, what has ``draw`` its picture; all of it is configured."""
+    for folder, function in (("datasets", "build"), ("figures", "draw")):
+        paths = (PACKAGE / folder).glob("*.py")
+        found = {path.stem for path in paths if f"\ndef {function}(" in path.read_text(encoding="utf-8")}
+        assert found - {"attraction"} == set(FIGURES)  # the map of the target `attraction` has a section of its own
+    assert len(FIGURES) == len(set(FIGURES))
+    assert {f"fig8_{n:02}" for n in range(1, 16)} <= set(FIGURES)
 
 
 def test_the_package_itself_loads_nothing_heavy():
@@ -41,7 +53,7 @@ def test_no_engine_where_none_is_needed(module):
     assert "numba" not in loaded(f"import lsvib.{module}")
 
 
-@pytest.mark.parametrize("figure", DATASETS)
+@pytest.mark.parametrize("figure", FIGURES)
 def test_dataset_modules_load_no_matplotlib(figure):
     assert "matplotlib" not in loaded(f"import lsvib.datasets.{figure}")
 
@@ -52,11 +64,11 @@ def test_figure_modules_load_no_engine(figure):
     assert not names & {"numba", "matplotlib.pyplot", "scipy"}
 
 
-@pytest.mark.parametrize("module", [f"datasets.{n}" for n in DATASETS] + [f"figures.{n}" for n in FIGURES])
+@pytest.mark.parametrize("module", [f"{folder}.{n}" for folder in ("datasets", "figures") for n in FIGURES])
 def test_what_is_loaded_is_known_to_the_workflow(module):
     """The workflow reruns a figure when a file in its import closure changes: no module may be loaded outside of it."""
     name = f"lsvib.{module}"
-    closure = grimp.build_graph("lsvib", cache_dir=None).find_upstream_modules(name) | {name}
+    closure = import_graph().find_upstream_modules(name) | {name}
     packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
     ours = {m for m in loaded(f"import {name}") if m == "lsvib" or m.startswith("lsvib.")}
     assert ours <= closure | packages
