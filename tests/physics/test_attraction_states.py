@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reference.figures import assert_drawn_from_file, assert_each_check_fails_on_some, set_to
 
 from lsvib.analysis import attraction_states
 from lsvib.analysis.attraction import mapper
@@ -66,7 +67,7 @@ def test_a_box_within_the_basin_is_refused():
         attraction_limit.build(settings | {"grid": box})
 
 
-def test_slice_tends_to_the_rigid_map():
+def test_slice_tends_to_the_rigid_map(tmp_path):
     """First order in 1 / k_c: the contact that follows at once is left out in the limit."""
     dataset = attraction_limit.build(
         {
@@ -76,6 +77,12 @@ def test_slice_tends_to_the_rigid_map():
             "rays": 5,
         }
     )
-    assert all(check.passed for check in attraction_limit.checks(dataset))
+    spoilers = [
+        set_to("typical_displacement", 1.0, -1),
+        set_to("order", 0.5),
+        set_to("label", Attractor.UNRESOLVED, 0, 0, 0),
+    ]
+    assert_each_check_fails_on_some("attraction_limit", dataset, spoilers)
+    assert_drawn_from_file("attraction_limit", dataset, tmp_path / "a.nc")
     assert dataset.different[-1] == 0
     assert float(dataset.order) == pytest.approx(1.0, abs=0.05)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, draft, drawn_from_file, scale, set_to
+from reference.figures import dataset_of, draft, figure_tests, scale, set_to
 
 from lsvib.analysis import limit_process
 from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
@@ -46,23 +46,8 @@ SPOILERS = {
         "overdamped contact": set_to("impulse_error", 1e-3, 1, 0, -1),
     },
 }
-EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
+test_checks_pass, test_check_fails, test_is_drawn = figure_tests(SPOILERS)
 VISCOUS = ThreadsDrive.of(mass=11.0, axial_force=50.0)
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_every_check_passes_and_has_a_spoiler(figure):
-    assert_checks_pass(figure, SPOILERS[figure])
-
-
-@pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
-def test_check_fails_on_spoiled_data(figure, words):
-    assert_check_fails(figure, words, SPOILERS[figure][words])
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
-    drawn_from_file(figure, tmp_path / "a.nc")
 
 
 def test_without_a_cycle_checks_fail_and_the_rest_is_drawn(tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, draft, drawn_from_file, scale, set_to
+from reference.figures import dataset_of, draft, figure_tests, scale, set_to
 
 from lsvib.analysis.basin import Boundary
 from lsvib.analysis.cycles import Attractor, steady_state
@@ -93,27 +93,7 @@ SPOILERS = {
         "counted on grids": set_to("grid_fraction", 0.9, 0, -1),
     },
 }
-EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_every_check_passes_and_has_a_spoiler(figure):
-    assert_checks_pass(figure, SPOILERS[figure])
-
-
-@pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
-def test_check_fails_on_spoiled_data(figure, words):
-    assert_check_fails(figure, words, SPOILERS[figure][words])
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
-    drawn, _ = drawn_from_file(figure, tmp_path / "a.nc")
-    assert drawn.axes[0].lines
-    legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
-    names = [text.get_text() for legend in legends for text in legend.get_texts()]
-    assert names
-    assert len(names) == len(set(names))
+test_checks_pass, test_check_fails, test_is_drawn = figure_tests(SPOILERS)
 
 
 def test_backward_the_thresholds_have_another_order_and_the_checks_fail():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.figures import assert_check_fails, assert_checks_pass, dataset_of, drawn_from_file, scale, set_to
+from reference.figures import dataset_of, figure_tests, scale, set_to
 
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Outcome, Paradox
@@ -52,7 +52,7 @@ SPOILERS = {
         "printed quadratic equation": scale("upper_boundary", 1 + 1e-6),
     },
 }
-EACH_SPOILER = [(figure, words) for figure, spoilers in SPOILERS.items() for words in spoilers]
+test_checks_pass, test_check_fails, test_is_drawn = figure_tests(SPOILERS)
 FLOWS = {
     (damping, paradox): contact_force.contact_flows(
         ThreadsDrive.of(mass=30.0, contact_stiffness=1e8, contact_damping=damping), paradox
@@ -60,22 +60,6 @@ FLOWS = {
     for damping in (0.0, 5e3, 5e4)  # elastic, underdamped, overdamped
     for paradox in Paradox
 }
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_every_check_passes_and_has_a_spoiler(figure):
-    assert_checks_pass(figure, SPOILERS[figure])
-
-
-@pytest.mark.parametrize(("figure", "words"), EACH_SPOILER)
-def test_check_fails_on_spoiled_data(figure, words):
-    assert_check_fails(figure, words, SPOILERS[figure][words])
-
-
-@pytest.mark.parametrize("figure", SPOILERS)
-def test_the_figure_is_drawn_from_the_file(figure, tmp_path):
-    _, names = drawn_from_file(figure, tmp_path / "a.nc")
-    assert len(names) > 3
 
 
 @pytest.mark.threshold

@@ -1,10 +1,11 @@
 """The datasets of the figures on draft settings; their checks all pass, and each fails on spoiled data."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+import pytest
 import xarray as xr
 import yaml
 from matplotlib.figure import Figure
@@ -67,13 +68,44 @@ def assert_check_fails(figure: str, words: str, spoiler: Spoiler) -> None:
     assert [check.passed for check in checks if words in check.claim] == [False]
 
 
-def drawn_from_file(figure: str, path: Path) -> tuple[Figure, list[str]]:
-    """The figure drawn from its file, and the names in its legends, which must be different ones."""
-    write_dataset(dataset_of(figure), path)
-    drawn = import_module(f"lsvib.figures.{figure}").draw(read_dataset(path))
+def assert_each_check_fails_on_some(figure: str, dataset: xr.Dataset, spoilers: Sequence[Spoiler]) -> None:
+    """Every check passes; every spoiler makes one fail at least, and all of them together every check."""
+    checks = import_module(f"lsvib.datasets.{figure}").checks
+    claims = [check.claim for check in checks(dataset)]
+    assert [check.sentence() for check in checks(dataset) if not check.passed] == []
+    failing = [{k for k, check in enumerate(checks(spoil(dataset))) if not check.passed} for spoil in spoilers]
+    assert all(failing), failing
+    assert set().union(*failing) == set(range(len(claims))), claims
+
+
+def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> list[str]:
+    """The file alone gives a figure with something in every panel; return the names in its legends, all different."""
+    write_dataset(dataset, path)
+    drawn: Figure = import_module(f"lsvib.figures.{figure}").draw(read_dataset(path))
     drawn.draw_without_rendering()
+    assert drawn.axes
+    assert all(axes.has_data() for axes in drawn.axes)
     legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
-    assert names
     assert len(names) == len(set(names))
-    return drawn, names
+    return names
+
+
+def figure_tests(spoilers: Mapping[str, Mapping[str, Spoiler]]) -> tuple[Callable, Callable, Callable]:
+    """Return three tests for the figures whose spoilers are given, by words of the one check that each must spoil."""
+
+    @pytest.mark.parametrize("figure", spoilers)
+    def every_check_passes_and_has_a_spoiler(figure):
+        assert_checks_pass(figure, spoilers[figure])
+
+    @pytest.mark.parametrize(
+        ("figure", "words"), [(figure, words) for figure in spoilers for words in spoilers[figure]]
+    )
+    def check_fails_on_spoiled_data(figure, words):
+        assert_check_fails(figure, words, spoilers[figure][words])
+
+    @pytest.mark.parametrize("figure", spoilers)
+    def figure_is_drawn_from_the_file(figure, tmp_path):
+        assert assert_drawn_from_file(figure, dataset_of(figure), tmp_path / "a.nc")
+
+    return every_check_passes_and_has_a_spoiler, check_fails_on_spoiled_data, figure_is_drawn_from_the_file
