@@ -1,10 +1,11 @@
-"""The numbers that the chapter prints, each within its tolerance of the print and to 10 digits and more of mpmath.
+"""The numbers that the chapter prints, each within its tolerance of the print, and thresholds to 12 digits of mpmath.
 
-Printed values and tolerances are those of ``lsvib.analysis.chapter`` (2 %: printed with ≈ or read from an axis). The
-reference values are computed here with 40 digits from the parameters, without the library: closed forms for m_cr
-(eq. 8.20), μ_kc (eqs 8.27, 8.28), onset (eqs 8.15, 8.19), detachment and global stability; for the first touch of rest
-the fixed point of the return map of slip without rest. 1e-12 is asked of the closed forms (they are rounded once or
-summed from a dozen terms) and of the return map (its fixed point is known to rounding over 1 − multiplier = 0.4).
+One test marked ``threshold`` for each printed number. Tolerances of the print: 2 % of what is printed with ≈ or read
+from an axis, half a unit of the last digit where two digits are printed. The reference values are computed here with 40
+digits from the parameters, without the library: closed forms for m_cr (eq. 8.20), μ_kc (eqs 8.27, 8.28), onset (eqs
+8.15, 8.19), detachment and global stability; for the first touch of rest the fixed point of the return map of slip
+without rest. 1e-12 is asked of the closed forms (they are rounded once or summed from a dozen terms) and of the return
+map (its fixed point is known to rounding over 1 − multiplier = 0.4).
 """
 
 import math
@@ -17,12 +18,13 @@ from reference.drives import compare
 from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.conditions import critical_friction, critical_mass
-from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.cycles import Attractor, orbit_extremes, steady_state
 from lsvib.analysis.summary import threshold_table
-from lsvib.models.parameters import LeadScrew
+from lsvib.models.coefficients import coefficients
+from lsvib.models.parameters import LeadScrew, ThreadsDrive
 from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.models.threads import seated_state, threads_drive
 
-pytestmark = pytest.mark.threshold
 DIGITS = 40
 PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3)
 NEGATIVE_DAMPING = LeadScrew.of(mass=1.0, translation_damping=1e3)
@@ -97,33 +99,59 @@ def global_reference():
     return -q_minimum(d, flow, mpf("0.1"), largest=True) / d.Gamma(-1)
 
 
-REFERENCES = {
-    "critical_mass": mass_reference,
-    "critical_friction": friction_reference,
-    "onset_force": onset_reference,
-    "stick_force": stick_reference,
-    "detach_force": detach_reference,
+PRINTED = {
+    "critical_mass": (10.10, mass_reference),  # kg, Sect. 8.6.1
+    "critical_friction": (0.285, friction_reference),  # Fig. 8.15
+    "onset_force": (20.0, onset_reference),  # N, Fig. 8.6, as the next two
+    "stick_force": (34.5, stick_reference),
+    "detach_force": (46.5, detach_reference),
 }
 
 
-@pytest.mark.parametrize("name", chapter.THRESHOLDS)
+@pytest.mark.threshold
+@pytest.mark.parametrize("name", PRINTED)
 def test_threshold_is_the_chapters_and_exact(name):
+    """m_cr ≈ 10.10 kg (Sect. 8.6.1), μ_kc ≈ 0.285 (Fig. 8.15), R = 20, 34.5 and 46.5 N (Sect. 8.5.1, Fig. 8.6)."""
+    printed, reference = PRINTED[name]
     entry = threshold_table()[name]
-    assert abs(entry["value"] - entry["expected"]) <= 0.02 * entry["expected"]
+    assert entry["expected"] == printed
+    assert abs(entry["value"] - printed) <= 0.02 * printed
     assert entry["passed"]
-    assert abs(mpf(entry["value"]) - REFERENCES[name]()) <= mpf("1e-12") * abs(entry["value"])
+    assert abs(mpf(entry["value"]) - reference()) <= mpf("1e-12") * abs(entry["value"])
 
 
-def test_the_chapters_numbers_are_those_of_the_book():
-    printed = {name: claim.value for name, claim in chapter.THRESHOLDS.items()}
-    assert printed == {
-        "critical_mass": 10.10,  # Sect. 8.6.1
-        "critical_friction": 0.285,  # Fig. 8.15
-        "onset_force": 20.0,  # Fig. 8.6
-        "stick_force": 34.5,
-        "detach_force": 46.5,
-    }
+def test_the_chapters_thresholds_are_these_with_two_per_cent():
+    assert {name: claim.value for name, claim in chapter.THRESHOLDS.items()} == {k: v for k, (v, _) in PRINTED.items()}
     assert all(claim.tolerance == 0.02 for claim in chapter.THRESHOLDS.values())
+
+
+@pytest.mark.threshold
+@pytest.mark.parametrize(("law", "printed", "digit"), [(-1, 1.0e-3, 1e-4), (1, -1.1e-4, 1e-5)])
+def test_effective_damping(law, printed, digit):
+    """Sect. 8.5.1, c_x = 1000 N s/m: C₋ = 1.0e-3 and C₊ = −1.1e-4 N m s/rad."""
+    found = float(coefficients(NEGATIVE_DAMPING).damping[law])
+    assert abs(found - printed) <= 0.5 * digit
+    assert abs(mpf(found) / exact(NEGATIVE_DAMPING).C(law) - 1) <= 1e-15
+
+
+@pytest.mark.threshold
+@pytest.mark.parametrize(("law", "printed", "digit"), [(-1, 9.9e-6, 1e-7), (1, 6.5e-7, 1e-8)])
+def test_effective_inertia(law, printed, digit):
+    """Sect. 8.5.1: Γ₋ = 9.9e-6 and Γ₊ = 6.5e-7 kg m², the values of m = 8 kg; the stated m = 1 kg has others."""
+    found, stated = (float(coefficients(NEGATIVE_DAMPING.replace(mass=m)).gamma[law]) for m in (8.0, 1.0))
+    assert abs(found - printed) <= 0.5 * digit < abs(stated - printed)
+    assert abs(mpf(found) / exact(NEGATIVE_DAMPING, mass=8.0).Gamma(law) - 1) <= 1e-15
+
+
+@pytest.mark.threshold
+@pytest.mark.parametrize("force", [10.0, 50.0, 200.0])
+def test_peak_of_the_contact_force(force):
+    """Fig. 8.10b, m = 11 kg, k_c = c_c = 1e8: 320 kN, read from an axis; R, which is not stated, hardly matters."""
+    drive = ThreadsDrive.of(mass=11.0, axial_force=force)
+    automaton = threads_drive(drive)
+    cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
+    assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
+    assert orbit_extremes(cycle.orbit, automaton.observables["normal_force"])[1] == pytest.approx(320e3, rel=0.02)
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
@@ -158,6 +186,7 @@ def test_the_thresholds_separate_what_they_say(speed):
 
 
 def test_global_stability_force_is_exact():
+    """Sect. 8.7 describes it without a number."""
     value = thresholds.global_stability_force(PARADOX)
     assert abs(mpf(value) - global_reference()) <= mpf("1e-12") * abs(value)
 
