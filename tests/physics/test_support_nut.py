@@ -413,7 +413,7 @@ def test_what_is_not_determined_is_refused(model, parameters, message):
 
 @pytest.mark.parametrize(
     ("model", "extra"),
-    [("support", {"screw_shift": 1e-5, "shift_rate": 0.01}), ("nut", {"nut_angle": 0.1, "nut_rate": 5.0})],
+    [("support", {"screw_shift": 1e-5, "shift_rate": 0.01}), ("nut", {"nut_angle": 0.05, "nut_rate": -3.0})],
 )
 def test_scene_starts_and_reports_the_other_coordinate(model, extra):
     outputs = ["normal_force", "axial_contact_force", "coupling_torque", "screw_speed", "nut_speed"]
@@ -424,9 +424,14 @@ def test_scene_starts_and_reports_the_other_coordinate(model, extra):
     slips = mode == KINDS[model][2].SLIP_FORWARD_POSITIVE
     drive = KINDS[model][0]()
     push = math.cos(drive.lead_angle) + drive.friction_coefficient * math.sin(drive.lead_angle)
+    assert slips.mean() > 0.1
     np.testing.assert_allclose(motion["axial_contact_force"][slips], push * motion["normal_force"][slips], rtol=1e-12)
-    # The axial balance of the nut at the samples, from differences of its speed.
-    rate = np.gradient(motion["nut_speed"].values, motion["time"].values)[2:-2]
-    force = drive.axial_force - drive.mass * rate
-    calm = (mode[:-4] == mode[4:]) & (mode[:-4] == mode[2:-2])
-    np.testing.assert_allclose(motion["axial_contact_force"].values[2:-2][calm], force[calm], atol=0.05)
+    # The axial balance of the nut at the samples, from five of its speed at a time, all in one mode. Such a difference
+    # leaves out (ω h)⁴ / 30 = 6e-9 of the force with the fastest rate ω of 1e3 1/s and h = 2e-5 s.
+    v, step = motion["nut_speed"].values, float(motion["time"][1] - motion["time"][0])
+    rate = (v[:-4] - 8 * v[1:-3] + 8 * v[3:-1] - v[4:]) / (12 * step)
+    force = motion["axial_contact_force"].values
+    calm = np.all([mode[:-4] == mode[k : k + len(rate)] for k in range(1, 5)], axis=0)
+    assert calm.mean() > 0.9
+    assert np.ptp(force[2:-2][calm]) > 1.0  # N
+    np.testing.assert_allclose(force[2:-2][calm], (drive.axial_force - drive.mass * rate)[calm], atol=1e-6)

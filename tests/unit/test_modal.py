@@ -324,12 +324,19 @@ def test_first_crossing_against_dense_evaluation(factors, numbers, angle):
 
 @pytest.mark.parametrize("a1", [12.0, 12.0 + 1e-14, 12.0 - 1e-14, 12.0 - 1e-9, 12.1, 11.9])
 def test_root_of_a_critically_damped_pair(a1):
-    """w = e^{−6t} (1 − 6t) falls to 0.95 once, whether the pair is a little over- or underdamped."""
+    """The speed falls to 0.95 of its start once, whether the pair is critically, a little over- or underdamped."""
     flow, _ = decoupled([(36.0, a1)])
     found, _, t = search(flow, [0.0, 1.0], [0.0, 1.0, -0.95])
     assert found == Found.CROSSING
-    expected = 0.0042463  # for 12.0; the rate enters as its size does
-    assert t == pytest.approx(expected, rel=2e-2)
+    with mp.workdps(DIGITS):
+        split = mp.sqrt(mpf(a1) ** 2 / 4 - 36)
+
+        def speed(t):
+            turned = mp.sinh(split * t) / split if split else t
+            return mp.exp(-mpf(a1) / 2 * t) * (mp.cosh(split * t) - mpf(a1) / 2 * turned)
+
+        expected = mp.findroot(lambda t: mp.re(speed(t)) - mpf(0.95), (mpf("0.004"), mpf("0.005")))
+    assert t == pytest.approx(float(expected), rel=1e-13)
 
 
 def with_roots(roots, rates):
@@ -368,7 +375,7 @@ def test_constructed_roots(rates, roots):
 
 
 def test_two_roots_a_nanosecond_apart():
-    """cos-like dip of a fast oscillation that falls below zero for 1e-9 of its time scale, beside a slow decay."""
+    """A fast oscillation that falls below zero for 1e-9 s, 1e-4 of its time scale 1/ω, beside a slow decay."""
     flow, _ = decoupled([(1e10, 0.0), (-1.0,)])
     omega = 1e5
     # The decay has no part in the guard; the dip is (ω d/2)²/2 deep for a duration d.
