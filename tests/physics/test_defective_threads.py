@@ -6,18 +6,16 @@ s μ sin λ)], ℓ = r_m (s μ cos λ − sin λ), the characteristic polynomial
     s⁴ + (c̃ + β γ) s³ + (k̃ + c̃ γ + β η) s² + (k̃ γ + c̃ η) s + k̃ η.
 
 Four coefficients, four parameters: any rates that leave these positive can be had. The parameters are rounded to
-double, which parts n-fold rates by about the n-th root of its rounding. Tolerances as the project demands them.
+double, which parts n-fold rates by about the n-th root of its rounding. Tolerances are those of ``reference.threads``.
 """
 
-import numpy as np
 import pytest
 from mpmath import mp, mpf
 from reference.dense import simulate
+from reference.threads import compare
 
 from lsvib.core.blocks import BlockFlow
-from lsvib.models.motion import follow
 from lsvib.models.parameters import ThreadsDrive
-from lsvib.models.threads import ThreadsEvent, ThreadsMode, threads_drive
 
 BASE = ThreadsDrive.of(mass=2.0, axial_force=100.0)
 
@@ -64,21 +62,10 @@ def drive_of(name):
 
 
 def check(name, start, t_end):
-    drive = drive_of(name)
-    automaton = threads_drive(drive)
-    assert isinstance(automaton.tables.flow, BlockFlow)
-    motion, reference = follow(automaton, start, t_end), simulate(dict(drive), start, t_end)
-    names = [ThreadsMode(int(code)).name.lower() for code in automaton.codes]
-    kinds = [(ThreadsEvent(k).name.lower(), names[m]) for k, m in zip(motion.kind, motion.mode, strict=True)]
-    assert kinds == [(event.kind, event.mode_after) for event in reference.events]
-    late = [abs(float(mpf(float(t)) - e.time)) for t, e in zip(motion.time, reference.events, strict=True)]
-    passed = np.array([start, *(event.state for event in reference.events), reference.state], dtype=float)
-    gap = np.array([abs(float(mpf(float(x)) - y)) for x, y in zip(motion.end_state, reference.state, strict=True)])
-    error = float(np.max(gap / np.abs(passed).max(axis=0)))
-    print(f"{name}: {len(kinds)} events, {max(late, default=0.0):.1e} s, state {error:.1e}")
-    assert max(late, default=0.0) <= 1e-12
-    assert error <= 1e-9
-    return len(kinds)
+    result = compare(drive_of(name), start, t_end, simulate)
+    assert isinstance(result.motion.automaton.tables.flow, BlockFlow)
+    result.check(name)
+    return len(result.kinds)
 
 
 @pytest.mark.slow

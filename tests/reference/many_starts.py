@@ -1,6 +1,6 @@
 """Labels of many starts of the rigid drive by fixed steps: classical Runge–Kutta with switching, no closed form.
 
-Shares no code with the library. Newton's laws are those of ``reference.rigid``: with T = −k z − c θ′ and
+Shares no code with the engine. Newton's laws are those of ``reference.rigid``: with T = −k z − c θ′ and
 P = R − c_x p θ′, Γ_s θ″ = T − r ξ_s P and Q = I P − m p T, p = r tan λ. Steps are cut at θ′ = 0 by linear
 interpolation, a crossing of Q = 0 is noticed at the end of a step, so states are good to the order of the step; what
 happens in the last part of the time decides the label.
