@@ -146,10 +146,6 @@ def test_orders_are_recovered_from_powers():
     assert math.isnan(limit_process.fitted_order(stiffness[:3], np.array([1.0, np.nan, 0.1]))[0])
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="rebound_force leaves out the mismatch at the stop, m (r_m tan λ θ′ − v_0) / c_c: two thirds of the force",
-)
 @pytest.mark.parametrize(("stiffness", "axial_force"), [(1e12, 25.0), (1e13, 40.0), (1e14, 60.0)])
 def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     """How far N of the standing screw falls below its static value after a forward impact, by the formula (ζ = 20).

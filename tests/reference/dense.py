@@ -1,10 +1,9 @@
 """The drive with compliant threads by dense evaluation in many digits, for modes that have no eigenvectors.
 
-The drive, its fields, guards and laws are those of
-:mod:`lsvib.accuracy.reference.threads`. The flow is mpmath's matrix exponential
-over a step of 1/40 of the fastest time scale, applied again and again. A guard is evaluated at every step with its
-derivative: between two steps of one sign it is searched for a minimum where the derivative changes from falling to
-rising. A root is then refined to 40 digits by secant steps inside its bracket.
+The drive, its fields, guards and laws are those of :mod:`lsvib.accuracy.reference.threads`. The flow is mpmath's matrix
+exponential over a step of 1/40 of the fastest time scale, applied again and again. A guard is evaluated at every step
+with its derivative: between two steps of one sign it is searched for a minimum where the derivative changes from
+falling to rising. A root is then refined to 40 digits by secant steps inside its bracket.
 """
 
 from mpmath import mp, mpf
