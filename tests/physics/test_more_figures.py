@@ -1,21 +1,11 @@
-"""Figures 8.3 and 8.8, sweeps and ablation: every check passes, each can fail, and the figure is drawn."""
+"""Figures 8.3 and 8.8, and the ablation: every check passes, each can fail, and the figure is drawn."""
 
 import numpy as np
 import pytest
 from reference.figures import assert_drawn_from_file, assert_each_check_fails_on_some, dataset_of, scale, set_to
 
-from lsvib.accuracy.sweeps import Verdict
 from lsvib.analysis.stability import Stability
-from lsvib.datasets import ablation, fig8_03, stability_sweeps
-
-SWEEPS = {
-    "seed": 3,
-    "counts": {"axial_force": 4, "contact": 1},
-    "thorough": 1,
-    "evaluations": 1,
-    "distances": [1e-2, 1e-6],
-    "periods": 100,
-}
+from lsvib.datasets import ablation, fig8_03
 
 
 def test_each_check_of_figure_8_8_can_fail():
@@ -48,24 +38,6 @@ def test_each_check_of_figure_8_3_can_fail(monkeypatch):
         wrong_eigenvalues,
     ]
     assert_each_check_fails_on_some("fig8_03", dataset_of("fig8_03"), spoilers)
-
-
-def test_stability_sweeps(tmp_path):
-    """A few cases of a rigid and of a compliant family, with all that is done with a hundred thousand."""
-    dataset = stability_sweeps.build(SWEEPS)
-    assert dataset.sizes["case"] == 5
-    spoilers = [
-        set_to("verdict", Verdict.WRONG, 0),
-        set_to("verdict", Verdict.INACCURATE),
-        set_to("energy_residual", 1.0, 0),
-        set_to("worst_verdict", Verdict.WRONG, 0),
-        set_to("worst_state_error", 1.0),
-        set_to("attractor_is_right", 0, 0, 0, 0),
-        set_to("clock_error", 1e-11, 0),
-        set_to("run_state_error", 1e-11, -1),
-    ]
-    assert_each_check_fails_on_some("stability_sweeps", dataset, spoilers)
-    assert_drawn_from_file("stability_sweeps", dataset, tmp_path / "a.nc")
 
 
 def test_ablation(monkeypatch, tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference.figures import set_to
+from reference.figures import assert_drawn_from_file, set_to
 
 from lsvib.accuracy import stepper, sweeps
 from lsvib.accuracy.paths import Path
@@ -142,10 +142,11 @@ SPOILERS = {
 }
 
 
-def test_each_check_of_a_small_sweep_passes_and_fails_on_spoiled_data():
+def test_each_check_of_a_small_sweep_passes_and_fails_on_spoiled_data(tmp_path):
     dataset = stability_sweeps.build(SMALL)
     checks = stability_sweeps.checks(dataset)
     assert [check.sentence() for check in checks if not check.passed] == []
     assert len(checks) == len(SPOILERS)
     for words, spoil in SPOILERS.items():
         assert [check.passed for check in stability_sweeps.checks(spoil(dataset)) if words in check.claim] == [False]
+    assert_drawn_from_file("stability_sweeps", dataset, tmp_path / "a.nc")
