@@ -176,7 +176,7 @@ class Drive:
         return direction, (-direction if self.painleve else self.Q_sign_next(u, -self.Omega))
 
     def resume(self, u, nu, rule):
-        """Mode after a seizure with impulse sign nu, at theta_dot = 0 (physics.md Sect. 3, rule 3)."""
+        """Mode after a seizure with impulse sign nu, at theta_dot = 0 (docs/physics.md, "After a seizure")."""
         sign = self.Q_sign(u, -self.Omega, self.half_digits)
         wanted = nu if rule == "contact_sign" else sign
         direction = -wanted  # law s = -1
