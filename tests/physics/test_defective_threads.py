@@ -74,7 +74,7 @@ def test_motion(name):
     assert check(name, BACKWARD, 0.006) > 0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [BACKWARD, WOUND_UP])
 @pytest.mark.parametrize("name", DRIVES)
 def test_longer_motion(name, start):

@@ -268,7 +268,7 @@ def test_settles_where_every_block_dies_away():
     assert search(flow, rest + np.array([0.1, 0.1, 0.0, 0.0]), guard, np.inf)[0] == Found.CROSSING
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_undecided_where_the_steps_run_out():
     """An undamped chain for 1e7 s, of which no bound shows that nothing happens: a status, not an answer."""
     flow = chained("undamped, with a chain")

@@ -59,17 +59,12 @@ def test_hypothesis_finds_no_wrong_translation_damping(genes):
     assert judged(Family.TRANSLATION_DAMPING, genes) <= TOLERANCE
 
 
-@pytest.mark.slow
-@settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-@given(GENOMES)
-def test_hypothesis_finds_no_wrong_double_rate_of_threads(genes):
-    assert judged(Family.DOUBLE_RATE_OF_THREADS, genes) <= TOLERANCE
-
-
-@pytest.mark.long
+@pytest.mark.parametrize(
+    "examples", [pytest.param(25, marks=pytest.mark.slow), pytest.param(150, marks=pytest.mark.long)]
+)
 @pytest.mark.parametrize("family", Family)
-def test_hypothesis_searches_longer(family):
-    @settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+def test_hypothesis_finds_no_wrong_case(family, examples):
+    @settings(max_examples=examples, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(GENOMES)
     def run(genes):
         assert judged(family, genes) <= TOLERANCE
