@@ -166,16 +166,17 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
         return _NONE, limit
     swing = beta * math.sqrt(p * p + across * across) / row[A0]
     middle = bend / row[A0] if is_far else constant
-    if alpha < 0.0 and middle > swing * math.exp(-alpha * bottom / beta):
-        # A growing oscillation: go straight to the first minimum that is deep enough. One too early is no harm.
+    lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
+    if lowest > resolution and alpha < 0.0 and middle > swing:
+        # A growing oscillation: go straight to the first minimum that is deep enough, or to the one before it.
         turns = math.floor((math.log(middle / swing) / -alpha * beta - bottom) / _TWO_PI + 1e-9)
         top += turns * _TWO_PI
         bottom += turns * _TWO_PI
-    lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
-    if lowest > resolution and alpha < 0.0:
-        top += _TWO_PI
-        bottom += _TWO_PI
         lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
+        if lowest > resolution:
+            top += _TWO_PI
+            bottom += _TWO_PI
+            lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
     if lowest > resolution or top >= limit * beta:
         return _NONE, limit
     t_bottom = bottom / beta
