@@ -19,7 +19,7 @@ import numpy as np
 from lsvib.core import planar
 from lsvib.core.affine import apply
 from lsvib.core.jit import allocating_kernel, inlined_kernel
-from lsvib.core.planar import A0, ALPHA, BETA, DELTA, OVERFLOW, R1, ROUNDING
+from lsvib.core.planar import A0, ALPHA, BETA, DELTA, OVERFLOW, R1, ROUNDING, own_rate
 
 
 class ModalFlow(NamedTuple):
@@ -69,12 +69,6 @@ def growth(rate, push, t):
         return 1.0, t
     more = math.expm1(min(rate * t, OVERFLOW))
     return 1.0 + more, more / rate
-
-
-@inlined_kernel
-def own_rate(row):
-    """ρ of :func:`responses` [1/s]."""
-    return -row[ALPHA] if row[BETA] > 0.0 else row[R1]
 
 
 @inlined_kernel

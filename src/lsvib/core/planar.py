@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from lsvib.core.jit import kernel
+from lsvib.core.jit import inlined_kernel, kernel
 
 # Columns of a mode's row in the flow table.
 A0, A1, B, ALPHA, BETA, DELTA, R1, R2, EQUILIBRIUM, TIME_SCALE = range(10)
@@ -23,6 +23,12 @@ COLUMNS = 10
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
+
+
+@inlined_kernel
+def own_rate(row):
+    """Rate ρ [1/s] at which the slower, or faster growing, part of the free motion changes: −α or r₁."""
+    return -row[ALPHA] if row[BETA] > 0.0 else row[R1]
 
 
 @kernel
@@ -107,7 +113,7 @@ def magnitudes(flow, mode, state, stay, scale):
     speed, push = abs(state[1]), abs(row[B] - row[A0] * state[0])
     scale[0] = abs(state[0]) + speed * reach
     scale[1] = speed + push * reach
-    rate = -row[ALPHA] if row[BETA] > 0.0 else row[R1]
+    rate = own_rate(row)
     if rate > 0.0:  # the deviation from the equilibrium grows
         more = math.expm1(min(rate * stay, OVERFLOW))
         reach = row[TIME_SCALE] if row[A0] != 0.0 else 1.0 / rate

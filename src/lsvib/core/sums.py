@@ -22,7 +22,7 @@ import numpy as np
 from lsvib.core import modal
 from lsvib.core.affine import apply
 from lsvib.core.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2
+from lsvib.core.planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, own_rate
 
 ORDERS = 5  # derivatives 0 to 4
 
@@ -77,7 +77,7 @@ def prepare(flow, mode, state, guards, sums):
         constant, total, k = form[size], abs(form[size]), 0
         for pair in range(pairs):
             row, u, w, g_u, g_w = flow.oscillators[mode, pair], start[k], start[k + 1], form[k], form[k + 1]
-            part, rate, own = g_u * u + g_w * w, g_u * w - g_w * (row[A0] * u + row[A1] * w), modal.own_rate(row)
+            part, rate, own = g_u * u + g_w * w, g_u * w - g_w * (row[A0] * u + row[A1] * w), own_rate(row)
             parts = sums.pairs[guard, pair]
             parts[0], parts[1], parts[2], parts[3] = part, rate - own * part, rate, own * rate - row[A0] * part
             pair_bounds(row, part, rate, sums.pair_bounds[guard, pair])
@@ -204,7 +204,7 @@ def lowest_from(flow, mode, sums, guard, node, t):
     level = sums.constants[guard]
     for pair in range(flow.pairs[mode]):
         row, at, factors = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pair_bounds[guard, pair, 0]
-        rate = -modal.own_rate(row)
+        rate = -own_rate(row)
         if not (row[A0] > 0.0 and rate > 0.0):
             return -math.inf
         longest = t * at[3] if t * rate >= 1.0 else math.exp(-1.0) / rate

@@ -16,9 +16,9 @@ together are below the guards' constants.
 
 import math
 
-from lsvib.core import modal, sums
+from lsvib.core import sums
 from lsvib.core.jit import inlined_kernel, kernel
-from lsvib.core.planar import ALPHA, BETA, R1, R2
+from lsvib.core.planar import ALPHA, BETA, R1, R2, own_rate
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
@@ -98,7 +98,7 @@ def _longest_step(flow, mode):
     """Step [s] on which no term grows beyond e⁸."""
     growing = 0.0
     for pair in range(flow.pairs[mode]):
-        growing = max(growing, modal.own_rate(flow.oscillators[mode, pair]))
+        growing = max(growing, own_rate(flow.oscillators[mode, pair]))
     for single in range(flow.singles[mode]):
         growing = max(growing, flow.rates[mode, single])
     return _GROWTH / growing if growing > 0.0 else math.inf
