@@ -15,7 +15,7 @@ import numpy as np
 from lsvib.analysis.return_map import ROUNDING, FixedPoint, Section, section_key
 from lsvib.core import flows, planar
 from lsvib.core.blocks import BlockFlow
-from lsvib.core.status import Status
+from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.errors import DivergenceError, EngineError
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import Motion, follow
@@ -35,8 +35,9 @@ class Attractor(IntEnum):
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # pure slip
-    UNBOUNDED = 4
+    UNBOUNDED = 4  # no model of a drive has it: energy enters as the work of constant forces only
     REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
+    NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
 
 
 @dataclass(frozen=True)
@@ -113,27 +114,34 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 
     Exits:
 
-    * the motion settles, see :func:`settled`: steady sliding, rest, an oscillation for ever, or unbounded;
+    * the model vouches that areas never grow (``Automaton.contracts``): then a closed orbit cannot lie where they
+      shrink, nor a motion spiral outwards, so that all motions end in steady sliding, or without damping in the
+      neutral oscillations that never pass θ′ = 0;
+    * the motion settles, see :func:`settled`: steady sliding, rest, neutral oscillations, or unbounded;
     * the section state repeats after 1 to 64 returns, or an attracting fixed point of the map of 1 to 8 returns is
       found: a cycle, named sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed
       point is the origin;
-    * the motion grows without bound: unbounded;
+    * a motion of a part of a drive, as slip without rest, leaves the range of numbers: unbounded;
     * ``max_events``, or a next event that the engine cannot decide: unresolved. So remain motions with no attracting
       cycle – chaotic and quasi-periodic ones, above all where nothing damps – and, of the cycles that attract slowly,
       those with a multiplier within 1e-6 of the unit circle, with more than 8 returns, or where the return map has no
       derivative.
     """
     state = np.array(state, dtype=float)
+    if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
+        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     used, chunk = 0, _CHUNK
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
         except DivergenceError:
-            return SteadyState(Attractor.UNBOUNDED, state)
+            return SteadyState(Attractor.UNRESOLVED if automaton.passive else Attractor.UNBOUNDED, state)
         except EngineError:
             return SteadyState(Attractor.UNRESOLVED, state)
         if motion.status == Status.SETTLED:
             return settled(automaton, motion)
+        if automaton.contracts or _only_touches(motion):
+            return _neutral(automaton, motion)
         cycle = _recurrence(automaton, motion)
         if cycle is not None:
             return cycle
@@ -146,8 +154,8 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
 def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     """Where a motion goes that never leaves its last mode, which is a sum of oscillators: one, or one to a pair.
 
-    Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; if one alone
-    goes on for ever, a cycle; unresolved if several do, since their frequencies have no common period.
+    Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; a neutral
+    family if any goes on for ever, with a period if one alone does: several frequencies have none in common.
     """
     flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
     if automaton.codes[mode] in automaton.rest_codes:
@@ -175,14 +183,41 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
     if lasting.size > 1:
-        return SteadyState(Attractor.UNRESOLVED, state)
+        return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
     orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], planar.BETA], mode=mode)
-    return SteadyState(Attractor.OTHER_CYCLE, state, orbit, 1, 0.0, 0.0, 1.0)
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
+
+
+def _only_touches(motion: Motion) -> bool:
+    """Whether the later half of a planar motion's events are touches of guards in one undamped mode."""
+    half = motion.time.size // 2
+    flow = motion.automaton.tables.flow
+    touches = isinstance(flow, np.ndarray) and bool((motion.kind[half:] == GRAZE_KIND).all())
+    return touches and flow[motion.end_mode, planar.ALPHA] == 0 and flow[motion.end_mode, planar.BETA] > 0
+
+
+def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
+    """The neutral oscillation that a motion without damping is on after many events, one period of it as its orbit.
+
+    Where it only touches a guard, rounding decides whether an event is told; one turn of the mode is then the period.
+    """
+    state, mode = motion.end_state, motion.end_mode
+    if _only_touches(motion):
+        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, planar.BETA], mode=mode)
+    else:
+        own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
+        state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])
+        orbit = follow(automaton, state, math.inf, mode=mode, stop=(kind, mode), max_events=_CHUNK)
+    size = np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny)
+    residual = float(np.max(np.abs(orbit.end_state - state) / size))
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
 
 
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
     key = section_key(motion)
+    if key is None:
+        return None
     watched = (motion.kind == key[0]) & (motion.mode == key[1])
     points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
     size = np.abs(motion.after).max(axis=0)

@@ -53,14 +53,17 @@ class FixedPoint:
     enclosure: float
 
 
-def section_key(motion: Motion) -> tuple[int, int]:
-    """Return kind and mode of the events to watch: the rarest of a motion's last ones.
+def section_key(motion: Motion) -> tuple[int, int] | None:
+    """Return kind and mode of the events to watch: the rarest of a motion's last ones; None if it only touches guards.
 
-    Of several the latest in the plane; else first those on the most surfaces, as a release from rest: fewer dimensions
-    are left, and none of a contact force that passes zero, where the map is steep.
+    If several kinds are equally rare, take the latest one (two states) or the one that lies on the most surfaces (more
+    states), because its section has the fewest dimensions and does not lie where the contact force passes zero, where
+    the map is steep.
     """
     ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     pairs, states = np.stack([motion.kind[ours], motion.mode[ours]], axis=1), motion.after[ours]
+    if not len(pairs):
+        return None
     half = len(pairs) // 2
     found, first, counts = np.unique(pairs[half:][::-1], axis=0, return_index=True, return_counts=True)
     order, size = np.argsort(first), np.abs(motion.after).max(axis=0)

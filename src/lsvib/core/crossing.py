@@ -235,7 +235,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
         low, high = turn, math.inf
     else:
         low, high = 0.0, turn
-        if turn <= limit:
+        if turn < math.inf and turn <= limit:
             lowest = _value(row, shape, turn)[0]
             resolution = 8.0 * EPS * (abs(shape[3]) + abs(lowest - shape[3]))
             if lowest > resolution:

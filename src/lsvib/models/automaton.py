@@ -76,7 +76,9 @@ class Automaton:
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode. ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
     ``rest_codes`` are the codes of the modes at rest; a motion sprags in modes of ``sprag_codes`` and at events
-    of ``sprag_kinds``.
+    of ``sprag_kinds``. The model vouches for two facts: ``passive``, energy enters as the work of constant forces
+    only, so that no motion grows faster than in proportion to time; ``contracts``, slip makes every area of the phase
+    plane smaller, or leaves every one as it is, and passing θ′ = 0 makes none larger (see docs/attraction.md).
     """
 
     tables: Tables
@@ -87,6 +89,8 @@ class Automaton:
     rest_codes: tuple[int, ...] = ()
     sprag_codes: tuple[int, ...] = ()
     sprag_kinds: tuple[int, ...] = ()
+    passive: bool = False
+    contracts: bool = False
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
@@ -151,13 +155,13 @@ def assemble(
     observables: dict[str, dict[str, Row]],
     shortest_stay: float,
     stack: Callable = np.array,
-    **kinds: tuple[int, ...],
+    **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
 
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
-    the entry; observables by name and mode; shortest stay [s] (see ``Tables``). Branches into modes that the model does
-    not have are an error.
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); ``facts``, the other attributes of
+    :class:`Automaton`. Branches into modes that the model does not have are an error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
@@ -198,7 +202,7 @@ def assemble(
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
         condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
-        **kinds,
+        **facts,
     )
 
 

@@ -117,7 +117,19 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
             shortest_stay=1e-13 * min(float(flow.row[planar.TIME_SCALE]) for flow in flows.values()),
             rest_codes=(MotionMode.REST,),
             sprag_kinds=(EventKind.SEIZURE,),
+            passive=rest,
+            contracts=_contracts(c),
         )
+
+
+def _contracts(c: Coefficients) -> bool:
+    """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0 and both C_s > 0, or both zero.
+
+    Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses: the
+    acceleration forward is below that backward by |Q| (1/Γ₊ − 1/Γ₋) / (m r_m tan λ), so that areas are squeezed.
+    """
+    undamped = c.damping[1] == 0 == c.damping[-1]
+    return not c.paradox and (undamped or min(c.damping.values()) > 0)
 
 
 def _mover(c: Coefficients, d) -> int:

@@ -92,6 +92,7 @@ def threads_drive(drive: ThreadsDrive) -> Automaton:
             stack=flow_of,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if coefficients(drive).paradox else (),
+            passive=True,
         )
 
 

@@ -84,6 +84,7 @@ class _Layout:
             shortest_stay=1e-13 * min(scales),
             stack=flow_of,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),
+            passive=True,
             sprag_kinds=(self.seizure,),
         )
 
