@@ -12,6 +12,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from lsvib.analysis import leaps
 from lsvib.analysis.return_map import ROUNDING, FixedPoint, Section, section_key
 from lsvib.core import flows, planar
 from lsvib.core.blocks import BlockFlow
@@ -22,6 +23,9 @@ from lsvib.models.motion import Motion, follow
 
 _CHUNK = 64  # events looked at first; then twice as many, and so on
 _PERIODS = 64  # returns to the section in the longest cycle that is seen to repeat
+_LONG = 1000  # events after which returns that hardly move are leapt over
+_LONGER = 8  # factor from one such attempt to the next
+_MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
 _CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
@@ -130,7 +134,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
     state = np.array(state, dtype=float)
     if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
-    used, chunk = 0, _CHUNK
+    used, chunk, patience, size_of_state = 0, _CHUNK, _LONG, state.size
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -146,9 +150,46 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
         if cycle is not None:
             return cycle
         used += motion.time.size
+        if used >= patience and size_of_state == 2:
+            patience *= _LONGER
+            slow = _slow_end(automaton, motion, max_events - used)
+            if slow is not None:
+                return slow
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
     return SteadyState(Attractor.UNRESOLVED, state)
+
+
+def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | None:
+    """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
+
+    ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns, so that the
+    last of them and a place half a return further must end alike.
+    """
+    key = section_key(motion)
+    if key is None:
+        return None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0
+    if len(points) < 4:
+        return None
+    section = Section(automaton, key, points[-1], size, 1, _MORE_PATIENCE * longest)
+    if section.dimension != 1:
+        return None
+    end = leaps.drift(section, 0.0)
+    if end is None:
+        return None
+    place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
+    if end.closes:
+        there = Section(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
+        found = there.fixed_point(place[None])
+        return None if found is None else _cycle(there, found)
+    step = leaps.come_back(section, end.place).excess
+    between = section.state(np.array([end.place + 0.5 * step]))
+    ends = [steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between)]
+    return ends[0] if ends[0].label == ends[1].label else SteadyState(Attractor.UNRESOLVED, place)
 
 
 def settled(automaton: Automaton, motion: Motion) -> SteadyState:

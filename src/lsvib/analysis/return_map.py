@@ -25,7 +25,8 @@ from lsvib.models.motion import Motion, follow
 
 ROUNDING = 16 * planar.EPS
 _SECANTS = 60
-_ENCLOSURE = 1e-9  # half width, in scales of the section, of the first interval tried around a fixed point
+_WIDER = 4.0  # factor from one interval tried around a fixed point to the next
+_WIDEST = 1e-3  # half width of the last one, in scales of the section: where P′ is nearly 1, rounding moves the point
 _SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
@@ -183,15 +184,19 @@ class Section:
             older, f_older, old, f_old = old, f_old, new, f_new
             if abs(old - older) <= planar.EPS:
                 break
-        width = _ENCLOSURE
-        if not abs(f_old) <= ROUNDING or not self.excess(old - width) > 0 > self.excess(old + width):
+        width = ROUNDING
+        while width < _WIDEST and not all(self._inward(old, part * width) for part in (1.0, _WIDER)):
+            width *= _WIDER
+        if width >= _WIDEST:
             return None
         slope = float(self.jacobian(old)[0, 0])
         if not abs(slope) < 1:
             return None
-        while width > ROUNDING and self.excess(old - width / 4) > 0 > self.excess(old + width / 4):
-            width /= 4
         return FixedPoint(self.state(old), slope, width)
+
+    def _inward(self, place: np.ndarray, width: float) -> bool:
+        """Whether motions from both ends of an interval on a line come back closer to its middle."""
+        return bool(self.excess(place - width) > 0 > self.excess(place + width))
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
         """Solve by Newton's method from the origin; the motion, ``earlier`` (k, d), must come closer or be there."""

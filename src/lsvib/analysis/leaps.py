@@ -1,0 +1,134 @@
+"""Where a motion with two states goes whose returns hardly move: leaps along its return map.
+
+The return map P of a line that the motion crosses again and again is monotone while the events of a return stay the
+same, because motions in a plane do not cross. The motion then drifts the way in which f(y) = P(y) − y points, past
+every y up to the first zero of f, or until the events of a return change. Between two places f is followed by its
+Chebyshev interpolant: where all of the interpolant is well above what its last coefficients leave open, f has no zero,
+and the motion passes from the one place to the other however many returns that takes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from lsvib.analysis.return_map import Section
+
+_NODES = 17  # of an interpolant; a drift with fewer than a few turning points is resolved by them
+_TAIL = 4  # last coefficients, whose size is taken for the error of the interpolant
+_SAFE = 8.0  # times that error the interpolant must be away from zero
+_SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of degree 16 turns less often
+_FIRST = 64.0  # length of the first leap, in returns
+_LONGER = 4.0  # factor from one leap to the next
+_SHORTER = 0.125  # factor after a leap that was too long
+_LEAPS = 400  # of one drift
+_SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
+_HALVINGS = 80  # of an interval in which the events of a return change
+_EDGE = 0.25  # width, in returns, within which that place is found
+
+
+class Return(NamedTuple):
+    """One return to a line: f(y) and what happened on the way; ``events`` is None if the motion does not come back."""
+
+    excess: float
+    events: tuple[bytes, bytes] | None
+
+
+class Drift(NamedTuple):
+    """Where a drift ends: at ``place`` on the line, beyond which f has its zero (``closes``) or the events change."""
+
+    place: float
+    beyond: float
+    closes: bool
+
+
+def come_back(section: Section, place: float) -> Return:
+    """Follow one return from y = ``place`` on a section of one dimension."""
+    motion = section.come_back(section.state(np.array([place])))
+    if motion is None or motion.time[0] == 0.0:  # the line is crossed the other way there, or left at once
+        return Return(np.nan, None)
+    excess = float(section.place(motion.end_state)[0]) - place
+    return Return(excess, (motion.kind.tobytes(), motion.mode.tobytes()))
+
+
+def drift(section: Section, place: float) -> Drift | None:
+    """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if it cannot be told.
+
+    It cannot if f is zero to rounding, or if its zeros and turning points lie too close together for ``_LEAPS`` leaps.
+    """
+    first = come_back(section, place)
+    if first.events is None or abs(first.excess) <= _rounding(section, place):
+        return None
+    way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
+    for _ in range(_LEAPS):
+        there = here + way * length
+        step = abs(come_back(section, here).excess)
+        if come_back(section, there).events != first.events:
+            there = _last_same(section, here, there, first.events, step)
+            if abs(there - here) <= step:
+                return Drift(here, there, False)
+        outcome = _passes(section, here, there, way, first.events)
+        if outcome is None:
+            length *= _SHORTER
+            if length < _SHORTEST * step:
+                following = come_back(section, here)
+                here, length = here + following.excess, _SHORTEST * step
+                if come_back(section, here).events != first.events:
+                    return Drift(here, here, False)
+        elif outcome == there:
+            here, length = there, length * _LONGER
+        else:
+            return Drift(*_closer(section, here, outcome, way), True)
+    return None
+
+
+def _closer(section: Section, here: float, there: float, way: float) -> tuple[float, float]:
+    """Halve an interval at whose ends f points to the other one until rounding of f, or of y, decides."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (here + there)
+        excess = way * come_back(section, middle).excess
+        if middle in (here, there) or not abs(excess) > _rounding(section, middle):
+            break
+        here, there = (middle, there) if excess > 0 else (here, middle)
+    return here, there
+
+
+def _rounding(section: Section, place: float) -> float:
+    """Size of f below which it is rounding: that of the line's coordinate."""
+    return 8 * np.finfo(float).eps * max(1.0, abs(place))
+
+
+def _last_same(section: Section, here: float, there: float, events, step: float) -> float:
+    """The farthest place from ``here`` towards ``there`` with the same events, to within a part of a return."""
+    for _ in range(_HALVINGS):
+        if abs(there - here) <= _EDGE * step:
+            break
+        middle = 0.5 * (here + there)
+        if middle in (here, there):
+            break
+        if come_back(section, middle).events == events:
+            here = middle
+        else:
+            there = middle
+    return here
+
+
+def _passes(section: Section, here: float, there: float, way: float, events) -> float | None:
+    """Return ``there`` if f points the same way from ``here`` to there, a place beyond its first zero, or None."""
+    nodes = np.cos(np.pi * (2 * np.arange(_NODES)[::-1] + 1) / (2 * _NODES))
+    places = here + 0.5 * (nodes + 1) * (there - here)
+    found = [come_back(section, float(y)) for y in places]
+    if any(one.events != events for one in found):
+        return None
+    values = way * np.array([one.excess for one in found])
+    weights = chebyshev.chebfit(nodes, values, _NODES - 1)
+    error = _SAFE * np.abs(weights[-_TAIL:]).max() + _rounding(section, there)
+    samples = chebyshev.chebval(np.linspace(-1, 1, _SAMPLES), weights)
+    negative = np.flatnonzero(values < -error)
+    if negative.size:
+        before = samples[: max(1, int(_SAMPLES * 0.5 * (nodes[negative[0]] + 1)))]
+        # One change of sign: above the error, then within it while f falls, then below.
+        undecided = np.flatnonzero(before <= error)
+        falls = np.diff(before[max(0, undecided[0] - 1) :]) if undecided.size else np.array([-1.0])
+        return float(places[negative[0]]) if (falls < 0).all() else None
+    return there if samples.min() > error else None
