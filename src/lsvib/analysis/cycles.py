@@ -182,10 +182,12 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | 
     if end is None:
         return None
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
-    if end.closes:
+    if end.end == leaps.End.CLOSES:
         there = Section(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
         found = there.fixed_point(place[None])
         return None if found is None else _cycle(there, found)
+    if end.end == leaps.End.SHRINKS:
+        return steady_state(automaton, place, mode=key[1], max_events=left)
     step = leaps.come_back(section, end.place).excess
     between = section.state(np.array([end.place + 0.5 * step]))
     ends = [steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between)]

@@ -7,6 +7,7 @@ Chebyshev interpolant: where all of the interpolant is well above what its last 
 and the motion passes from the one place to the other however many returns that takes.
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,8 @@ _SHORTER = 0.125  # factor after a leap that was too long
 _LEAPS = 400  # of one drift
 _SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
 _HALVINGS = 80  # of an interval in which the events of a return change
+_FINE = 16.0  # times the rounding of f below which a line with a finer scale is taken,
+_FAR = 0.25  # once the drift has come so far, in scales of the line
 _EDGE = 0.25  # width, in returns, within which that place is found
 
 
@@ -34,12 +37,20 @@ class Return(NamedTuple):
     events: tuple[bytes, bytes] | None
 
 
+class End(IntEnum):
+    """What a drift comes to."""
+
+    CLOSES = 0  # a zero of f, where a cycle passes
+    LEAVES = 1  # a place beyond which the events of a return change
+    SHRINKS = 2  # returns so short that a line with a finer scale is needed
+
+
 class Drift(NamedTuple):
-    """Where a drift ends: at ``place`` on the line, beyond which f has its zero (``closes``) or the events change."""
+    """Where a drift ends, at ``place`` on the line, and why; ``beyond`` is a place on the other side of a zero of f."""
 
     place: float
     beyond: float
-    closes: bool
+    end: End
 
 
 def come_back(section: Section, place: float) -> Return:
@@ -63,10 +74,12 @@ def drift(section: Section, place: float) -> Drift | None:
     for _ in range(_LEAPS):
         there = here + way * length
         step = abs(come_back(section, here).excess)
+        if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
+            return Drift(here, here, End.SHRINKS)
         if come_back(section, there).events != first.events:
             there = _last_same(section, here, there, first.events, step)
             if abs(there - here) <= step:
-                return Drift(here, there, False)
+                return Drift(here, there, End.LEAVES)
         outcome = _passes(section, here, there, way, first.events)
         if outcome is None:
             length *= _SHORTER
@@ -74,7 +87,7 @@ def drift(section: Section, place: float) -> Drift | None:
                 following = come_back(section, here)
                 here, length = here + following.excess, _SHORTEST * step
                 if come_back(section, here).events != first.events:
-                    return Drift(here, here, False)
+                    return Drift(here, here, End.LEAVES)
         elif outcome == there:
             here, length = there, length * _LONGER
         else:

@@ -167,6 +167,9 @@ class _Stand:
         # T_r grows at k Ω while the screw rests, so one end of the band is ahead; this row is positive before it.
         self.turning = 1 if d.input_speed > 0 else -1
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
+        # Without R the band is a point, the corner of θ′ = 0 and Q = 0. Events accumulate there when what is left of
+        # them lies below rounding; rest then ends as soon as it begins.
+        self.after_all = None if d.axial_force else "rest"
         self.release_sign = (1 if d.axial_force > 0 else -1) if d.axial_force else -self.turning
 
     def beyond_band(self, kinds: tuple[int, int], sign: int = 0) -> tuple[Branch, ...]:
@@ -196,7 +199,7 @@ def _regular(flows, stand: _Stand, rest: bool):
         if rest:
             guards += (Guard("screw_speed", direction, "stop"),)
         flow = flows[direction * q_sign]
-        modes[name] = Mode(code, flow.row, guards, exact=flow.exact)
+        modes[name] = Mode(code, flow.row, guards, stand.after_all if rest else None, flow.exact)
     # Q′ at Q = 0 is the same under both laws; on the line itself it decides which side is entered.
     transitions = {"entry": Transition(tuple(_entry(modes, flows, stand, rest)))}
     for name in modes:
