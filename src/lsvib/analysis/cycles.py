@@ -7,8 +7,9 @@ point that the motion approaches. No waiting time enters.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,6 +45,16 @@ class Attractor(IntEnum):
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
 
 
+class Passage(NamedTuple):
+    """A stretch of a line on which a ``mode`` is entered; every motion that enters it there ends as this one does.
+
+    ``ends`` (2, 2): the states at its ends.
+    """
+
+    mode: int
+    ends: np.ndarray
+
+
 @dataclass(frozen=True)
 class SteadyState:
     """The attractor of a motion.
@@ -52,7 +63,8 @@ class SteadyState:
     section in a period; ``residual`` [1], change of the section state over one period relative to the size of the
     motion; ``enclosure`` [1], half width of the interval that is proved to hold the fixed point, relative to that size
     (0 if the section state repeats to the last bit, nan if the section is no line); ``multiplier`` [1] of the return
-    map, the largest. ``state`` (n) is the equilibrium or the section state.
+    map, the largest. ``state`` (n) is the equilibrium or the section state. ``passages``: where the motion was leapt
+    over.
     """
 
     label: Attractor
@@ -62,6 +74,7 @@ class SteadyState:
     residual: float = math.nan
     enclosure: float = math.nan
     multiplier: float = math.nan
+    passages: tuple[Passage, ...] = ()
 
     @property
     def period(self) -> float:
@@ -113,8 +126,12 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([np.where(resting, drift, spring), change[:, 0], durations], axis=1), modes
 
 
-def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000) -> SteadyState:
+def steady_state(
+    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000, patience: int = _LONG
+) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
+
+    ``patience``: events after which the returns of a motion with two states are leapt over, if they hardly move.
 
     Exits:
 
@@ -134,7 +151,7 @@ def steady_state(automaton: Automaton, state, *, mode: int | None = None, max_ev
     state = np.array(state, dtype=float)
     if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
-    used, chunk, patience, size_of_state = 0, _CHUNK, _LONG, state.size
+    used, chunk, size_of_state = 0, _CHUNK, state.size
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -182,16 +199,23 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | 
     if end is None:
         return None
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
+    came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
+    passage = Passage(key[1], np.array([came_from, place]))
     if end.end == leaps.End.CLOSES:
         there = Section(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
-        found = there.fixed_point(place[None])
-        return None if found is None else _cycle(there, found)
-    if end.end == leaps.End.SHRINKS:
-        return steady_state(automaton, place, mode=key[1], max_events=left)
-    step = leaps.come_back(section, end.place).excess
-    between = section.state(np.array([end.place + 0.5 * step]))
-    ends = [steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between)]
-    return ends[0] if ends[0].label == ends[1].label else SteadyState(Attractor.UNRESOLVED, place)
+        fixed = there.fixed_point(place[None])
+        found = None if fixed is None else _cycle(there, fixed)
+    elif end.end == leaps.End.SHRINKS:
+        found = steady_state(automaton, place, mode=key[1], max_events=left)
+    else:
+        step = leaps.come_back(section, end.place).excess
+        between = section.state(np.array([end.place + 0.5 * step]))
+        found, other = (
+            steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between)
+        )
+        if found.label != other.label:
+            return SteadyState(Attractor.UNRESOLVED, place)
+    return None if found is None else replace(found, passages=(passage, *found.passages))
 
 
 def settled(automaton: Automaton, motion: Motion) -> SteadyState:

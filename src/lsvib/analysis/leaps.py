@@ -95,6 +95,26 @@ def drift(section: Section, place: float) -> Drift | None:
     return None
 
 
+def reach_back(section: Section, place: float) -> float:
+    """Return how far back the drift of a motion at y = ``place`` comes from: a place from which all go that way."""
+    first = come_back(section, place)
+    way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
+    for _ in range(_LEAPS):
+        step = abs(come_back(section, here).excess)
+        if not length > _SHORTEST * step:
+            break
+        there = here - way * length
+        if come_back(section, there).events != first.events:
+            there = _last_same(section, here, there, first.events, step)
+        if there == here:
+            break
+        if _passes(section, here, there, way, first.events) == there:
+            here, length = there, length * _LONGER
+        else:
+            length *= _SHORTER
+    return here
+
+
 def _closer(section: Section, here: float, there: float, way: float) -> tuple[float, float]:
     """Halve an interval at whose ends f points to the other one until rounding of f, or of y, decides."""
     for _ in range(_HALVINGS):

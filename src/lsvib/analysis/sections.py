@@ -26,7 +26,7 @@ unresolved.
 
 import numpy as np
 
-from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
+from lsvib.analysis.cycles import Attractor, Passage, SteadyState, steady_state
 from lsvib.analysis.section_tables import (
     FAR,
     ON_CYCLE,
@@ -45,9 +45,13 @@ from lsvib.core.attraction import UNKNOWN, UNRESOLVED
 from lsvib.core.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
 from lsvib.models.automaton import Automaton
 
-_EVENTS = 4000  # of an itinerary
+_EVENTS = 256  # of an itinerary; what a motion does later is asked of its attractor
+_HASTE = 64  # events after which a motion that hardly moves is leapt over
+_WORK = 20_000_000  # events that may be followed for a drive, a few seconds
+_BISECTIONS = 60  # motions followed to find the place at which two courses part
+_COST = 20_000  # events that a search for an attractor counts for, about
+_LATER = 1000  # plus a label ends the course of a motion whose attractor was found beyond its itinerary
 _SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
-_PATIENCE = 3  # searches for an attractor that end with none
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
 
@@ -63,8 +67,13 @@ class Sections:
         self.attractors: list[SteadyState] = []
         self._absorbing = np.empty((0, 4))
         self._absorbed: list[Attractor] = []
-        self._futile = 0
+        self._pieces_known: list[tuple[Section, float, float, int]] = []
+        self._places: list[int] = []
+        self._work = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
+        if automaton.contracts:
+            self._same_for_all()
+            return
         for section in self.sections:
             if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, planar.EQUILIBRIUM]):
                 self._absorb_by_corner(section, 1)
@@ -80,6 +89,13 @@ class Sections:
         found = {section: self._labels(section) for section in self.sections}
         self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
         self.known = with_cycles(automaton, self.known, self.attractors, releases)
+
+    def _same_for_all(self) -> None:
+        """Fill the table for a drive all of whose motions have one attractor."""
+        label = steady_state(self.automaton, np.zeros(2)).label
+        found = {section: Pieces([-np.inf, np.inf], [int(label)]) for section in self.sections}
+        self.known.resting[self.known.resting != UNKNOWN] = label
+        self.known = with_common_labels(self.automaton, with_labels(self.known, found), found, self.size)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
         state = np.empty(2)
@@ -97,7 +113,10 @@ class Sections:
 
     def _explore(self, state: np.ndarray, mode: int) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
-        found = steady_state(self.automaton, state, mode=mode)
+        found = steady_state(self.automaton, state, mode=mode, max_events=_COST, patience=_HASTE)
+        self._work += _COST
+        for passage in found.passages if found.label != Attractor.UNRESOLVED else ():
+            self._absorb_passage(passage, found.label)
         if found.orbit is None or any(_same(found, other) for other in self.attractors):
             return found.label
         self.attractors.append(found)
@@ -106,6 +125,15 @@ class Sections:
             if interval is not None:
                 self._absorb(interval, found.label)
         return found.label
+
+    def _absorb_passage(self, passage: Passage, label: Attractor) -> None:
+        """Add a stretch of a section from which all motions were found to have one label."""
+        for section in self.sections:
+            points = [self._point(section, x) for x in passage.ends[:, section.free]]
+            near = ON_CYCLE * np.abs(passage.ends).max(axis=0)
+            if section.mode == passage.mode and (np.abs(points - passage.ends) <= near).all():
+                self._absorb((section.mode, section.surface, *sorted(passage.ends[:, section.free])), label)
+                return
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
         """The widest of intervals that double, around a point of a cycle, that the return map maps into itself."""
@@ -145,16 +173,13 @@ class Sections:
             code, count, mode = itinerary.itinerary(
                 self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
             )
-            if code != TOO_LONG or self._futile == _PATIENCE or not self._learns(state, mode):
+            self._work += count
+            if code != TOO_LONG or self._work > _WORK:
                 return np.append(self._symbols[:count], -10 - code)
-
-    def _learns(self, state: np.ndarray, mode: int) -> bool:
-        """Look for an attractor that a motion whose itinerary does not end comes to; True if one is found."""
-        before = len(self._absorbing)
-        self._explore(state, mode)
-        learned = len(self._absorbing) > before
-        self._futile += not learned
-        return learned
+            before = len(self._absorbing)
+            label = self._explore(state, mode)
+            if len(self._absorbing) == before:
+                return np.append(self._symbols[:count], _LATER + label)
 
     def _absorb_by_corner(self, section: Section, side: int) -> None:
         """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
@@ -176,6 +201,8 @@ class Sections:
         self._absorbed.append(label)
 
     def _label(self, course: np.ndarray) -> int:
+        if course[-1] >= _LATER + Attractor.UNRESOLVED:
+            return int(course[-1]) - _LATER
         code = -10 - int(course[-1])
         if code < 0:
             return {DIVERGED: self.known.diverged, GRAZED: GRAZED, STUCK: UNKNOWN}.get(code, UNRESOLVED)
@@ -184,7 +211,7 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
-        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0]))]
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], learns=True))]
         if len(runs[0].labels) == 1:
             return runs[0]
         runs += [self._trimmed(section, self._pieces(section, push)) for push in _PUSHES[1:]]
@@ -214,27 +241,56 @@ class Sections:
             edges, labels = edges[:-1], labels[:-1]
         return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
-    def _pieces(self, section: Section, push: tuple[float, bool]) -> Pieces:
-        """Labels along a section, by bisection between motions that take different courses."""
+    def _pieces(self, section: Section, push: tuple[float, bool], learns: bool = False) -> Pieces:
+        """Labels along a section, by bisection between motions that take different courses.
+
+        With ``learns`` what is found is used at once: places that are nearer to the equilibrium come first, and a
+        motion that returns to where the label is known needs no more of its course.
+        """
         far, resolution = FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
-        edges, labels = [-far], []
-        waiting = [(-far, self._course(section, -far, push), far, self._course(section, far, push))]
+        waiting, found = [(-far, far)], []
         while waiting:
-            low, low_course, high, high_course = waiting.pop()
+            low, high = waiting.pop()
+            low_course, high_course = (self._course(section, x, push) for x in (low, high))
             position = _first_difference(low_course, high_course)
-            if position < 0:
-                edges[-1] = low
-                edges.append(high)
-                labels.append(self._label(low_course))
+            if position < 0 or self._work > _WORK or position == _EVENTS:
+                label = self._label(low_course) if position < 0 else UNRESOLVED
+                found.append((low, high, label))
+                if learns:
+                    self._remember(section, low, high, label)
                 continue
             here, there = itinerary.last_agreement(
                 self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
                 low, high, resolution, *push, low_course, position,
             )  # fmt: skip
-            here_course, there_course = (self._course(section, x, push) for x in (here, there))
-            waiting.append((there, there_course, high, high_course))
-            waiting.append((low, low_course, here, here_course))
-        return _merged(edges, labels, _SLIVER * self.size[section.free])
+            self._work += _BISECTIONS * (position + 1)
+            waiting += sorted([(low, here), (there, high)], key=lambda ends: -min(abs(ends[0]), abs(ends[1])))
+        found.sort()
+        return _merged([*(low for low, _, _ in found), far], [x for _, _, x in found], _SLIVER * self.size[section.free])
+
+    def _remember(self, section: Section, low: float, high: float, label: int) -> None:
+        """Let motions that come to the inside of a piece of a section end there; its ends stay to be examined."""
+        if label not in set(Attractor) or label == Attractor.UNRESOLVED:
+            return
+        near = 4 * planar.EPS * max(abs(low), abs(high), 1e-3 * self.size[section.free])  # places were bisected so far
+        index = next(
+            (
+                k
+                for k, (other, first, last, known) in enumerate(self._pieces_known)
+                if other == section and known == label and first <= high + near and low <= last + near
+            ),
+            None,
+        )
+        if index is None:
+            index = len(self._pieces_known)
+            self._pieces_known.append((section, low, high, label))
+            self._absorb((section.mode, section.surface, low, high), Attractor(label))
+            self._places.append(len(self._absorbed) - 1)
+        _, first, last, _ = self._pieces_known[index]
+        low, high = min(low, first), max(high, last)
+        self._pieces_known[index] = (section, low, high, label)
+        margin = _SLIVER * (high - low)
+        self._absorbing[self._places[index], 2:] = low + margin, high - margin
 
 
 def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
