@@ -210,9 +210,7 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | 
     else:
         step = leaps.come_back(section, end.place).excess
         between = section.state(np.array([end.place + 0.5 * step]))
-        found, other = (
-            steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between)
-        )
+        found, other = (steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between))
         if found.label != other.label:
             return SteadyState(Attractor.UNRESOLVED, place)
     return None if found is None else replace(found, passages=(passage, *found.passages))
@@ -303,6 +301,8 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
         section = Section(automaton, key, points[-1], size, returns, longest)
         found = section.fixed_point(before) if len(before) else None
         if found is None:
+            continue
+        if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
             continue
         if np.abs(found.state / size).max() < _CORNER:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():

@@ -7,6 +7,7 @@ Chebyshev interpolant: where all of the interpolant is well above what its last 
 and the motion passes from the one place to the other however many returns that takes.
 """
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -27,6 +28,8 @@ _SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are foll
 _HALVINGS = 80  # of an interval in which the events of a return change
 _FINE = 16.0  # times the rounding of f below which a line with a finer scale is taken,
 _FAR = 0.25  # once the drift has come so far, in scales of the line
+_FEW = 32.0  # returns
+_NEARLY = 1e-3  # of the way is left out, where f vanishes
 _EDGE = 0.25  # width, in returns, within which that place is found
 
 
@@ -55,11 +58,8 @@ class Drift(NamedTuple):
 
 def come_back(section: Section, place: float) -> Return:
     """Follow one return from y = ``place`` on a section of one dimension."""
-    motion = section.come_back(section.state(np.array([place])))
-    if motion is None or motion.time[0] == 0.0:  # the line is crossed the other way there, or left at once
-        return Return(np.nan, None)
-    excess = float(section.place(motion.end_state)[0]) - place
-    return Return(excess, (motion.kind.tobytes(), motion.mode.tobytes()))
+    excess, events = section.outcome(np.array([place]))
+    return Return(float(excess[0]), events)
 
 
 def drift(section: Section, place: float) -> Drift | None:
@@ -91,8 +91,20 @@ def drift(section: Section, place: float) -> Drift | None:
         elif outcome == there:
             here, length = there, length * _LONGER
         else:
-            return Drift(*_closer(section, here, outcome, way), True)
+            return Drift(*_closer(section, here, outcome, way), End.CLOSES)
     return None
+
+
+def goes_straight(section: Section, target: float) -> bool:
+    """Whether the motion from y = 0 drifts to y = ``target``, near a zero of f, and f has no other zero before.
+
+    So it is if the target is a few returns away, as a motion that converges fast is before it arrives.
+    """
+    first = come_back(section, 0.0)
+    if abs(target) <= _FEW * abs(first.excess):
+        return True
+    nearly = target - math.copysign(_FEW * abs(come_back(section, target).excess) + _NEARLY * abs(target), target)
+    return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
 
 
 def reach_back(section: Section, place: float) -> float:

@@ -147,8 +147,18 @@ class Section:
 
     def excess(self, place: np.ndarray) -> np.ndarray:
         """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""
+        return self.outcome(place)[0]
+
+    def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
+        """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
+
+        None for the latter, and nan, if the motion does not come back, or leaves the section the moment it starts:
+        there the surface is crossed the other way.
+        """
         motion = self.come_back(self.state(place))
-        return np.full(self.dimension, math.nan) if motion is None else self.place(motion.end_state) - place
+        if motion is None or motion.time[0] == 0.0:
+            return np.full(self.dimension, math.nan), None
+        return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
 
     def jacobian(self, place: np.ndarray) -> np.ndarray:
         """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
@@ -195,8 +205,9 @@ class Section:
         return FixedPoint(self.state(old), slope, width)
 
     def _inward(self, place: np.ndarray, width: float) -> bool:
-        """Whether motions from both ends of an interval on a line come back closer to its middle."""
-        return bool(self.excess(place - width) > 0 > self.excess(place + width))
+        """Whether motions from both ends of an interval come back closer to its middle, by the same events."""
+        (left, before), (right, after) = self.outcome(place - width), self.outcome(place + width)
+        return bool(left > 0 > right) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
         """Solve by Newton's method from the origin; the motion, ``earlier`` (k, d), must come closer or be there."""

@@ -50,6 +50,7 @@ _HASTE = 64  # events after which a motion that hardly moves is leapt over
 _WORK = 20_000_000  # events that may be followed for a drive, a few seconds
 _BISECTIONS = 60  # motions followed to find the place at which two courses part
 _COST = 20_000  # events that a search for an attractor counts for, about
+_PROBES = (-0.5 * FAR, -30.0, -1.0, -0.1, 0.1, 1.0, 30.0, 0.5 * FAR)  # starts, in sizes of the drive's motions
 _LATER = 1000  # plus a label ends the course of a motion whose attractor was found beyond its itinerary
 _SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
@@ -67,8 +68,8 @@ class Sections:
         self.attractors: list[SteadyState] = []
         self._absorbing = np.empty((0, 4))
         self._absorbed: list[Attractor] = []
-        self._pieces_known: list[tuple[Section, float, float, int]] = []
-        self._places: list[int] = []
+        self._found: dict[Section, list[tuple[float, float, int]]] = {}
+        self._learned: list[Attractor] = []
         self._work = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
         if automaton.contracts:
@@ -82,10 +83,10 @@ class Sections:
         for mode, state in releases:
             self.known.resting[mode] = self._explore(state, mode)
         for section in self.sections:
-            for part in (-1.0, -0.1, 0.1, 1.0):
+            for part in _PROBES:
                 state = self._point(section, part * self.size[section.free])
                 if self._belongs(section, state):
-                    self._explore(state, section.mode)
+                    self._course(section, state[section.free], _PUSHES[0])  # meets what attracts it, if unknown
         found = {section: self._labels(section) for section in self.sections}
         self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
         self.known = with_cycles(automaton, self.known, self.attractors, releases)
@@ -197,7 +198,7 @@ class Sections:
             self._absorb(found, Attractor.STEADY_SLIDING)
 
     def _absorb(self, interval: tuple[float, ...], label: Attractor) -> None:
-        self._absorbing = np.vstack([self._absorbing, interval])
+        self._absorbing = np.insert(self._absorbing, len(self._absorbed), interval, axis=0)
         self._absorbed.append(label)
 
     def _label(self, course: np.ndarray) -> int:
@@ -207,7 +208,7 @@ class Sections:
         if code < 0:
             return {DIVERGED: self.known.diverged, GRAZED: GRAZED, STUCK: UNKNOWN}.get(code, UNRESOLVED)
         index, kind = divmod(code, 3)
-        return int((self.known.settled, self.known.resting, self._absorbed)[kind][index])
+        return int((self.known.settled, self.known.resting, [*self._absorbed, *self._learned])[kind][index])
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
@@ -251,7 +252,10 @@ class Sections:
         waiting, found = [(-far, far)], []
         while waiting:
             low, high = waiting.pop()
-            low_course, high_course = (self._course(section, x, push) for x in (low, high))
+            attractors = -1
+            while attractors != len(self._absorbed):
+                attractors = len(self._absorbed)
+                low_course, high_course = (self._course(section, x, push) for x in (low, high))
             position = _first_difference(low_course, high_course)
             if position < 0 or self._work > _WORK or position == _EVENTS:
                 label = self._label(low_course) if position < 0 else UNRESOLVED
@@ -266,31 +270,43 @@ class Sections:
             self._work += _BISECTIONS * (position + 1)
             waiting += sorted([(low, here), (there, high)], key=lambda ends: -min(abs(ends[0]), abs(ends[1])))
         found.sort()
-        return _merged([*(low for low, _, _ in found), far], [x for _, _, x in found], _SLIVER * self.size[section.free])
+        return _merged(
+            [*(low for low, _, _ in found), far], [x for _, _, x in found], _SLIVER * self.size[section.free]
+        )
 
     def _remember(self, section: Section, low: float, high: float, label: int) -> None:
         """Let motions that come to the inside of a piece of a section end there; its ends stay to be examined."""
-        if label not in set(Attractor) or label == Attractor.UNRESOLVED:
-            return
-        near = 4 * planar.EPS * max(abs(low), abs(high), 1e-3 * self.size[section.free])  # places were bisected so far
-        index = next(
-            (
-                k
-                for k, (other, first, last, known) in enumerate(self._pieces_known)
-                if other == section and known == label and first <= high + near and low <= last + near
-            ),
-            None,
-        )
-        if index is None:
-            index = len(self._pieces_known)
-            self._pieces_known.append((section, low, high, label))
-            self._absorb((section.mode, section.surface, low, high), Attractor(label))
-            self._places.append(len(self._absorbed) - 1)
-        _, first, last, _ = self._pieces_known[index]
-        low, high = min(low, first), max(high, last)
-        self._pieces_known[index] = (section, low, high, label)
-        margin = _SLIVER * (high - low)
-        self._absorbing[self._places[index], 2:] = low + margin, high - margin
+        pieces = self._found.setdefault(section, [])
+        pieces.append((low, high, label))
+        pieces.sort()
+        sliver = _SLIVER * self.size[section.free]
+        joined: list[tuple[float, float, int]] = []
+        for low, high, label in pieces:
+            touches = [one for one in joined[-2:] if one[2] == label]
+            special = touches and len(joined) > 1 and touches[-1] is joined[-2] and _touching(joined[-1], sliver)
+            near = 4 * planar.EPS * max(abs(low), sliver)  # places were bisected so far
+            if touches and touches[-1] is joined[-1] and low <= joined[-1][1] + near:
+                joined[-1:] = [(joined[-1][0], high, label)]
+            elif special and low <= joined[-1][1] + near and joined[-1][0] <= joined[-2][1] + near:
+                joined[-2:] = [(joined[-2][0], high, label)]
+            else:
+                joined.append((low, high, label))
+        self._found[section] = joined
+        known = [
+            (one, low + _SLIVER * (high - low), high - _SLIVER * (high - low), label)
+            for one, parts in self._found.items()
+            for low, high, label in parts
+            if label > UNRESOLVED
+        ]
+        rows = [(one.mode, one.surface, low, high) for one, low, high, _ in known]
+        self._learned = [Attractor(label) for _, _, _, label in known]
+        self._absorbing = np.vstack([self._absorbing[: len(self._absorbed)], *rows])
+
+
+def _touching(piece: tuple[float, float, int], sliver: float) -> bool:
+    """Whether a piece is one of motions that touch a guard or meet a corner, to rounding."""
+    low, high, label = piece
+    return label in (GRAZED, UNKNOWN) and high - low <= sliver + sliver * abs(low)
 
 
 def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
@@ -301,8 +317,7 @@ def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
         keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
         edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
         for k in range(1, len(labels) - 1):
-            special = labels[k] in (GRAZED, UNKNOWN) and edges[k + 1] - edges[k] <= sliver + sliver * abs(edges[k])
-            if special and labels[k - 1] == labels[k + 1]:
+            if _touching((edges[k], edges[k + 1], labels[k]), sliver) and labels[k - 1] == labels[k + 1]:
                 labels[k] = labels[k - 1]
         pieces = Pieces(edges, labels)
     return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
