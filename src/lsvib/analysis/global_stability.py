@@ -10,8 +10,6 @@ from lsvib.analysis.slip import ForwardDrive, many
 from lsvib.core import planar
 from lsvib.errors import NoThreshold
 from lsvib.models.automaton import oscillator
-from lsvib.models.coefficients import coefficients
-from lsvib.models.parameters import LeadScrew
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
@@ -20,16 +18,15 @@ _NEWTON = 200
 _EXACT = 1e-40  # relative step; the coefficients have 50 digits
 
 
-def globally_stable_below(drive: LeadScrew):
-    """Return the threshold R [N] of the drive mirrored to Ω > 0, with 50 digits; infinite if there is none below R_on.
+def globally_stable_below(forward: ForwardDrive):
+    """Return the threshold R [N] with 50 digits; infinite if there is none below R_on.
 
     Requires Γ₊ ≤ 0 and C₋ > 0. Raises ``NoThreshold`` for the drives with q_w < 0 for which cycles without rest cannot
     be excluded.
     """
-    forward = ForwardDrive(drive)
     force = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
-        force = min(force, forward.onset - widest_return(drive, forward) / forward.inertia[-1])
+        force = min(force, forward.onset - widest_return(forward)[0] / forward.inertia[-1])
     elif forward.contact[1] < 0:
         _require_rest_in_every_cycle(forward, force)
     return force if force < forward.onset else many.inf
@@ -61,14 +58,13 @@ def rest_goes_on_from(forward: ForwardDrive):
     return force
 
 
-def widest_return(drive: LeadScrew, forward: ForwardDrive):
-    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] comes back to u = x for the first time; q_w > 0.
+def widest_return(forward: ForwardDrive):
+    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] comes back to u = x for the first time, and x; q_w > 0.
 
     Slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the rate w = −Ω S′ − a₀ x S then, so that the
     maximum is one over τ. It is found in double precision; its value is formed with 50 digits.
     """
-    c = coefficients(drive)
-    row = oscillator(c.gamma[-1], c.damping[-1], drive.exact().coupling_stiffness, 0)
+    row = oscillator(*forward.decimals, 0)
     speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[planar.A0])
     largest = float(forward.damping[-1] * forward.speed / forward.stiffness)
 
@@ -78,17 +74,18 @@ def widest_return(drive: LeadScrew, forward: ForwardDrive):
         w = -speed * s_rate - a0 * x * s
         return q_u * x + q_w * w if x < largest and w > 0 else -many.inf
 
-    # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x is about −2 Ω / (a₀ τ) or −Ω / (a₀ τ) for small τ: no maximum is earlier.
-    low = 0.1 * q_u / (a0 * q_w)
-    # Slip that turns comes back within a turn; other slip has all but stopped after 40 times its slowest time.
-    high = 2 * float(many.pi) / row[planar.BETA] if row[planar.BETA] > 0 else -40 / row[planar.R1]
-    if not low < high:
-        return -many.inf
+    # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short against
+    # the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all but stopped
+    # after 40 times its slowest time.
+    turns = row[planar.BETA] > 0
+    slowest = row[planar.TIME_SCALE] if turns else -1 / row[planar.R1]
+    low = 0.1 * min(q_u / (a0 * q_w), slowest)
+    high = 2 * float(many.pi) / row[planar.BETA] if turns else 40 * slowest
     times = [low * (high / low) ** (k / _GRID) for k in range(_GRID)]
     heights = [height(time) for time in times]
     count = next((k for k, value in enumerate(heights) if value == -many.inf), len(heights))
     if count == 0:
-        return -many.inf
+        return -many.inf, many.nan
     best = max(range(count), key=heights.__getitem__)
     low, high = times[max(best - 1, 0)], times[best + 1] if best + 1 < _GRID else high
     for _ in range(_REFINEMENTS):
@@ -98,7 +95,7 @@ def widest_return(drive: LeadScrew, forward: ForwardDrive):
     slip = forward.slip(-1)
     c, s, s_rate = slip.responses(many.mpf(time if height(time) >= heights[best] else times[best]))
     x = -forward.speed * s / (1 - c)
-    return forward.contact[0] * x + forward.contact[1] * (-forward.speed * s_rate - slip.a0 * x * s)
+    return forward.contact[0] * x + forward.contact[1] * (-forward.speed * s_rate - slip.a0 * x * s), x
 
 
 def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:

@@ -5,18 +5,25 @@ a₁ S its response to a unit displacement (a₀ = k / Γ, a₁ = C / Γ), every
 derivative  p S′ + q S, whose zeros are known in closed form.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from itertools import count
+from types import SimpleNamespace
 
-from mpmath import MPContext, fp
+from mpmath import MPContext
 
-from lsvib.models.coefficients import coefficients
+from lsvib.models.coefficients import Coefficients
 from lsvib.models.parameters import PLACES, LeadScrew
 
 many = MPContext()  # an own context: the precision of the global one belongs to the caller
 many.dps = PLACES
-double = fp  # the same functions in double precision
+double = SimpleNamespace(
+    mpf=float, **{name: getattr(math, name) for name in ("exp", "log", "cos", "sin", "atan2", "pi")}
+)
+_CLOSE = 1e-9  # relative, of the start for Newton's method: it squares the error in every step
+_NEWTON = 8
+_EXACT = 1e-25  # relative, of a step: the next one would be the square of that
 _STEPS = 400  # of a bracketed search, which halves the bracket at least every third time
 
 
@@ -27,8 +34,9 @@ class ForwardDrive:
     depends on R; ``xi``, ``inertia`` Γ and ``damping`` C by law.
     """
 
-    def __init__(self, drive: LeadScrew) -> None:
-        c, d = coefficients(drive), drive.exact()
+    def __init__(self, drive: LeadScrew, c: Coefficients) -> None:
+        d = drive.exact()
+        self._slips: dict[tuple[int, bool], Slip] = {}
         self.xi, self.inertia, self.damping = (
             {law: _exact(value) for law, value in by_law.items()} for by_law in (c.xi, c.gamma, c.damping)
         )
@@ -36,11 +44,15 @@ class ForwardDrive:
         self.radius, self.screw_inertia = _exact(d.pitch_radius), _exact(d.screw_inertia)
         self.lever = self.radius * _exact(d.tan_lead)
         self.contact = _exact(c.q_row[0]), _exact(c.q_row[1])
+        self.decimals = c.gamma[-1], c.damping[-1], d.coupling_stiffness  # of slip under law −1
         self.onset = self.lever * _exact(d.translation_damping) * self.speed
 
     def slip(self, law: int, context=many) -> "Slip":
         """Return slip under a law, in many digits or in double precision."""
-        return Slip(self.inertia[law], self.damping[law], self.stiffness, context)
+        key = law, context is many
+        if key not in self._slips:
+            self._slips[key] = Slip(self.inertia[law], self.damping[law], self.stiffness, context)
+        return self._slips[key]
 
 
 def _exact(value: Decimal):
@@ -51,7 +63,7 @@ class Slip:
     """Closed-form slip with effective inertia Γ [kg m²], damping C [N m s/rad] and stiffness k [N m/rad]."""
 
     def __init__(self, inertia, damping, stiffness, context=many) -> None:
-        self.context = context
+        self.context, self.terms = context, (inertia, damping, stiffness)
         a0, a1 = stiffness / inertia, damping / inertia
         square = (a1 / 2) ** 2 - a0
         self.turns = square < 0
@@ -118,13 +130,25 @@ class Slip:
         return None
 
     def recurrence(self):
-        """Time [s] at which C = 1 for the first time: motion from w′ = 0 comes back to its w. For slip that grows."""
-        return bracketed_root(
-            lambda time: self.responses(time)[0] - 1,
-            self.context.pi / self.beta,
-            2 * self.context.pi / self.beta,
-            self.context.eps,
-        )
+        """Time [s] at which C = 1 for the first time: motion from w′ = 0 comes back to its w. For slip that grows.
+
+        It lies between half a turn and a whole one. Newton's method, in each digit that a bracket leaves open.
+        """
+        for slip in (Slip(*self.terms, double), self):
+            turn = 2 * slip.context.pi / slip.beta
+            try:
+                time = bracketed_root(lambda time, slip=slip: slip.responses(time)[0] - 1, turn / 2, turn, _CLOSE)
+                break
+            except OverflowError:  # slip grows by more than double precision can hold
+                continue
+        time = self.context.mpf(time)
+        for _ in range(_NEWTON):
+            c, s, _ = self.responses(time)
+            step = (1 - c) / (self.a0 * s)
+            time -= step
+            if abs(step) <= _EXACT * time:
+                break
+        return time
 
 
 def bracketed_root(function: Callable, low, high, tolerance: float):
@@ -147,10 +171,12 @@ def bracketed_root(function: Callable, low, high, tolerance: float):
         limit = tolerance * abs(best) / abs(b - a) if b != a else 1
         if limit > 0.5 or value_a == 0 or value_b == 0:
             return best
-        share, rise = (a - b) / (c - b), (value_a - value_b) / (value_c - value_b)
         part = 0.5
+        if value_c in (value_a, value_b):  # the function is flat to rounding
+            continue
+        share, rise = (a - b) / (c - b), (value_a - value_b) / (value_c - value_b)
         if rise**2 < share and (1 - rise) ** 2 < 1 - share:
             part = value_a / (value_b - value_a) * value_c / (value_b - value_c)
             part += (c - a) / (b - a) * value_a / (value_c - value_a) * value_b / (value_c - value_b)
-        part = min(max(part, limit), 1 - limit)
+            part = min(max(part, limit), 1 - limit)
     return best

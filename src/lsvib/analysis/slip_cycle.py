@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 from lsvib.analysis.slip import ForwardDrive, Slip, bracketed_root, double, many
 
-_CLOSE = 1e-9  # relative, of the start for Newton's method: it squares the error in every step
+_CLOSE = 1e-7  # relative, of the start for Newton's method: it squares the error in every step
 _NEWTON = 8
 _EXACT = 1e-35  # relative residual; the coefficients have 50 digits
 _NEAREST = (1e-10, 1e-40)  # smallest phase beyond half a turn that is looked at, in double and in many digits
-_LARGEST = 2.0**200  # in turns: a time that no return takes
 
 
 class Half(NamedTuple):
@@ -64,19 +63,24 @@ def _times(drive: ForwardDrive, context, nearest: float):
     def long_time(phase):
         return (context.pi + phase) / plus.beta
 
+    def short_time(logit):
+        return (
+            context.pi / minus.beta / (1 + context.exp(-logit)) if minus.turns else context.exp(logit) / minus.a0**0.5
+        )
+
     def time_below(slope):
         """Time after which a motion that leaves Q = 0 downwards with a slope comes back."""
 
-        def balance(time):
-            c, s, _ = minus.responses(time)
+        def balance(logit):
+            c, s, _ = minus.responses(short_time(logit))
             rise, fall = heights[-1] * (1 - c), -slope * s
             return (rise - fall) / (rise + fall)
 
-        high = context.pi / minus.beta if minus.turns else 1 / minus.a0**0.5
-        low = high * nearest
+        # Slip that turns comes back within half a turn, and its time may come close to that; other slip comes back some time.
+        low, high = context.log(nearest), -context.log(nearest) if minus.turns else 1
         while not minus.turns and balance(high) < 0:
-            low, high = high, 2 * high
-        return bracketed_root(balance, low, high, _CLOSE)
+            low, high = high, high + 1
+        return short_time(bracketed_root(balance, low, high, _CLOSE))
 
     def excess(logarithm):
         above = half_return(plus, heights[1], long_time(context.exp(logarithm)))
@@ -85,7 +89,7 @@ def _times(drive: ForwardDrive, context, nearest: float):
 
     try:
         # Beyond this phase a motion under law + that leaves Q = 0 upwards does not come back: C = 1, so that v = 0.
-        grazing = bracketed_root(lambda x: plus.responses(long_time(x))[0] - 1, nearest, context.pi, 1e-15)
+        grazing = context.mpf(drive.slip(1).recurrence() * drive.slip(1).beta - many.pi)
         low, high = context.log(nearest), context.log(grazing * (1 - 1e-9))
         if not excess(low) < 0 < excess(high):
             return None

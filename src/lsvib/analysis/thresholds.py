@@ -10,7 +10,7 @@ from lsvib.analysis.global_stability import globally_stable_below
 from lsvib.analysis.slip import ForwardDrive, many
 from lsvib.analysis.slip_cycle import decay_of_large_motions, slowest_rate
 from lsvib.errors import NoThreshold
-from lsvib.models.coefficients import coefficients
+from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.parameters import LeadScrew, allowed_range
 
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
@@ -19,7 +19,8 @@ _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
 _BALANCED = 1e-12  # decay of large motions in a turn that double input cannot tell from none
 
 
-def _require_negative_damping(drive: LeadScrew) -> None:
+def _negatively_damped(drive: LeadScrew) -> Coefficients:
+    """Coefficients of a drive with Γ₊ > 0 > C₊."""
     c = coefficients(drive)
     if c.paradox:
         raise NoThreshold(
@@ -29,10 +30,15 @@ def _require_negative_damping(drive: LeadScrew) -> None:
         raise NoThreshold(
             "the effective damping of law + is not negative, so conditions (8.19) hold for no axial force."
         )
+    return c
 
 
-def _force(value, drive: LeadScrew) -> float:
-    """A force [N] of the mirrored drive as one of the drive itself."""
+def _force(value, forward: ForwardDrive, drive: LeadScrew) -> float:
+    """A force [N] of the mirrored drive as one of the drive itself; not the onset, between which and it nothing lies."""
+    if float(value) == float(forward.onset):
+        raise NoThreshold(
+            "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
+        )
     if abs(value) > _LARGEST_FORCE:
         raise NoThreshold(
             f"the force at which it would lie is outside the allowed range {allowed_range(LeadScrew, 'axial_force')}."
@@ -46,8 +52,9 @@ def onset_force(drive: LeadScrew) -> float:
     Below it (R̃ < 0) steady sliding attracts what is near, above it (R̃ > 0) it repels, for all forces. Raises
     ``NoThreshold`` in the Painlevé region and where the effective damping of law + is not negative.
     """
-    _require_negative_damping(drive)
-    return _force(ForwardDrive(drive).onset, drive)
+    _negatively_damped(drive)
+    d = drive.exact()
+    return float(d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed)
 
 
 def stick_force(drive: LeadScrew) -> float:
@@ -58,8 +65,7 @@ def stick_force(drive: LeadScrew) -> float:
     Without that guard the motion scales with R̃, so that R̃ = Ω / |w_1| with the extreme velocity w_1 of the cycle at R̃ =
     1 N. Raises ``NoThreshold`` if slip has no such cycle.
     """
-    _require_negative_damping(drive)
-    forward = ForwardDrive(drive)
+    forward = ForwardDrive(drive, _negatively_damped(drive))
     if not forward.slip(1).turns:
         raise NoThreshold(
             "slip under law + grows without a turn for this drive, so slip has no limit cycle that could touch rest."
@@ -74,7 +80,7 @@ def stick_force(drive: LeadScrew) -> float:
         raise NoThreshold(
             "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
         )
-    return _force(forward.onset + forward.speed / -slowest_rate(forward), drive)
+    return _force(forward.onset + forward.speed / -slowest_rate(forward), forward, drive)
 
 
 def detach_force(drive: LeadScrew) -> float:
@@ -86,8 +92,7 @@ def detach_force(drive: LeadScrew) -> float:
     touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊. Raises ``NoThreshold`` if slip under law + does not come
     back to θ′ = 0, if it reaches N = 0 under no force beyond the onset, and if it does not end in rest at that force.
     """
-    _require_negative_damping(drive)
-    forward = ForwardDrive(drive)
+    forward = ForwardDrive(drive, _negatively_damped(drive))
     slip = forward.slip(1)
     if not slip.turns:
         raise NoThreshold(
@@ -107,7 +112,7 @@ def detach_force(drive: LeadScrew) -> float:
             "at the force beyond which slip from the end of rest no longer reaches N = 0 that slip ends in slip "
             "backward, not in rest; the cycles of such drives are not covered."
         )
-    return _force(force, drive)
+    return _force(force, forward, drive)
 
 
 def _extremes(slip, start, row, end) -> list:
@@ -137,11 +142,12 @@ def global_stability_force(drive: LeadScrew) -> float:
         )
     if c.damping[-1] <= 0:
         raise NoThreshold("without damping steady sliding attracts nothing.")
-    force = globally_stable_below(drive)
+    forward = ForwardDrive(drive, c)
+    force = globally_stable_below(forward)
     if force == many.inf:
         with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"
         raise NoThreshold(
             "steady sliding is globally stable under every axial force against the motion"
             f"{with_motion if drive.translation_damping else ''}."
         )
-    return _force(force, drive)
+    return _force(force, forward, drive)
