@@ -1,9 +1,9 @@
 """The axial force below which steady sliding is globally stable in the Painlevé region (Γ₊ ≤ 0, end of Sect. 8.7).
 
-With R̃ < 0 (Ω > 0) all slip is that of law −1 about steady sliding, one damped oscillator whatever R is; R moves the line
-Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. What follows is proved in
-docs/basin.md: every motion that does not settle either rests again and again, or slips for ever between seizures without
-rest; both go on under larger forces. So the threshold is the smaller one of the forces at which the first of each begins.
+With R̃ < 0 (Ω > 0) all slip is that of law −1 about steady sliding, one damped oscillator whatever R is; R moves the
+line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. As docs/basin.md proves, a motion
+that does not settle either rests again and again, or slips for ever between seizures without rest, and both go on under
+larger forces. So the threshold is the smaller one of the forces at which the first of each begins.
 """
 
 from lsvib.analysis.slip import ForwardDrive, many
@@ -24,6 +24,8 @@ def globally_stable_below(forward: ForwardDrive):
     Requires Γ₊ ≤ 0 and C₋ > 0. Raises ``NoThreshold`` for the drives with q_w < 0 for which cycles without rest cannot
     be excluded.
     """
+    if forward.outward <= 0:
+        return many.inf  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
     force = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
         force = min(force, forward.onset - widest_return(forward)[0] / forward.inertia[-1])
@@ -59,10 +61,11 @@ def rest_goes_on_from(forward: ForwardDrive):
 
 
 def widest_return(forward: ForwardDrive):
-    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] comes back to u = x for the first time, and x; q_w > 0.
+    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x, and that x; q_w > 0.
 
-    Slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the rate w = −Ω S′ − a₀ x S then, so that the
-    maximum is one over τ. It is found in double precision; its value is formed with 50 digits.
+    Slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the rate w = −Ω S′ − a₀ x S then, so that
+    the maximum is one over τ. It is found in double precision; its value is formed with 50 digits. Minus infinity if
+    no slip comes back.
     """
     row = oscillator(*forward.decimals, 0)
     speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[planar.A0])
@@ -74,9 +77,9 @@ def widest_return(forward: ForwardDrive):
         w = -speed * s_rate - a0 * x * s
         return q_u * x + q_w * w if x < largest and w > 0 else -many.inf
 
-    # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short against
-    # the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all but stopped
-    # after 40 times its slowest time.
+    # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
+    # against the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all
+    # but stopped after 40 times its slowest time.
     turns = row[planar.BETA] > 0
     slowest = row[planar.TIME_SCALE] if turns else -1 / row[planar.R1]
     low = 0.1 * min(q_u / (a0 * q_w), slowest)
@@ -99,7 +102,7 @@ def widest_return(forward: ForwardDrive):
 
 
 def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:
-    """Refuse the drives with q_w < 0 that may have cycles without rest: the three sufficient conditions of docs/basin.md.
+    """Refuse the drives with q_w < 0 that may have cycles without rest, by the sufficient conditions of docs/basin.md.
 
     All are about the largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the right.
     """

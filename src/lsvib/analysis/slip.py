@@ -1,7 +1,7 @@
 """Slip under one friction law in closed form, with many digits: from it come the thresholds of the axial force.
 
-Slip is the oscillator  Γ u″ + C u′ + k u = 0  about the equilibrium of its law. With S its impulse response and C = S′ +
-a₁ S its response to a unit displacement (a₀ = k / Γ, a₁ = C / Γ), every linear function of the state along it has a
+Slip is the oscillator  Γ u″ + C u′ + k u = 0  about the equilibrium of its law. With S its impulse response and C = S′
++ a₁ S its response to a unit displacement (a₀ = k / Γ, a₁ = C / Γ), every linear function of the state along it has a
 derivative  p S′ + q S, whose zeros are known in closed form.
 """
 
@@ -30,8 +30,8 @@ _STEPS = 400  # of a bracketed search, which halves the bracket at least every t
 class ForwardDrive:
     """Constants of a drive (eqs 8.13–8.17) with 50 digits, mirrored if need be so that Ω > 0.
 
-    ``onset`` is R_on = r_m tan λ c_x Ω [N]; ``lever`` r_m tan λ [m]; ``contact`` the row (q_u, q_w) of Q, whose constant
-    depends on R; ``xi``, ``inertia`` Γ and ``damping`` C by law.
+    ``outward`` is κ = q_u − q_w c_x / m in Q′ = κ w + ρ on the line Q = 0; ``onset`` is R_on = r_m tan λ c_x Ω [N]; ``lever`` r_m tan λ [m]; ``contact`` the row (q_u, q_w) of Q, whose
+    constant depends on R; ``xi``, ``inertia`` Γ and ``damping`` C by law.
     """
 
     def __init__(self, drive: LeadScrew, c: Coefficients) -> None:
@@ -45,7 +45,9 @@ class ForwardDrive:
         self.lever = self.radius * _exact(d.tan_lead)
         self.contact = _exact(c.q_row[0]), _exact(c.q_row[1])
         self.decimals = c.gamma[-1], c.damping[-1], d.coupling_stiffness  # of slip under law −1
-        self.onset = self.lever * _exact(d.translation_damping) * self.speed
+        translation_damping = _exact(d.translation_damping)
+        self.outward = self.contact[0] - self.contact[1] * translation_damping / self.mass
+        self.onset = self.lever * translation_damping * self.speed
 
     def slip(self, law: int, context=many) -> "Slip":
         """Return slip under a law, in many digits or in double precision."""

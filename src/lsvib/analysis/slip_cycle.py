@@ -76,7 +76,7 @@ def _times(drive: ForwardDrive, context, nearest: float):
             rise, fall = heights[-1] * (1 - c), -slope * s
             return (rise - fall) / (rise + fall)
 
-        # Slip that turns comes back within half a turn, and its time may come close to that; other slip comes back some time.
+        # Slip that turns comes back within half a turn, perhaps hardly earlier; other slip comes back at some time.
         low, high = context.log(nearest), -context.log(nearest) if minus.turns else 1
         while not minus.turns and balance(high) < 0:
             low, high = high, high + 1
@@ -123,7 +123,7 @@ def _polished(drive: ForwardDrive, times):
 def _slowest(drive: ForwardDrive, law: int, time):
     """Smallest w [rad/s] on the half of the cycle under a law, at R̃ = 1 N."""
     slip, (q_u, q_w) = drive.slip(law), drive.contact
-    # About the equilibrium of the law Q = q_u y + q_w w + Γ_s and Q′ = q_u w − q_w (a₀ y + a₁ w); Q = 0 and Q′ = v there.
+    # With y = u − u_e of the law, Q = q_u y + q_w w + Γ_s and Q′ = q_u w − q_w (a₀ y + a₁ w); here Q = 0 and Q′ = v.
     slope = half_return(slip, drive.inertia[law], time).leaves
     w = (slope - q_w * slip.a0 * drive.inertia[law] / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)
     y = -(q_w * w + drive.inertia[law]) / q_u

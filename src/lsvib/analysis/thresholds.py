@@ -34,7 +34,7 @@ def _negatively_damped(drive: LeadScrew) -> Coefficients:
 
 
 def _force(value, forward: ForwardDrive, drive: LeadScrew) -> float:
-    """A force [N] of the mirrored drive as one of the drive itself; not the onset, between which and it nothing lies."""
+    """A force [N] of the mirrored drive as one of the drive itself; refused if it is not apart from the onset."""
     if float(value) == float(forward.onset):
         raise NoThreshold(
             "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
