@@ -30,7 +30,8 @@ _STEPS = 400  # of a bracketed search, which halves the bracket at least every t
 class ForwardDrive:
     """Constants of a drive (eqs 8.13–8.17) with 50 digits, mirrored if need be so that Ω > 0.
 
-    ``outward`` is κ = q_u − q_w c_x / m in Q′ = κ w + ρ on the line Q = 0; ``onset`` is R_on = r_m tan λ c_x Ω [N]; ``lever`` r_m tan λ [m]; ``contact`` the row (q_u, q_w) of Q, whose
+    ``outward`` is κ = q_u − q_w c_x / m in Q′ = κ w + ρ on the line Q = 0; ``onset`` is R_on = r_m tan λ c_x Ω [N];
+    ``lever`` r_m tan λ [m]; ``contact`` the row (q_u, q_w) of Q, whose
     constant depends on R; ``xi``, ``inertia`` Γ and ``damping`` C by law.
     """
 

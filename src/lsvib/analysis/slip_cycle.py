@@ -14,11 +14,15 @@ Rodrigo and Torres 1998).
 from typing import NamedTuple
 
 from lsvib.analysis.slip import ForwardDrive, Slip, bracketed_root, double, many
+from lsvib.errors import EngineError
 
-_CLOSE = 1e-7  # relative, of the start for Newton's method: it squares the error in every step
 _NEWTON = 8
 _EXACT = 1e-35  # relative residual; the coefficients have 50 digits
-_NEAREST = (1e-10, 1e-40)  # smallest phase beyond half a turn that is looked at, in double and in many digits
+_SEARCHES = (
+    # context, smallest phase beyond half a turn that is looked at, relative tolerance of the start for Newton's method
+    (double, 1e-10, 1e-7),
+    (many, 1e-40, 1e-20),  # where large motions hardly decay, or rates lie so far apart that double precision fails
+)
 
 
 class Half(NamedTuple):
@@ -47,16 +51,15 @@ def decay_of_large_motions(drive: ForwardDrive):
 
 def slowest_rate(drive: ForwardDrive):
     """Smallest w [rad/s] on the cycle at R̃ = 1 N; the conditions of the module docstring must hold."""
-    times = _polished(drive, _times(drive, double, _NEAREST[0]))
-    if times is None:  # large motions hardly decay, or rates lie so far apart that double precision has no start
-        times = _polished(drive, _times(drive, many, _NEAREST[1]))
-    if times is None:
-        raise ArithmeticError("the two half returns of the slip cycle do not meet; please report it.")
-    return min(_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
+    for context, nearest, close in _SEARCHES:
+        times = _polished(drive, _times(drive, context, nearest, close))
+        if times is not None:
+            return min(_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
+    raise EngineError("the two half returns of the slip cycle do not meet; please report it.")
 
 
-def _times(drive: ForwardDrive, context, nearest: float):
-    """Times [s] of the two half returns, to some nine digits; None if the context has too few digits for them."""
+def _times(drive: ForwardDrive, context, nearest: float, close: float):
+    """Times [s] of the two half returns, nearly; None if the context has too few digits for them."""
     plus, minus = drive.slip(1, context), drive.slip(-1, context)
     heights = {law: context.mpf(drive.inertia[law] / drive.inertia[-1]) for law in (1, -1)}
 
@@ -80,7 +83,7 @@ def _times(drive: ForwardDrive, context, nearest: float):
         low, high = context.log(nearest), -context.log(nearest) if minus.turns else 1
         while not minus.turns and balance(high) < 0:
             low, high = high, high + 1
-        return short_time(bracketed_root(balance, low, high, _CLOSE))
+        return short_time(bracketed_root(balance, low, high, close))
 
     def excess(logarithm):
         above = half_return(plus, heights[1], long_time(context.exp(logarithm)))
@@ -93,7 +96,7 @@ def _times(drive: ForwardDrive, context, nearest: float):
         low, high = context.log(nearest), context.log(grazing * (1 - 1e-9))
         if not excess(low) < 0 < excess(high):
             return None
-        time = long_time(context.exp(bracketed_root(excess, low, high, _CLOSE)))
+        time = long_time(context.exp(bracketed_root(excess, low, high, close)))
         return time, time_below(half_return(plus, heights[1], time).comes)
     except (OverflowError, ZeroDivisionError):
         return None
