@@ -14,9 +14,12 @@ from mpmath import diff, findroot, mp, mpf
 from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis.basin import Boundary, basin
 from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.global_stability import widest_return
+from lsvib.analysis.slip import ForwardDrive
 from lsvib.analysis.summary import threshold_table
 from lsvib.analysis.thresholds import NoThreshold, global_stability_force
 from lsvib.core.status import Status
+from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import rigid_drive
@@ -90,7 +93,7 @@ def test_translation_damping(translation_damping):
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_forces_with_the_motion(speed):
-    """c_x = 2000: every R < 0 is globally stable, and of 0 < R < 40.4 N those above 30.8 N are not; rest decides."""
+    """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
     drive = PARADOX.replace(translation_damping=2000.0, input_speed=speed)
     with mp.workdps(DIGITS + GUARD_DIGITS):
         d = Drive({**dict(drive), "input_speed": 40.0, "axial_force": -1.0}, DIGITS)
@@ -102,10 +105,12 @@ def test_forces_with_the_motion(speed):
             values = [q[0] * u + q[1] * w for u, w in map(flow.state, flow.extrema(q, mpf("0.1")))]
             return max(values) - d.Gamma(-1) * (onset - force)
 
-        expected = float(findroot(excess, (mpf(30), mpf(31))))
+        assert findroot(excess, (mpf(30), mpf(31))) == pytest.approx(31.431833502858915, rel=1e-13)
+        expected = float(-returning_force(drive.replace(input_speed=40.0)))
     limit = global_stability_force(drive)
     assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
-    starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in STARTS]
+    inside = float(widest_return(ForwardDrive(drive, coefficients(drive)))[1])
+    starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
     for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
         automaton = rigid_drive(drive.replace(axial_force=share * limit))
         motions = [follow(automaton, start, math.inf, max_events=5000) for start in starts]
