@@ -48,7 +48,9 @@ def rest_goes_on_from(forward: ForwardDrive):
     reach = forward.radius * (forward.xi[1] - forward.xi[-1]) / forward.stiffness
     force = forward.onset
     for _ in range(_NEWTON):
-        found = slip.peak(first - reach * force, -forward.speed, forward.contact) if force > 0 else None
+        if force <= 0:
+            return force if forward.onset > 0 else many.inf  # without c_x there is no force with the motion
+        found = slip.peak(first - reach * force, -forward.speed, forward.contact)
         if found is None or (force == forward.onset and found[0] <= 0):
             return many.inf
         c, s, _ = slip.responses(found[1])
@@ -104,7 +106,8 @@ def widest_return(forward: ForwardDrive):
 def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:
     """Refuse the drives with q_w < 0 that may have cycles without rest, by the sufficient conditions of docs/basin.md.
 
-    All are about the largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the right.
+    ``force`` [N] is the threshold by rest. The largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the
+    right bounds that of all other slip; the gap is u_c − u_p.
     """
     slip, speed = forward.slip(-1), forward.speed
     first = forward.damping[-1] * speed / forward.stiffness
@@ -112,6 +115,8 @@ def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:
     if found is None or found[0] <= 0:
         return  # slip never gets to the right of u_p, where backward slip begins
     if found[0] < first:
+        if force < 0:
+            return
         overshoot = many.exp(-many.pi * slip.alpha / slip.beta) if slip.turns else many.mpf(0)
         swing = slip.peak(0, -speed, (1, 0))[0]
         if overshoot <= 0.5 and overshoot * first + swing <= 2 * first:
