@@ -163,7 +163,11 @@ def starts(rng, made: ForwardDrive, force: float, count: int):
 
 
 def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
-    """Whether a motion settles, or seizes on its way there without end in sight, inwards each time; None if unknown."""
+    """Whether a motion settles; None if unknown.
+
+    Overdamped slip may seize a million times on its way. It counts as settling if u moves one way only: backward slip
+    moves left until it rests; so does slip that seizes while u falls; other slip moves right, to smaller turns.
+    """
     try:
         motion = follow(changed(drive, force), start, math.inf, max_events=count)
     except EngineError:
@@ -173,7 +177,8 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
     if set(motion.kind[-500:].tolist()) != {EventKind.SEIZURE}:
         return False
     steps = np.diff(sign * motion.after[-500:, 0])
-    return bool((steps < 0).all() if made.outward <= 0 else (steps > 0).all())
+    backward = sign * motion.end_state[0] > float(made.damping[-1] * made.speed / made.stiffness)
+    return bool((steps < 0).all() if backward or made.outward <= 0 else (steps > 0).all())
 
 
 def judge_global(rng, drive):
@@ -340,9 +345,9 @@ def test_thresholds_of_random_drives(kind):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
 def test_thresholds_of_many_random_drives(kind, seed):
     rng = np.random.default_rng(100 + seed)
-    names = [name for _ in range(100) for name in judged(rng, random_drive(rng, kind))]
+    names = [name for _ in range(50) for name in judged(rng, random_drive(rng, kind))]
     assert set(names) & set(JUDGES)
