@@ -9,6 +9,10 @@ class InputError(LsvibError, ValueError):
     """A parameter, option or file is not acceptable; the sentence names it and the allowed range."""
 
 
+class NoThreshold(InputError):
+    """The drive has no such threshold; the sentence says why."""
+
+
 class EngineError(LsvibError, RuntimeError):
     """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""
 

@@ -14,13 +14,20 @@ from mpmath import diff, findroot, mp, mpf
 from lsvib.accuracy.reference.rigid import GUARD_DIGITS, Drive, Flow
 from lsvib.analysis.basin import Boundary, basin
 from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.global_stability import widest_return
+from lsvib.analysis.slip import ForwardDrive
 from lsvib.analysis.summary import threshold_table
 from lsvib.analysis.thresholds import NoThreshold, global_stability_force
+from lsvib.core.status import Status
+from lsvib.models.coefficients import coefficients
+from lsvib.models.motion import follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import rigid_drive
 
 DIGITS = 40
 PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3)
+# Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
+STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 # Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
 DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
 
@@ -84,6 +91,32 @@ def test_translation_damping(translation_damping):
     assert basin(drive.replace(axial_force=limit * (1 + 1e-6))).boundary == Boundary.NONE
 
 
+@pytest.mark.parametrize("speed", [40.0, -40.0])
+def test_forces_with_the_motion(speed):
+    """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
+    drive = PARADOX.replace(translation_damping=2000.0, input_speed=speed)
+    with mp.workdps(DIGITS + GUARD_DIGITS):
+        d = Drive({**dict(drive), "input_speed": 40.0, "axial_force": -1.0}, DIGITS)
+        onset = d.p * d.cx * d.Omega
+
+        def excess(force):
+            flow = Flow(d, -1, (d.C(-1) * d.Omega - d.r * (d.xi(1) - d.xi(-1)) * force) / d.k, -d.Omega)
+            q = (d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx), mpf(0))
+            values = [q[0] * u + q[1] * w for u, w in map(flow.state, flow.extrema(q, mpf("0.1")))]
+            return max(values) - d.Gamma(-1) * (onset - force)
+
+        assert findroot(excess, (mpf(30), mpf(31))) == pytest.approx(31.431833502858915, rel=1e-13)
+        expected = float(-returning_force(drive.replace(input_speed=40.0)))
+    limit = global_stability_force(drive)
+    assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
+    inside = float(widest_return(ForwardDrive(drive, coefficients(drive)))[1])
+    starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
+    for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
+        automaton = rigid_drive(drive.replace(axial_force=share * limit))
+        motions = [follow(automaton, start, math.inf, max_events=5000) for start in starts]
+        assert all(motion.status == Status.SETTLED for motion in motions) == stable, share
+
+
 def test_light_drives_are_globally_stable_without_translation_damping():
     """Γ₊ > 0, c_x = 0: steady sliding attracts everything under either sign of R, as docs/basin.md proves."""
     generator = np.random.default_rng(6)
@@ -101,7 +134,10 @@ def test_light_drives_are_globally_stable_without_translation_damping():
     [
         ({"mass": 10.0}, "not in the Painleve region"),
         ({"support_damping": 0.0}, "attracts nothing"),
-        ({"translation_damping": 2000.0}, "every axial force against the motion"),
+        (
+            {"translation_damping": 2000.0, "support_damping": 0.1},
+            "every axial force against the motion and under every",
+        ),
     ],
 )
 def test_where_there_is_no_threshold(changes, words):

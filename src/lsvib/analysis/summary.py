@@ -20,6 +20,15 @@ _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "detach_force": thresholds.detach_force,
     "global_stability_force": thresholds.global_stability_force,
 }
+_STATEMENTS = {  # for input_speed > 0; for input_speed < 0 all forces change sign
+    "onset_force": "Steady sliding attracts what is near under every smaller force and repels it under larger ones.",
+    "stick_force": "From the onset to this force slip has an attracting cycle that does not come to rest; "
+    "beyond it slip comes to a stand.",
+    "detach_force": "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip "
+    "cycle does not.",
+    "global_stability_force": "Under every smaller force all motions end in steady sliding; from this force to the "
+    "onset, R = r_m tan(lead_angle) c_x Omega, some do not.",
+}
 _ABSENT = {
     "critical_mass": "The drive is not self-locking, so no mass makes the effective inertia vanish.",
     "critical_friction": "No friction coefficient below cot(lead_angle) makes the effective inertia vanish.",
@@ -33,8 +42,8 @@ def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[
     support; there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
     ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
     four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
-    number – and ``reason`` if there is no such threshold (value None). Raises ``InputError`` for unacceptable
-    parameters.
+    number –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide,
+    for Ω > 0. Raises ``InputError`` for unacceptable parameters.
     """
     changes = changes or {}
     table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
@@ -45,6 +54,7 @@ def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[
         "unit": "N",
         **dict.fromkeys(("expected", "tolerance", "relative_error", "passed")),
         "source": "end of Sect. 8.7",
+        "statement": _STATEMENTS["global_stability_force"],
         **({"reason": reason} if reason else {}),
     }
     return table
@@ -67,6 +77,8 @@ def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, An
         "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
         "source": claim.source,
     }
+    if name in _STATEMENTS:
+        entry["statement"] = _STATEMENTS[name]
     if kind is SupportDrive:
         entry["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
     if reason:
