@@ -1,4 +1,4 @@
-"""Random drives of every model over many decades, and marginal ones: no damping, μ next to tan λ, Γ_0 or C_0 next to 0."""
+"""Random drives of every model over many decades, some marginal: no damping, μ next to tan λ, Γ_0 or C_0 next to 0."""
 
 import math
 

@@ -109,9 +109,6 @@ def _support(drive: SupportDrive, law: int, polynomial: Polynomial, flutter: flo
             "reduced_inertia": _quantity(inertia, "kg m2"),
             "reduced_mass": _quantity(drive.mass * drive.screw_mass / (drive.mass + drive.screw_mass), "kg"),
             "kinematic_friction": _quantity(critical_friction(drive, drive.screw_mass) if law > 0 else None, "1"),
-            "kinematic_friction_by_eigenvalues": _quantity(
-                support.critical_friction_by_eigenvalues(drive) if law > 0 else None, "1"
-            ),
         },
         "without_damping": {
             "class": undamped_class,

@@ -1,5 +1,6 @@
 """Thresholds and linear stability of a drive as plain values, ready for JSON."""
 
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -110,6 +111,8 @@ def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigi
             "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
         )
     kind, pair = rigid_spectrum(drive, law)
+    if abs(c.deflection) > sys.float_info.max:
+        raise InputError("These parameters give a steady deflection beyond 1.8e308 rad, the range of doubles.")
     return {
         "stable": kind in (Stability.STABLE_NODE, Stability.STABLE_FOCUS),
         "class": kind.name.lower(),
