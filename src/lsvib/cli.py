@@ -94,7 +94,8 @@ def stability(
         return
     neutral = table["class"] in ("neutral", "centre")
     verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
-    print(f"steady sliding is {verdict} ({table['class'].replace('_', ' ')})")
+    kind = table["class"].replace("_", " ")
+    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
     for value in table["eigenvalues"]:
         print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
     _print_quantities(table.get("quantities", {}))

@@ -38,7 +38,7 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
     ``stable`` (asymptotically), ``class`` (:func:`lsvib.analysis.spectrum.spectrum`), the four ``eigenvalues`` [1/s] in
     ascending real part, the ``steady_law`` s_0, ``characteristic_polynomial`` (of s, highest power first),
     ``conditions`` of instability – margins of inequalities, each holding where positive, and whether all ``hold`` – and
-    ``quantities`` with ``value`` (None where there is none) and ``unit``, :func:`model_threshold_table` among them.
+    ``quantities`` with ``value`` (None where there is none) and ``unit``.
     Steady sliding is unstable exactly if one of the conditions holds: ``divergence`` if a real eigenvalue is positive,
     ``flutter`` if a complex pair grows, the others say why. What the chapter says of the undamped drive with axial
     support stands apart, under ``without_damping``. Raises ``InputError`` for an unknown model, unacceptable
@@ -56,7 +56,6 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
     details = _DETAILS[model](drive, law, polynomial, rates["flutter"])
     conditions = details.pop("conditions")
     conditions |= {name: _condition(growth_rate=rate) for name, rate in rates.items()}
-    quantities = details.pop("quantities") | boundaries.model_thresholds(drive)
     return {
         "model": model,
         "stable": kind == "stable",
@@ -65,7 +64,6 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
         "steady_law": law,
         "characteristic_polynomial": [float(p) for p in polynomial],
         "conditions": conditions,
-        "quantities": quantities,
         **details,
     }
 
@@ -79,7 +77,8 @@ def _drive(model: str, changes: Mapping[str, Any] | None) -> Any:
 def _threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
     c = coefficients(drive)
     damped = boundaries.stable_set(drive, "contact_damping").intervals
-    missing = damped[0][0] - Fraction(drive.contact_damping) if damped else None
+    least = damped[0][0] if damped else None
+    missing = None if least is None else least - Fraction(drive.contact_damping)
     return {
         "conditions": {
             # Lemma 8.1 at the stiffness of this very contact: p_2 < 0.
@@ -92,6 +91,7 @@ def _threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, flutter: flo
             "effective_inertia": _quantity(c.gamma[law], "kg m2"),
             "effective_damping": _quantity(c.damping[law], "N m s rad-1"),
             "unstable_contact_stiffness": _quantity(threads.unstable_contact_stiffness(drive), "N m-1"),
+            "least_contact_damping": _quantity(least, "N s m-1"),
             "least_damping_of_stiff_contact": _quantity(threads.least_damping_of_stiff_contact(drive), "N s m-1"),
         },
     }
@@ -145,5 +145,5 @@ def _condition(**margins: Decimal | Fraction | float | None) -> dict[str, Any]:
     return {"margins": known, "hold": all(value is not None and value > 0 for value in margins.values())}
 
 
-def _quantity(value: Decimal | float | None, unit: str) -> dict[str, Any]:
+def _quantity(value: Decimal | Fraction | float | None, unit: str) -> dict[str, Any]:
     return {"value": None if value is None else float(value), "unit": unit}

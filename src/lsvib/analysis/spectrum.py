@@ -7,8 +7,11 @@ their real parts need to show their signs. So both agree, however far apart the 
 
 import math
 import sys
+from collections.abc import Iterable
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import mpmath
 
@@ -17,19 +20,29 @@ from lsvib.analysis.modes import routh_hurwitz
 from lsvib.analysis.real_roots import greatest_common_divisor, quotient
 from lsvib.analysis.stability import Stability
 from lsvib.errors import InputError
-from lsvib.models.parameters import LeadScrew
+from lsvib.models.coefficients import Coefficients
+from lsvib.models.parameters import PLACES, LeadScrew
 
+# A sum that cancels to less than this share of its first term has digits to spare among PLACES = 50 no longer.
+_CLEAR = Decimal("1e-25")
 _STEPS = 100  # of the iteration for all roots at once, which takes some ten; more digits are tried where it needs more
 _SMALLEST = 5e-324  # a rate that is not zero is not rounded to zero either: its sign is what it is computed for
 
 
-def rigid_spectrum(drive: LeadScrew, law: int) -> tuple[Stability, list[complex]]:
-    """Class and both eigenvalues [1/s] of the rigid drive (8.18), in ascending real, then imaginary part.
+def rigid_spectrum(drive: LeadScrew, c: Coefficients) -> tuple[Stability, list[complex]]:
+    """Class and both eigenvalues [1/s] of a rigid drive (8.18) with coefficients ``c``, in ascending real part.
 
     Γ_0 is never exactly zero and C_0 only without any damping, as tan λ is transcendental.
     """
+    law = c.steady_law
+    inertia, damping, stiffness = p = c.gamma[law], c.damping[law], Decimal(drive.coupling_stiffness)
+    with localcontext(prec=PLACES):
+        discriminant = damping**2 - 4 * inertia * stiffness
+        sums = ((inertia, drive.screw_inertia), (damping, drive.support_damping), (discriminant, damping**2))
+        if all(abs(total) >= _CLEAR * Decimal(part) for total, part in sums):
+            return _rigid_class(p), _rounded(_pair(*p, discriminant))
     kind, exact = settled(drive, law, _rigid_class)
-    return kind, _rounded(_roots(exact))
+    return kind, _rounded((z.real, z.imag) for z in _roots(exact))
 
 
 def spectrum(drive: LeadScrew, law: int) -> tuple[str, list[complex], Polynomial]:
@@ -41,7 +54,7 @@ def spectrum(drive: LeadScrew, law: int) -> tuple[str, list[complex], Polynomial
     an eigenvalue is beyond the range of doubles.
     """
     kind, exact = settled(drive, law, _class)
-    values = _rounded(_roots(exact))
+    values = _rounded((z.real, z.imag) for z in _roots(exact))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
     return kind, values, exact
@@ -103,14 +116,19 @@ def _roots(p: Polynomial) -> list[mpmath.mpc]:
 def _quadratic(p: Polynomial) -> list[mpmath.mpc]:
     """Both roots of p_2 s² + p_1 s + p_0; the larger one without subtraction, the other one from their product."""
     a, b, c = p
-    discriminant = b * b - 4 * a * c
-    with mpmath.workdps(DIGITS):
-        root = mpmath.sqrt(_number(abs(discriminant)))
-        if discriminant < 0:
-            real, half = _number(-b / (2 * a)), root / abs(_number(2 * a))
-            return [mpmath.mpc(real, -half), mpmath.mpc(real, half)]
-        sum_ = -(_number(b) + (root if b >= 0 else -root)) / 2
-        return [mpmath.mpc(sum_ / _number(a)), mpmath.mpc(_number(c) / sum_)]
+    with mpmath.workdps(DIGITS), localcontext(prec=DIGITS):
+        exact = (Decimal(x.numerator) / x.denominator for x in (a, b, c, b * b - 4 * a * c))
+        return [mpmath.mpc(_number(Fraction(x)), _number(Fraction(y))) for x, y in _pair(*exact)]
+
+
+def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tuple[Decimal, Decimal]]:
+    """Real and imaginary parts of the roots of a s² + b s + c in decimals; both are zero only if they are exactly."""
+    root = abs(discriminant).sqrt()
+    if discriminant < 0:
+        real, half = -b / (2 * a), root / abs(2 * a)
+        return [(real, -half), (real, half)]
+    larger = -(b + root.copy_sign(b)) / 2
+    return [(larger / a, Decimal(0)), (c / larger, Decimal(0))]
 
 
 def _root_of(square: mpmath.mpc) -> mpmath.mpc:
@@ -192,13 +210,13 @@ def _number(x: Fraction) -> mpmath.mpf:
     return mpmath.mpf(x.numerator) / x.denominator
 
 
-def _rounded(roots: list[mpmath.mpc]) -> list[complex]:
-    """Eigenvalues as doubles in ascending real, then imaginary part."""
-    values = [complex(_double(z.real), _double(z.imag)) for z in roots]
+def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
+    """Eigenvalues, given by real and imaginary parts, as doubles in ascending real, then imaginary part."""
+    values = [complex(_double(real), _double(imaginary)) for real, imaginary in roots]
     return sorted(values, key=lambda z: (z.real, z.imag))
 
 
-def _double(x: mpmath.mpf) -> float:
+def _double(x: mpmath.mpf | Decimal) -> float:
     if abs(x) > sys.float_info.max:
         raise InputError("These parameters give eigenvalues beyond 1.8e308 1/s, the range of doubles.")
     value = float(x)

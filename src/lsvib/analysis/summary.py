@@ -110,7 +110,7 @@ def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigi
         raise InputError(
             "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
         )
-    kind, pair = rigid_spectrum(drive, law)
+    kind, pair = rigid_spectrum(drive, c)
     if abs(c.deflection) > sys.float_info.max:
         raise InputError("These parameters give a steady deflection beyond 1.8e308 rad, the range of doubles.")
     return {
