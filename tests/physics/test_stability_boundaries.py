@@ -176,6 +176,17 @@ def test_repeated_eigenvalues_are_found():
     assert values.count(-16) == 2
 
 
+@pytest.mark.parametrize("apart", [2.0**-52, 1e-30, 1e-60, 1e-120, 1e-250])
+def test_eigenvalues_that_nearly_coincide_end(apart):
+    """A drag that couples both bodies by next to nothing leaves rates that share dozens of digits."""
+    equal = {"screw_inertia": 2.0**-10, "coupling_stiffness": 0.25, "support_damping": 2.0**-5}
+    changes = {**equal, "nut_inertia": 2.0**-10, "nut_stiffness": 0.25, "nut_damping": 2.0**-5}
+    light = {"mass": apart, "translation_damping": apart}
+    table = stability_table({**changes, **light}, "nut")
+    assert table["stable"]
+    assert [x["real"] for x in table["eigenvalues"]] == pytest.approx([-16.0] * 4, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -193,6 +204,15 @@ def test_friction_and_force_that_balance_but_for_a_drag():
     drive = SupportDrive.of(axial_force=1.0, slide_friction=1.0, translation_damping=1e-60, input_speed=10.0)
     with mpmath.workdps(100):
         assert linear.steady_law(drive) == steady_law(drive) == -1
+
+
+@pytest.mark.parametrize("force", [-0.018678427837130564, 0.15619748442975243, 1e-3, -11.0])
+def test_friction_that_balances_the_force_leaves_no_law(force):
+    """Doubles whose decimals are longer than 50 digits."""
+    changes = {"axial_force": force, "slide_friction": abs(force), "input_speed": math.copysign(3.0, force)}
+    for model in ("support", "nut"):
+        with pytest.raises(InputError, match="the contact carries no force"):
+            threshold_table(changes, model)
 
 
 @pytest.mark.parametrize("model", sorted(KINDS))

@@ -2,8 +2,8 @@
 
 All coefficients of the polynomial are linear in the mass, in μ (after multiplication by 1 + s_0 μ tan λ) and in every
 damping; so the Hurwitz determinant is a cubic, and steady sliding changes its stability only at positive roots of these
-five polynomials. They are isolated with certainty, and exact signs between them decide. None of these parameters turns
-the steady law s_0.
+five polynomials. They are isolated with certainty, and exact signs between them decide. The steady law s_0 depends on
+none of these parameters but c_x, which is therefore left out.
 """
 
 from collections.abc import Iterable, Sequence
@@ -50,8 +50,8 @@ class StableSet:
 def stable_set(drive: LeadScrew, key: str) -> StableSet:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
-    Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient`` or a
-    damping. Raises ``InputError`` if the contact carries no force.
+    Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
+    ``support_damping`` or the damping in :data:`OWN_DAMPING`. Raises ``InputError`` if the contact carries no force.
     """
     kind, law = type(drive), steady_law(drive)
     tangent = tangents(drive, DIGITS)[0]
@@ -60,7 +60,7 @@ def stable_set(drive: LeadScrew, key: str) -> StableSet:
     else:
         limit = Fraction(kind.model_json_schema()["properties"][key]["maximum"])
     values = rationals(drive)
-    dampings = ("support_damping", "translation_damping", OWN_DAMPING[kind])
+    dampings = ("support_damping", "translation_damping", OWN_DAMPING[kind])  # key may be the first or the last
     neutral = key not in dampings and not any(values[name] for name in dampings)
 
     def margins(value: Fraction) -> tuple[Fraction, ...]:

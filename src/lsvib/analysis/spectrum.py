@@ -25,7 +25,6 @@ from lsvib.models.parameters import PLACES, LeadScrew
 
 # A sum that cancels to less than this share of its first term has digits to spare among PLACES = 50 no longer.
 _CLEAR = Decimal("1e-25")
-_STEPS = 100  # of the iteration for all roots at once, which takes some ten; more digits are tried where it needs more
 _SMALLEST = 5e-324  # a rate that is not zero is not rounded to zero either: its sign is what it is computed for
 
 
@@ -147,7 +146,8 @@ def _simple_roots(p: Polynomial, digits: int) -> list[mpmath.mpc] | None:
     with mpmath.workdps(digits):
         values = [_number(x) for x in p]
         roots = _first_guess(values)
-        for _ in range(_STEPS):
+        # Some ten steps; two roots that nearly coincide take one for each binary digit that they share.
+        for _ in range(4 * digits):
             moved = mpmath.mpf(0)
             for i, z in enumerate(roots):
                 value, slope = _evaluated(values, z)

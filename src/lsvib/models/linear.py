@@ -65,9 +65,11 @@ def steady_law(drive: LeadScrew) -> int:
     exact = drive.exact()
     with localcontext(prec=PLACES):
         friction = getattr(exact, "slide_friction", Decimal(0))
-        # The friction first: it can balance R but for a drag that is lost in the digits of R.
+        # The friction first: it can balance R but for a drag that is lost in the digits of R. No product with the sense,
+        # which would round F_0, so that a balance without drag is exactly zero.
         drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
-        force = (exact.axial_force - friction * sense) - drag
+        rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
+        force = rest - drag
     if force == 0:
         raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
     return sense if force > 0 else -sense
