@@ -65,8 +65,8 @@ def steady_law(drive: LeadScrew) -> int:
     exact = drive.exact()
     with localcontext(prec=PLACES):
         friction = getattr(exact, "slide_friction", Decimal(0))
-        # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by the
-        # sense, which would round it, so that a balance without drag is exactly zero.
+        # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by
+        # the sense, which would round it, so that a balance without drag is exactly zero.
         drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
         rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
         force = rest - drag
