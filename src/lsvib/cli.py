@@ -28,22 +28,35 @@ AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one J
 
 
 @app.command
-def thresholds(*, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Compute the chapter's thresholds: critical mass and friction, the forces of Fig. 8.6, that of global stability.
+def thresholds(
+    *,
+    model: Annotated[str, Parameter(help="rigid, threads, support or nut.")] = "rigid",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compute thresholds of a drive.
+
+    Of the rigid model the chapter's: critical mass and friction, the forces of Fig. 8.6, that of global stability. Of
+    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds.
 
     Examples of use:
 
         lsvib thresholds
 
         lsvib thresholds --set translation_damping=2000 --json
+
+        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
     """
     from lsvib.analysis.summary import threshold_table
 
-    table = threshold_table(_pairs(changes))
+    table = threshold_table(_pairs(changes), model)
     if as_json:
         _print_json(table)
         return
     for name, entry in table.items():
+        if "stable_intervals" in entry:
+            _print_boundary(name, entry)
+            continue
         if entry["value"] is None:
             print(f"{name:22s} none: {entry['reason']}")
             continue
@@ -69,6 +82,8 @@ def stability(
 
         lsvib stability --set mass=1 --set translation_damping=1000 --set axial_force=25 --json
 
+        lsvib stability --model threads --set mass=9 --set contact_stiffness=1e8 --set contact_damping=5e4
+
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
     from lsvib.analysis.summary import stability_table
@@ -77,17 +92,21 @@ def stability(
     if as_json:
         _print_json(table)
         return
-    print(f"steady sliding is {'stable' if table['stable'] else 'unstable'} ({table['class'].replace('_', ' ')})")
+    neutral = table["class"] in ("neutral", "centre")
+    verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
+    kind = table["class"].replace("_", " ")
+    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
     for value in table["eigenvalues"]:
         print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    for name, entry in table.get("quantities", {}).items():
-        value = "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
-        print(f"  {name}: {value}")
+    _print_quantities(table.get("quantities", {}))
     for quantity in ("effective_inertia", "effective_damping") if model == "rigid" else ():
         entry = table[quantity]
         print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
-    for name, condition in table["conditions"].items():
-        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")
+    _print_conditions(table["conditions"])
+    if "without_damping" in table:
+        print(f"without any damping: {table['without_damping']['class']}")
+        _print_quantities(table["without_damping"]["quantities"])
+        _print_conditions(table["without_damping"]["conditions"])
 
 
 @app.command
@@ -369,6 +388,30 @@ def _pairs(items: list[str] | None) -> dict[str, str]:
             raise InputError(f"{item!r} is not of the form KEY=VALUE.")
         pairs[key] = value
     return pairs
+
+
+def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
+    """Print a boundary of stability, why there is none, and the intervals of the parameter that are stable."""
+    print(f"{name:27s} {_value(entry)}")
+    for interval in entry["stable_intervals"]:
+        high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
+        print(f"  {entry['stability']} stability from {interval['low']:.12g} {high} {entry['unit']}")
+    if "reason" in entry:
+        print(f"  {entry['reason']}")
+
+
+def _value(entry: Mapping[str, Any]) -> str:
+    return "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+
+
+def _print_quantities(quantities: Mapping[str, Any]) -> None:
+    for name, entry in quantities.items():
+        print(f"  {name}: {_value(entry)}")
+
+
+def _print_conditions(conditions: Mapping[str, Any]) -> None:
+    for name, condition in conditions.items():
+        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")
 
 
 def _print_json(value: Mapping[str, Any]) -> None:

@@ -90,7 +90,7 @@ def test_lemma_8_1_for_any_damping(excess, support_damping, slide, contact_dampi
 def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness)
     assert coefficients(drive).gamma[1] > 0
-    least = threads.least_contact_damping(drive)
+    least = threads.least_damping_of_stiff_contact(drive)
     for damping, stable in ((0.0, False), (2 * least, True)):
         contact = drive.replace(contact_damping=damping)
         growth = float(growth_rate(linear.threads_model(contact, 1)))
@@ -103,7 +103,7 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
 @pytest.mark.parametrize("slide", [0.0, 0.5])
 def test_least_contact_damping_is_the_limit(slide):
     drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e15, translation_damping=slide)
-    least = threads.least_contact_damping(drive)
+    least = threads.least_damping_of_stiff_contact(drive)
     verdicts = [
         modes.routh_hurwitz(linear.threads_model(drive.replace(contact_damping=least * f), 1, exact=True).polynomial())
         for f in (1 - 1e-6, 1 + 1e-6)

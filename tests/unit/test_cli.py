@@ -96,6 +96,43 @@ def test_thresholds_away_from_the_chapter(run):
     assert table["stick_force"]["reason"].endswith(".")
 
 
+@pytest.mark.parametrize(
+    ("model", "damping", "unit"),
+    [
+        ("threads", "least_contact_damping", "N s m-1"),
+        ("support", "least_axial_support_damping", "N s m-1"),
+        ("nut", "least_nut_damping", "N m s rad-1"),
+    ],
+)
+def test_thresholds_of_another_model(run, model, damping, unit):
+    arguments = ("thresholds", "--model", model, "--set", "mass=4")
+    table = json.loads(run(*arguments, "--json")[1])
+    assert table == lsvib.thresholds({"mass": "4"}, model=model)
+    assert {name: entry["unit"] for name, entry in table.items()} == {
+        "critical_mass": "kg", "critical_friction": "1", damping: unit,
+    }  # fmt: skip
+    text = run(*arguments)[1]
+    for name, entry in table.items():
+        assert {"value", "unit", "stability", "stable_intervals"} <= set(entry)
+        assert (entry["value"] is not None) or entry["reason"].endswith(".")
+        shown = "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+        assert any(line.split(maxsplit=1) == [name, shown] for line in text.splitlines())
+        assert text.count("stability from") == sum(len(entry["stable_intervals"]) for entry in table.values())
+
+
+def test_stability_does_not_contradict_itself(run):
+    """Above the least damping of an infinitely stiff contact, below that of this one."""
+    code, text, _ = run("stability", "--model", "threads", "--set", "mass=9", "--set", "contact_damping=5e4")
+    assert code == 0
+    assert text.startswith("steady sliding is unstable (flutter)")
+    assert "contact_flutter: holds" in text
+    assert "least_contact_damping: 371157.682934 N s m-1" in text
+    assert run("stability", "--set", "support_damping=0")[1].startswith("steady sliding is neutral (centre)")
+    text = run("stability", "--model", "support", "--set", "support_damping=0")[1]
+    assert text.startswith("steady sliding is neutral\n")
+    assert "without any damping: neutral" in text
+
+
 def test_text_output(run):
     code, out, _ = run("thresholds")
     assert code == 0
@@ -177,6 +214,9 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
         (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
         (["stability", "--set", "axial_force=0"], "axial_force"),
+        (["stability", "--model", "elastic"], "model = 'elastic' is not one of rigid, threads, support, nut"),
+        (["thresholds", "--model", "nut", "--set", "axial_force=0"], "axial_force balances damping and friction"),
+        (["thresholds", "--model", "nut", "--set", "screw_mass=1"], "screw_mass is not a known key"),
         (["config", "--set", "mass=nan"], "mass = 'nan' is outside"),
         (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
         (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),

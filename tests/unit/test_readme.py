@@ -75,5 +75,7 @@ def test_python(folder):
     mass, force = map(float, thresholds.split())
     assert mass == pytest.approx(10.10, rel=0.02)
     assert force == pytest.approx(34.5, rel=0.02)
-    (call,) = re.findall(r"`(lsvib\.stability\([^`]*\))`", README)
-    assert eval(call, {"lsvib": __import__("lsvib")})
+    calls = re.findall(r"`(lsvib\.(?:stability|thresholds)\([^`]*\))`", README)
+    assert len(calls) == 3
+    for call in calls:
+        assert eval(call, {"lsvib": __import__("lsvib")})

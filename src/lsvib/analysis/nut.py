@@ -30,10 +30,11 @@ def kinematic_inertia(drive: NutDrive | Mapping[str, ArrayLike], law: int, exact
         return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
-def critical_mass(drive: NutDrive) -> float | None:
+def kinematic_mass(drive: NutDrive) -> float | None:
     """Mass [kg] at which (8.33) begins to hold under law +, I_eff / (ξ₊ tan λ r_m²); None if μ ≤ tan λ.
 
-    It is smaller than that of the rigid drive by the factor I_2 / (I + I_2).
+    It is smaller than the critical mass of the rigid drive by the factor I_2 / (I + I_2). With translation damping
+    steady sliding can be lost at a smaller mass already (:mod:`lsvib.analysis.boundaries`).
     """
     p = values_of(drive, 1, exact=True)
     with localcontext(prec=PLACES):

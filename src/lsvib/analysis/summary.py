@@ -1,12 +1,14 @@
 """Thresholds and linear stability of a drive as plain values, ready for JSON."""
 
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.conditions import conditions, critical_friction, critical_mass
-from lsvib.analysis.model_summary import model_stability_table
-from lsvib.analysis.stability import Stability, eigenvalues, stability_class
+from lsvib.analysis.model_summary import model_stability_table, model_threshold_table
+from lsvib.analysis.spectrum import rigid_spectrum
+from lsvib.analysis.stability import Stability
 from lsvib.analysis.support import critical_friction_by_eigenvalues
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -35,16 +37,19 @@ _ABSENT = {
 }
 
 
-def threshold_table(changes: Mapping[str, Any] | None = None) -> dict[str, dict[str, Any]]:
+def threshold_table(changes: Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
-    A change of ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial
-    support; there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
-    ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
+    For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of
+    ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
+    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the
+    chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
     four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
     number –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide,
     for Ω > 0. Raises ``InputError`` for unacceptable parameters.
     """
+    if model != "rigid":
+        return model_threshold_table(model, changes)
     changes = changes or {}
     table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
     drive = LeadScrew.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
@@ -103,7 +108,8 @@ def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigi
     """Linear stability of steady sliding (eqs 8.18–8.21) of a drive, Table 8.1 with ``changes``.
 
     For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_stability_table`. Returns
-    ``stable``, ``class``, ``eigenvalues`` [1/s], the ``steady_law`` s_0, the effective coefficients of both laws, the
+    ``stable`` (asymptotically), ``class`` (:class:`Stability`, lower case), ``eigenvalues`` [1/s], the ``steady_law``
+    s_0, the effective coefficients of both laws, the
     steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of :func:`conditions`. With
     a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.
     """
@@ -116,13 +122,13 @@ def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigi
         raise InputError(
             "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
         )
-    gamma, damping = float(c.gamma[law]), float(c.damping[law])
-    pair = eigenvalues(gamma, damping, drive.coupling_stiffness)
-    kind = Stability(int(stability_class(gamma, damping, drive.coupling_stiffness)))
+    kind, pair = rigid_spectrum(drive, c)
+    if abs(c.deflection) > sys.float_info.max:
+        raise InputError("These parameters give a steady deflection beyond 1.8e308 rad, the range of doubles.")
     return {
         "stable": kind in (Stability.STABLE_NODE, Stability.STABLE_FOCUS),
         "class": kind.name.lower(),
-        "eigenvalues": [{"real": float(x.real), "imaginary": float(x.imag)} for x in pair],
+        "eigenvalues": [{"real": x.real, "imaginary": x.imag} for x in pair],
         "steady_law": law,
         "effective_inertia": {"plus": float(c.gamma[1]), "minus": float(c.gamma[-1]), "unit": "kg m2"},
         "effective_damping": {"plus": float(c.damping[1]), "minus": float(c.damping[-1]), "unit": "N m s rad-1"},

@@ -84,10 +84,10 @@ def flutter_boundaries(drive: Grid, law: int) -> NDArray[np.float64]:
     kinematic boundary Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I). The upper one is a boundary of stability only where Γ_0 > 0:
     beyond it, where Γ_0 < 0, both modes diverge (8.25).
     """
-    p = values_of(drive, law)
-    total = p.mass + p.screw_mass
-    lever = p.factor * p.pitch_radius**2 * p.tan_lead
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        p = values_of(drive, law)
+        total = p.mass + p.screw_mass
+        lever = p.factor * p.pitch_radius**2 * p.tan_lead
         both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
         branches = (total / both, both / rigid_inertia(drive, law))
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)

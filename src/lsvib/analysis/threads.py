@@ -28,11 +28,12 @@ def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
         return float(max(Decimal(0), (rest + beta * d.contact_damping * damping) / (beta * -gamma)))
 
 
-def least_contact_damping(drive: ThreadsDrive) -> float | None:
+def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
     """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
 
     c_c = max[0, (c m (I − Γ_0) − I² c_x) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is left
-    in the limit. Below it the contact itself flutters, although the rigid drive (8.13) is stable.
+    in the limit. Below it a contact stiff enough flutters, although the rigid drive (8.13) is stable. The least damping
+    at the drive's own k_c is another (:mod:`lsvib.analysis.boundaries`), and may be many times larger.
     """
     d = drive.exact()
     with localcontext(prec=PLACES):

@@ -15,7 +15,7 @@ decimals alike.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import localcontext
+from decimal import Decimal, localcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,7 +24,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import PLACES, ExactDrive, LeadScrew
 
 Matrix = tuple[tuple[Any, Any], tuple[Any, Any]]
@@ -65,7 +64,12 @@ def steady_law(drive: LeadScrew) -> int:
     sense = 1 if drive.input_speed > 0 else -1
     exact = drive.exact()
     with localcontext(prec=PLACES):
-        force = coefficients(drive).net_force - getattr(exact, "slide_friction", 0) * sense
+        friction = getattr(exact, "slide_friction", Decimal(0))
+        # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by
+        # the sense, which would round it, so that a balance without drag is exactly zero.
+        drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
+        rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
+        force = rest - drag
     if force == 0:
         raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
     return sense if force > 0 else -sense
