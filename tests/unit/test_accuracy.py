@@ -104,7 +104,7 @@ def test_dataset_tables_and_picture(tmp_path):
     from lsvib.figures.work_precision import draw
 
     dataset = work_precision.build(SETTINGS)
-    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 4, "error_level": 2}
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 5, "error_level": 2}
     engine = dataset.isel(method=0, tolerance=0)
     assert (engine.verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()
