@@ -24,11 +24,11 @@ class Family(IntEnum):
     """Kinds of methods."""
 
     EXACT = 0  # this engine
-    GENERAL = 1  # general solvers with events, adaptive, called from Python from event to event
+    GENERAL = 1  # general solvers with events, adaptive, whose field is a Python function, from event to event
     FIXED_STEP = 2  # Runge–Kutta with a fixed step, made for this drive
     SMOOTHED = 3  # friction without a jump
     COMPILED = 4  # general solvers with events, adaptive, compiled together with the scene
-    TAYLOR = 5  # a general solver with compiled Taylor series and certain roots of them, Python from event to event
+    TAYLOR = 5  # a general solver with compiled Taylor series and roots isolated on them, Python from event to event
 
 
 def _exact() -> Callable:

@@ -1,4 +1,4 @@
-"""heyoka: Taylor series of a mode's field and guards, compiled with LLVM, with certain roots of their polynomials.
+"""heyoka: Taylor series of a mode's field and guards, compiled with LLVM; roots isolated on the guards' polynomials.
 
 The modes of a scene are integrators with terminal events, one for each guard; the automaton of :class:`Hybrid` leads
 from one to the next. The numbers of a mode are heyoka's run-time parameters, so what is compiled depends on the pattern
