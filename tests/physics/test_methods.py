@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from lsvib.accuracy import catalogue
 from lsvib.accuracy.contest import Budget, contest
-from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid
+from lsvib.accuracy.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.accuracy.result import Verdict
+from lsvib.accuracy.rival_verdicts import Effort
 from lsvib.accuracy.scenes import NAMES, scene
 from lsvib.errors import InputError
 
@@ -61,6 +63,7 @@ def test_runge_kutta_has_its_order():
         ("diffrax_tsit5", 1e-6),
         ("diffrax_dopri8_capped", 1e-9),
         ("diffrax_kvaerno5", 1e-4),
+        ("heyoka", 1e-7),
     ],
 )
 @pytest.mark.parametrize("name", ["stick_slip", "sprag_slip"])
@@ -72,7 +75,7 @@ def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
     assert entry.errors.state < worst
 
 
-@pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf", "diffrax_kvaerno5"])
+@pytest.mark.parametrize("method", ["radau", "lsoda", "cvode_bdf", "diffrax_kvaerno5", "heyoka"])
 def test_stiff_solvers_compute_the_stiff_contact(method):
     needed(method)
     entry = results("stiff_contact", 0.2, **{method: [1e-7]})[method, 1e-7]
@@ -116,6 +119,56 @@ def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
     assert free.errors.state > 100 * 1e-9 > 1e4 * capped.errors.state
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_heyoka_is_right_to_rounding_on_every_scene(name):
+    """At its own tolerance, also at grazing and on the stiff contact: held to what the engine is held to."""
+    needed("heyoka")
+    entry = results(name, SHORT.get(name, 0.1), heyoka=[2.2e-16])["heyoka", 2.2e-16]
+    assert entry.errors.verdict == Verdict.RIGHT
+    assert entry.errors.state < 1e-11
+    assert entry.errors.amplitude < 1e-11
+    assert entry.errors.times < 1e-13
+
+
+def test_heyoka_keeps_time_in_two_doubles():
+    """1500 events: sums of the lengths of arcs in one double would be off by some 1e-13 s."""
+    needed("heyoka")
+    hybrid = Hybrid(scene("long_run", 0.3))
+    ours, theirs = (
+        catalogue.find_method(name).prepare(hybrid, 2.2e-16, Clock(20.0), 2000)().run() for name in ("exact", "heyoka")
+    )
+    assert len(ours.kinds) > 1400
+    assert theirs.kinds == ours.kinds
+    assert theirs.times == pytest.approx(ours.times, rel=0.0, abs=5e-15)
+
+
+def test_heyoka_keeps_the_limits_of_all():
+    """Too many events, the time, and too many steps where those are counted."""
+    needed("heyoka")
+    find = catalogue.find_method("heyoka").prepare
+    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)().run().failure == "over 20 events"
+    stiff = Hybrid(scene("stiff_contact", 0.1))
+    assert find(stiff, 1e-6, Clock(0.0), 100)().run().failure == "over 0 s"
+    assert find(stiff, 1e-6, Effort(3000), 100)().run().failure == "over 3000 steps"
+
+
+@pytest.mark.parametrize("offset", [0.0, 1.0, -0.7])
+@pytest.mark.parametrize("speed", [1e-2, 1e-6])
+def test_heyoka_sees_a_guard_that_rises_from_zero_and_falls_at_once(offset, speed):
+    """x″ = −1, x = offset at the start and again after 2 speed; heyoka alone loses that root of its polynomial."""
+    needed("heyoka")
+    from lsvib.accuracy.methods import heyoka_events
+
+    mode = HybridMode(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([0.0, -1.0]), np.array([[1.0, 0.0, -offset]]), 0)
+    arc = heyoka_events._integrator(mode, np.ones(2), 2.2e-16)
+    arc.state[:] = offset, speed
+    outcome, *_ = arc.propagate_until(1.0)
+    assert int(outcome) == -1  # the first event, which ends the run
+    assert arc.time == pytest.approx(
+        2 * speed, rel=1e-3
+    )  # the guard is known to 1e-16: 5e-5 of this root at the least speed
+
+
 def test_smoothed_friction_is_of_first_order_in_its_width():
     pytest.importorskip("sksundae")
     found = results("stick_slip", 0.4, smoothed=[0.1, 0.01])
@@ -152,6 +205,7 @@ def test_the_clock_stops_a_run():
     [
         ("cvode_bdf", "The package scikit-sundae, which CVODE BDF needs"),
         ("diffrax_tsit5", "The package diffrax, which diffrax Tsit5 needs"),
+        ("heyoka", "The package heyoka, which heyoka needs"),
     ],
 )
 def test_a_missing_package_is_one_sentence(monkeypatch, method, words):

@@ -7,7 +7,7 @@ import pytest
 
 from lsvib.accuracy.catalogue import Family
 from lsvib.accuracy.even_tables import NEVER, even_tables
-from lsvib.accuracy.hybrid import Hybrid
+from lsvib.accuracy.hybrid import Hybrid, _affine
 from lsvib.accuracy.ratios import fastest, time_at_error
 from lsvib.accuracy.result import Reference, Run, Verdict, errors
 from lsvib.accuracy.scenes import NAMES, scene
@@ -82,6 +82,38 @@ def test_a_run_that_is_worse_and_slower_does_not_count():
     assert fastest([[(1e-2, 9.0)], [(1e-4, 4.0)], [(1.0, 0.1)]], 1e-2) == 4.0
 
 
+@pytest.mark.parametrize("n", [2, 4])
+def test_an_affine_function_and_the_size_of_its_terms(n):
+    rng = np.random.default_rng(n)
+    for row, state in zip(rng.normal(size=(20, n + 1)), rng.normal(size=(20, n)), strict=True):
+        terms = row * np.append(state, 1.0)
+        assert _affine(row.tolist(), state.tolist()) == pytest.approx((terms.sum(), np.abs(terms).sum()), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_guard_is_due_where_it_falls_from_zero(name):
+    """On a guard the rate decides, beyond it the value: against the definition, with numpy."""
+    hybrid, rng = Hybrid(scene(name)), np.random.default_rng(1)
+    seen = set()
+    for k, mode in enumerate(hybrid.modes):
+        for i, row in enumerate(mode.guards):
+            for on_guard in (True, False):
+                state = hybrid.scene.scales * rng.normal(size=hybrid.scene.scales.size)
+                if on_guard:
+                    j = int(np.argmax(np.abs(row[:-1]) * hybrid.scene.scales))
+                    state[j] -= (row[:-1] @ state + row[-1]) / row[j]
+                values, rates = (
+                    mode.guards[:, :-1] @ state + mode.guards[:, -1],
+                    mode.guards[:, :-1] @ (mode.matrix @ state + mode.constant),
+                )
+                if on_guard:
+                    values[i] = 0.0  # which it is but for rounding
+                due = (values < 0) | ((values == 0) & (rates < 0))
+                seen.add(bool(due.any()))
+                assert hybrid.due(k, state.tolist()) == (int(np.argmax(due)) if due.any() else None)
+    assert seen == {True, False}
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_even_tables_hold_the_scene_and_nothing_that_acts(name):
     hybrid = Hybrid(scene(name))
@@ -104,7 +136,7 @@ def test_dataset_tables_and_picture(tmp_path):
     from lsvib.figures.work_precision import draw
 
     dataset = work_precision.build(SETTINGS)
-    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 4, "error_level": 2}
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 5, "error_level": 2}
     engine = dataset.isel(method=0, tolerance=0)
     assert (engine.verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()

@@ -10,7 +10,7 @@ from lsvib.accuracy.contest import quiet
 from lsvib.accuracy.hybrid import GaveUp
 from lsvib.accuracy.result import Run
 from lsvib.accuracy.rival_comparison import Verdict, compare
-from lsvib.accuracy.rival_verdicts import Effort, ask, confirm, pose
+from lsvib.accuracy.rival_verdicts import Effort, Question, ask, confirm, pose
 from lsvib.accuracy.sweep_cases import Case, Family, Group, cases, threshold
 from lsvib.datasets import rival_verdicts
 from lsvib.datasets.writer import read_dataset, write_dataset
@@ -109,20 +109,30 @@ def test_a_motion_with_too_many_events_is_cut():
     assert len(found.path.kinds) == sweeps.MOST_EVENTS - 1
 
 
-def test_a_dip_below_a_guard_is_missed_by_a_general_solver():
+def dip() -> Question:
     """One part in 10⁸ inside the threshold of global stability N reverses for an instant, and the screw seizes."""
-    pytest.importorskip("scipy")
     force, drive = threshold(Group.GLOBAL_STABILITY_FORCE)
     drive = drive.replace(axial_force=force * (1 - 1e-8))
     start = (0.06, -drive.input_speed)
-    _, dipping = pose(
-        Case(Family.AXIAL_FORCE, Group.GLOBAL_STABILITY_FORCE, -8.0, drive, start, 0.1), np.random.default_rng(0)
-    )
+    case = Case(Family.AXIAL_FORCE, Group.GLOBAL_STABILITY_FORCE, -8.0, drive, start, 0.1)
+    return pose(case, np.random.default_rng(0))[1]
+
+
+def test_a_dip_below_a_guard_is_missed_by_a_general_solver():
+    pytest.importorskip("scipy")
+    dipping = dip()
     assert dipping.path.kinds.count("seizure") > 2
     with quiet():
         assert ask(dipping, "dop853", 1e-6).verdict is Verdict.OTHER_MOTION
         assert ask(question(), "dop853", 1e-6).verdict is Verdict.RIGHT
     assert confirm(dipping, np.random.default_rng(0))
+
+
+def test_heyoka_does_not_miss_the_dip():
+    """It looks for roots on the whole of each polynomial: what it then needs is the digits, not a short step."""
+    pytest.importorskip("heyoka", reason="heyoka is not installed; requirements-accuracy.txt has it")
+    assert ask(dip(), "heyoka", 1e-12).verdict is Verdict.RIGHT
+    assert ask(question(), "heyoka", 1e-6).verdict is Verdict.RIGHT
 
 
 def test_effort_is_counted():
@@ -132,6 +142,10 @@ def test_effort_is_counted():
     effort.check()
     with pytest.raises(GaveUp, match="over 2 evaluations"):
         effort.check()
+    effort.start()
+    effort.spend(2)
+    with pytest.raises(GaveUp, match="over 2 steps"):
+        effort.spend(1)
 
 
 def test_interval_of_a_share():

@@ -12,17 +12,23 @@ from typing import Any
 from lsvib.accuracy.hybrid import Clock, Hybrid
 from lsvib.errors import InputError
 
-_PACKAGES = {"scipy": "scipy", "sksundae": "scikit-sundae", "diffrax": "diffrax"}  # import name: package
+_PACKAGES = {
+    "scipy": "scipy",
+    "sksundae": "scikit-sundae",
+    "diffrax": "diffrax",
+    "heyoka": "heyoka",
+}  # import name: package
 
 
 class Family(IntEnum):
     """Kinds of methods."""
 
     EXACT = 0  # this engine
-    GENERAL = 1  # general solvers with events, adaptive, called from Python from event to event
+    GENERAL = 1  # general solvers with events, adaptive, whose field is a Python function, from event to event
     FIXED_STEP = 2  # Runge–Kutta with a fixed step, made for this drive
     SMOOTHED = 3  # friction without a jump
     COMPILED = 4  # general solvers with events, adaptive, compiled together with the scene
+    TAYLOR = 5  # a general solver with compiled Taylor series and roots isolated on them, Python from event to event
 
 
 def _exact() -> Callable:
@@ -45,6 +51,12 @@ def _cvode() -> Callable:
 
 def _diffrax_events() -> Callable:
     from lsvib.accuracy.methods.diffrax_events import prepare
+
+    return prepare
+
+
+def _heyoka_events() -> Callable:
+    from lsvib.accuracy.methods.heyoka_events import prepare
 
     return prepare
 
@@ -122,6 +134,8 @@ METHODS = {
     "diffrax_dopri8": _with_diffrax("diffrax Dopri8", solver="Dopri8"),
     "diffrax_dopri8_capped": _with_diffrax("diffrax Dopri8, step cap", solver="Dopri8", capped=True),
     "diffrax_kvaerno5": _with_diffrax("diffrax Kvaerno5", solver="Kvaerno5"),
+    # Explicit too, but of so high an order and with steps so cheap that it does the stiff scene: not left out of it.
+    "heyoka": Method("heyoka", Family.TAYLOR, _heyoka_events, needs="heyoka"),
     "smoothed": Method("smoothed friction", Family.SMOOTHED, _smoothed, "smoothing_width", needs="sksundae"),
     "rk4": Method("RK4, fixed step", Family.FIXED_STEP, _fixed_step, "time_step", explicit=True),
     "rk4_refined": Method(

@@ -110,7 +110,7 @@ def _lsoda(mapper: Mapper) -> Label:
             if known.resting[mode] != UNKNOWN:
                 return int(known.resting[mode])
             surface = known.landing[transition]
-            found = attraction.look_up(known, mode, surface, state) if surface >= 0 else UNKNOWN
+            found = attraction.look_up(known, mode, surface, np.array(state)) if surface >= 0 else UNKNOWN
             if found != UNKNOWN:
                 return int(found)
         return UNRESOLVED
@@ -133,7 +133,7 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
         return math.inf
     row = tables.flow[mode]
     rate = 2.0 * row[planar.ALPHA] - abs(kappa2 - row[planar.BETA] ** 2) / math.sqrt(kappa2)
-    return max(0.0, math.log(attraction.ellipse(tables, known, mode, state) / reach) / rate)
+    return max(0.0, math.log(attraction.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 
 METHODS: dict[str, MapMethod] = {

@@ -24,8 +24,8 @@ from lsvib.models.coefficients import coefficients
 from lsvib.models.model import MODELS, find_model
 from lsvib.models.motion import Motion, follow
 
-MOST_EVALUATIONS = 50_000  # of the field, by a general solver
-MOST_STEPS = 1_000_000  # of a fixed-step method
+MOST_EVALUATIONS = 50_000  # of the field, by a general solver that calls Python for each, some 0.1 s
+MOST_STEPS = 1_000_000  # of a method whose steps are compiled, some 0.1 to 0.5 s
 _STEPS_PER_TURN = 1000  # of the fastest oscillation that the motion has
 _FEWEST_STEPS = 100
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
@@ -94,7 +94,7 @@ class Question(NamedTuple):
 
 
 class Effort(Clock):
-    """A limit on the evaluations of a run, the same on every machine."""
+    """A limit on the evaluations, or on the compiled steps, of a run, the same on every machine."""
 
     def start(self) -> None:
         """Start counting."""
@@ -105,6 +105,12 @@ class Effort(Clock):
         self.calls += 1
         if self.calls > self.limit:
             raise GaveUp(f"over {self.limit:g} evaluations")
+
+    def spend(self, steps: int) -> None:
+        """Count several steps; ``GaveUp`` if they are too many."""
+        self.calls += steps
+        if self.calls > self.limit:
+            raise GaveUp(f"over {self.limit:g} steps")
 
 
 def pose(case: Case, rng: np.random.Generator) -> tuple[sweeps.Verdict, Question | None]:
@@ -189,7 +195,8 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
         # No explicit method is stable with steps of more than 1/rate for each evaluation.
         return Answer(Verdict.GAVE_UP, failure=_STIFF)
     most = 2 * len(question.path.kinds) + _SPARE_EVENTS
-    function = method.prepare(question.hybrid, setting, Effort(MOST_EVALUATIONS), most)
+    effort = Effort(MOST_STEPS if method.family == Family.TAYLOR else MOST_EVALUATIONS)
+    function = method.prepare(question.hybrid, setting, effort, most)
     try:
         run = function().run()
     except GaveUp as reason:

@@ -24,9 +24,10 @@ _CONTROLS = {
     "time_step": ("s", "time step of the method"),
     "smoothing_width": ("rad s-1", "width of the smoothed jump of friction"),
 }
-_RIVALS = (Family.GENERAL, Family.COMPILED, Family.FIXED_STEP, Family.SMOOTHED)
+_GENERAL = (Family.GENERAL, Family.COMPILED, Family.TAYLOR)
+_RIVALS = (*_GENERAL, Family.FIXED_STEP, Family.SMOOTHED)
 _SOURCE = "docs/accuracy.md"
-_PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "mpmath")
+_PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -35,8 +36,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``scenes`` (names of :data:`lsvib.accuracy.scenes.NAMES`); ``shorten``, part of each duration that is
     run; ``methods``, settings of each method of :data:`lsvib.accuracy.catalogue.METHODS`; ``repeats``, ``seconds`` and
     ``limit`` as in :class:`lsvib.accuracy.contest.Budget`; ``error_levels`` [1] at which run times are compared;
-    ``ratio_floor`` [1] that the checks ask for, ``compiled_floor`` [1] of compiled solvers. Raises ``InputError`` if a
-    name is wrong or a package is missing.
+    ``ratio_floor`` [1] that the checks ask for of solvers whose field is a Python function, ``compiled_floor`` [1] of
+    those that compile it. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     names = [name for name, values in settings["methods"].items() if values]
     longest = max(len(settings["methods"][name]) for name in names)
@@ -165,11 +166,15 @@ class _Table:
                     _text("1", "family of the rival") | flags(Family),
                 ),
                 "error_level": ("error_level", levels, _text("1", "error of the final state that is asked for")),
-                "ratio_floor": ((), floors["ratio_floor"], _text("1", "ratio that the checks ask for")),
+                "ratio_floor": (
+                    (),
+                    floors["ratio_floor"],
+                    _text("1", "ratio that the checks ask for, of scipy and CVODE"),
+                ),
                 "compiled_floor": (
                     (),
                     floors["compiled_floor"],
-                    _text("1", "ratio that the checks ask for, compiled solvers"),
+                    _text("1", "ratio that the checks ask for, of diffrax and heyoka"),
                 ),
             },
             attrs={
@@ -190,8 +195,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the engine's verdicts and errors, and its ratios to the best general solvers, scene by scene."""
     return [
         *_engine_checks(dataset),
-        *_ratio_checks(dataset, Family.GENERAL, "a general solver", float(dataset.ratio_floor)),
-        *_ratio_checks(dataset, Family.COMPILED, "a compiled general solver", float(dataset.compiled_floor)),
+        *_ratio_checks(dataset, Family.GENERAL, "scipy or CVODE", float(dataset.ratio_floor)),
+        *_ratio_checks(dataset, Family.COMPILED, "diffrax", float(dataset.compiled_floor)),
+        *_ratio_checks(dataset, Family.TAYLOR, "heyoka", float(dataset.compiled_floor)),
     ]
 
 
@@ -202,7 +208,7 @@ def _engine_checks(dataset: xr.Dataset) -> list[Check]:
     scene = dataset.scene.attrs["flag_meanings"].split()[worst]
     largest = float(engine.state_error[worst])
     wrong = int(np.count_nonzero(engine.verdict.values != int(Verdict.RIGHT)))
-    others = dataset.isel(method=np.isin(dataset.family.values, (Family.GENERAL, Family.COMPILED)))
+    others = dataset.isel(method=np.isin(dataset.family.values, _GENERAL))
     ran = others.verdict.values != int(Verdict.NOT_RUN)
     missed = int(np.count_nonzero(others.verdict.values[ran] != int(Verdict.RIGHT)))
     return [

@@ -8,6 +8,13 @@ import xarray as xr
 from lsvib.accuracy.catalogue import Family
 from lsvib.accuracy.result import Verdict
 
+_COLUMNS = {
+    Family.GENERAL: "scipy, CVODE",
+    Family.COMPILED: "diffrax",
+    Family.TAYLOR: "heyoka",
+    Family.FIXED_STEP: "RK4",
+}
+
 
 def markdown(dataset: xr.Dataset) -> str:
     """Return the machine, ratios at equal error, verdicts by method, and every run, as Markdown."""
@@ -37,15 +44,15 @@ def _number(value: float, form: str) -> str:
 
 
 def _ratios(dataset: xr.Dataset) -> str:
-    """Run time of the best general, compiled general and fixed-step method over the engine's."""
+    """Run time of the best of scipy and CVODE, of diffrax, of heyoka and of fixed-step methods over the engine's."""
     levels = dataset.error_level.values
     engine = dataset.isel(method=_names(dataset, "method").index("exact"), tolerance=0)
     head = ["scene", "engine: time", "engine: error"]
-    head += [f"{kind}, {level:.0e}" for kind in ("general", "compiled", "RK4") for level in levels]
+    head += [f"{label}, {level:.0e}" for label in _COLUMNS.values() for level in levels]
     rows = []
     for k, scene in enumerate(_names(dataset, "scene")):
         row = [scene, f"{1e3 * float(engine.run_time[k]):.3f} ms", f"{float(engine.state_error[k]):.1e}"]
-        for family in (Family.GENERAL, Family.COMPILED, Family.FIXED_STEP):
+        for family in _COLUMNS:
             row += [_number(float(x), ".0f") for x in dataset.ratio.sel(rival=int(family)).values[k]]
         rows.append(row)
     return _table(head, rows)

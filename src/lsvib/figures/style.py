@@ -23,7 +23,7 @@ YELLOW = "#F0E442"
 BLUE = "#0072B2"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
-WINE = "#882255"  # Tol (2021), "Colour schemes", muted
+WINE, OLIVE = "#882255", "#999933"  # Tol (2021), "Colour schemes", muted
 GREY = "#8C8C8C"
 
 PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a value that the chapter prints

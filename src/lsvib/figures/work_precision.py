@@ -22,6 +22,7 @@ _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset
     "diffrax_tsit5": (style.WINE, "^", "-"),
     "diffrax_dopri8_capped": (style.WINE, "^", ":"),
     "diffrax_kvaerno5": (style.WINE, "<", "--"),
+    "heyoka": (style.OLIVE, "h", "-"),
     "smoothed": (style.GREY, "p", "-"),
     "rk4": (style.ORANGE, ">", ":"),
     "rk4_refined": (style.ORANGE, ">", "-"),

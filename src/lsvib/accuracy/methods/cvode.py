@@ -1,6 +1,6 @@
 """CVODE of SUNDIALS through scikit-sundae, with its root finding, started again in the new mode after each event."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from sksundae.cvode import CVODE
@@ -30,11 +30,11 @@ def prepare(
     }
     functions = [_functions(mode, clock, solver == "BDF") for mode in hybrid.modes]
 
-    def integrate(mode: int, now: float, state: np.ndarray, end: float):
+    def integrate(mode: int, now: float, state: Sequence[float], end: float):
         if end <= now:
             return now, state, None
         arc = CVODE(**functions[mode], **options)  # a solver that is used again keeps, and copies, all earlier events
-        arc.init_step(now, state)
+        arc.init_step(now, np.array(state))
         found = arc.step(end, method="normal", tstop=end)
         if not found.success:
             raise GaveUp(str(found.message))

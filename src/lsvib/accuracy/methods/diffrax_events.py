@@ -93,7 +93,7 @@ def prepare(
     def run() -> "_Marched":
         clock.start()
         mode, state = hybrid.enter()
-        chunks, total, failure = [blank._replace(mode=np.int64(mode), state=state)], 0, ""
+        chunks, total, failure = [blank._replace(mode=np.int64(mode), state=np.array(state))], 0, ""
         while not failure:
             chunks.append(jax.block_until_ready(march(tables, limits, chunks[-1], max_events + 1 - total)))
             status, count = int(chunks[-1].status), int(chunks[-1].count)

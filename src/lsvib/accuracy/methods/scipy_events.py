@@ -1,6 +1,6 @@
 """``scipy.integrate.solve_ivp`` with events, started again in the new mode after each."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -32,7 +32,7 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
     if capped:
         options["max_step"] = scene.step_cap
 
-    def integrate(mode: int, now: float, state: np.ndarray, end: float):
+    def integrate(mode: int, now: float, state: Sequence[float], end: float):
         if end <= now:
             return now, state, None
         field, events = modes[mode]
