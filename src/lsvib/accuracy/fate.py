@@ -29,6 +29,7 @@ _CORNER = 1e-9  # of the size of the drive; a smaller motion has come to the equ
 _LEAPS = 400  # of one motion
 _SLOW = 0.1  # of the size of the motion; a drift that is faster is followed turn by turn
 _HALVINGS = 60
+_FEW = 8  # leaps that are not worth a new watch
 _PHASES = (0.0, 0.31, 0.57, 0.83)  # of the turn in which a drift ends
 
 
@@ -67,6 +68,8 @@ def _fate(c: Constants, u: float, w: float, mode: int, leaps: int) -> Fate:
     while True:
         seen = _watch(c, u, w, mode, room)
         events += seen.kinds.size
+        if seen.end == watch.SLOW:
+            return _grown(c, seen, events, leaps)
         if seen.end == watch.AMBIGUOUS:
             return Fate("unknown", "a guard that cannot be told in double precision", events)
         if seen.end == watch.SETTLED:
@@ -107,13 +110,39 @@ def _settled(c: Constants, seen: _Watched, events: int) -> Fate:
     return Fate("neutral_family", "undamped, no further event", events, edge)
 
 
+def _grown(c: Constants, seen: _Watched, events: int, leaps: int) -> Fate:
+    """Growth over more turns than double precision counts: enlarged until it is near a guard, then in several phases."""
+    row = c.flow[0]
+    u, w = seen.u - row[6], seen.w
+    low, high = 1.0, 2.0
+    while _watch(c, row[6] + high * u, high * w, watch.ANYWHERE, 1).end == watch.SLOW:
+        low, high = high, 2 * high
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        slow = _watch(c, row[6] + middle * u, middle * w, watch.ANYWHERE, 1).end == watch.SLOW
+        low, high = (middle, high) if slow else (low, middle)
+    turn = math.expm1(-2 * math.pi * row[0] / row[2])  # growth in a turn
+    if leaps < _FEW:
+        return Fate("unknown", "too many patterns", events)
+    parts = [high * (1 + phase * turn) for phase in _PHASES]
+    fates = [_fate(c, row[6] + part * u, part * w, watch.ANYWHERE, leaps // 2) for part in parts]
+    return _agreed(fates, events)
+
+
+def _agreed(fates: list[Fate], events: int) -> Fate:
+    if any(found.name != fates[0].name for found in fates):
+        return Fate("unknown", "the turn in which slow growth or a slow drift ends decides", events)
+    return fates[0]._replace(events=events + fates[0].events)
+
+
 def _named(c: Constants, kinds: np.ndarray, events: int, reason: str) -> Fate:
     found = set(kinds.tolist())
     if watch.SEIZURE in found:
         return Fate("sprag_slip_cycle", reason, events)
     if watch.RELEASE in found:
-        touching = c.flow[1, 0] == 0 and watch.REVERSAL not in found
-        return Fate("stick_slip_cycle", reason, events, bool(touching))
+        if c.flow[1, 0] == 0 and watch.REVERSAL not in found:
+            return Fate("neutral_family", "undamped, the orbit from the end of rest, which touches θ′ = 0", events, True)
+        return Fate("stick_slip_cycle", reason, events)
     return Fate("other_cycle", reason, events)
 
 
@@ -135,7 +164,6 @@ class _Section:
         self.on_contact = int(seen.kinds[-1]) == watch.CONTACT_REVERSAL
         self.start = float(seen.states[-1, int(self.on_contact)])
         self.size = float(np.abs(seen.states[-period:, int(self.on_contact)]).max())
-        self.rounding = _SEEN * self.size
 
     def state(self, x: float) -> tuple[float, float]:
         """(u, w) of a point: w is the coordinate along Q = 0, u along θ′ = 0."""
@@ -145,11 +173,13 @@ class _Section:
         return -(q_0 + q_w * x) / q_u, x
 
     def drift(self, x: float) -> float | None:
-        """Change of the coordinate in one return, None if other events come."""
+        """Change of the coordinate in one return, 0 where it is rounding, None if other events come."""
         seen = _watch(self.c, *self.state(x), self.mode, self.pattern.size)
         if seen.end != watch.EVENTS_FULL or seen.modes.size != self.pattern.size or (seen.modes != self.pattern).any():
             return None
-        return float(seen.states[-1, int(self.on_contact)]) - x
+        places = seen.states[:, int(self.on_contact)]
+        change = float(places[-1]) - x
+        return change if abs(change) > _SEEN * max(abs(x), np.abs(places).max()) else 0.0
 
     def ahead(self, x: float) -> tuple[float, float] | None:
         """A point that motions come to, near x where they do, and its drift: where one return from x leads."""
@@ -166,22 +196,22 @@ def _drift(c: Constants, seen: _Watched, period: int, events: int, leaps: int) -
     drift = section.drift(x)
     if drift is None:  # the pattern ends with this very turn
         return _go_on(c, section, x, 0.0, events, leaps)
-    if abs(drift) <= section.rounding:
+    if drift == 0:
         return _still(c, section, x, events)
-    step = drift
+    step, growing = drift, True
     while leaps > 0:
         leaps -= 1
         found = section.ahead(x + step)
         if found is None:
             if abs(step) <= 2 * abs(drift):
                 return _go_on(c, section, x, drift, events, leaps)
-            step *= 0.5
+            step, growing = 0.5 * step, False
             continue
         there, ahead = found
-        if abs(ahead) <= section.rounding or ahead * drift <= 0:
+        if ahead * drift <= 0:
             return _between(c, section, x, there, drift, events)
         x, drift = there, ahead
-        step = 2 * step if abs(step) >= abs(drift) else drift
+        step = 2 * step if growing else step
         u, w = section.state(x)
         if abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed):
             return Fate("steady_sliding", "events without end that shrink to the equilibrium", events)
@@ -197,7 +227,7 @@ def _between(c: Constants, section: _Section, x: float, y: float, drift: float, 
         if change is None:
             return Fate("unknown", "a pattern with gaps", events)
         least = min(least, abs(change))
-        if abs(change) <= section.rounding:
+        if change == 0:
             break
         x, y = (middle, y) if change * drift > 0 else (x, middle)
     if least > _CORNER * section.size:
@@ -211,15 +241,16 @@ def _between(c: Constants, section: _Section, x: float, y: float, drift: float, 
 def _still(c: Constants, section: _Section, x: float, events: int) -> Fate:
     """No drift to rounding: a cycle if motions on both sides come nearer."""
     kinds = section.kinds
+    if c.flow[1, 0] == 0 and not (kinds == watch.SEIZURE).any():
+        return Fate("neutral_family", "undamped, states repeat", events, True)
     for part in (1e-3, 1e-5, 1e-7):
         step = part * section.size
         ahead, behind = section.drift(x + step), section.drift(x - step)
-        rounding = _SEEN * section.size
         if ahead is None or behind is None:
             continue
-        if ahead < -rounding and behind > rounding:
+        if ahead < 0 < behind:
             return _named(c, kinds, events, "a cycle that attracts")
-        if ahead > rounding and behind < -rounding:
+        if behind < 0 < ahead:
             return _named(c, kinds, events, "a cycle that repels")
     if (kinds == watch.SEIZURE).any():  # after which speed is forgotten: both sides may have other events
         return _named(c, kinds, events, "a cycle with seizure")
@@ -228,9 +259,7 @@ def _still(c: Constants, section: _Section, x: float, events: int) -> Fate:
 
 def _go_on(c: Constants, section: _Section, x: float, drift: float, events: int, leaps: int) -> Fate:
     """Watch again where a pattern ends, from several points of the last turn."""
-    fates = [_fate(c, *section.state(x + phase * drift), section.mode, leaps // 2) for phase in _PHASES] if leaps > 8 else []
-    if not fates:
+    if leaps < _FEW:
         return Fate("unknown", "too many patterns", events)
-    if any(found.name != fates[0].name for found in fates):
-        return Fate("unknown", "the turn in which a slow drift ends decides", events)
-    return fates[0]._replace(events=events + fates[0].events)
+    fates = [_fate(c, *section.state(x + phase * drift), section.mode, leaps // 2) for phase in _PHASES]
+    return _agreed(fates, events)

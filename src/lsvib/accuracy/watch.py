@@ -17,17 +17,18 @@ from lsvib.core.jit import allocating_kernel, kernel
 
 KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
 CONTACT_REVERSAL, STICK, REVERSAL, RELEASE, SEIZURE = range(5)
-TIME_REACHED, SETTLED, EVENTS_FULL, AMBIGUOUS = range(4)  # how a watch ends
+TIME_REACHED, SETTLED, EVENTS_FULL, AMBIGUOUS, SLOW = range(5)  # how a watch ends
 ANYWHERE = -1  # mode of a start that is told by its state
 _DIGITS = 40
 _A, _B, _OMEGA, _FORM, _FAST, _SLOW, _REST, _CONTACT = range(8)  # columns of ``Constants.flow``
 _NEVER = -1.0
 _WRONG_SIDE = -2.0
+_TOO_LATE = -3.0
 _AT_ONCE = 1e-7  # of the fastest time; the stationary point of a guard that has just been left may come out so late
 _AT_CORNER = 1e-9  # of its terms; Q at θ′ = 0 below this starts slips that w = θ′ − Ω cannot hold
 _ON_LINE = 1e-15  # of its terms; Q below this is zero
 _AT_END = 1e-13  # of its terms; u beyond the band of rest
-_TURNS = 1e9  # half turns after which the phase is not known well enough
+_TURNS = 1e6  # half turns after which the phase is not known well enough
 _STEPS = 200  # of a root; bisection alone ends in 60 per doubling of the bracket
 
 
@@ -169,10 +170,10 @@ def first_root(row, rest, h0, h1, fresh):
             return _NEVER
         n += 2 * max(math.floor(math.log(level / -lowest) / (-2.0 * a * spacing)) - 1, 0)
         if n > _TURNS:
-            return _WRONG_SIDE
+            return _TOO_LATE
         while level + _value(row, h0, h1, at + n * spacing) > 0:
             n += 2
-            if n > _TURNS:
+            if n > 2 * _TURNS:
                 return _WRONG_SIDE
         return _root(row, level, h0, h1, at + (n - 1) * spacing, at + n * spacing)
     left = 0.0
@@ -256,12 +257,12 @@ def watch(c, u, w, mode, t_end, two_releases, times, kinds, modes, states):
         fresh_speed = last != CONTACT_REVERSAL
     else:
         direction, contact = _sign(w + c.speed), _contact_next(c, u, w)
-        fresh_contact = _contact_sign(c, u, w, _ON_LINE) == 0
         if direction == 0:
             direction, contact = _by_band(c, u)
         elif c.paradox and contact == direction:
             direction, contact = _resumed(c, u, direction)
             kind, w = SEIZURE, -c.speed
+        fresh_contact = _contact_sign(c, u, w, _ON_LINE) == 0
         fresh_speed = w == -c.speed
     releases = 0
     while True:
@@ -291,6 +292,11 @@ def watch(c, u, w, mode, t_end, two_releases, times, kinds, modes, states):
         turn = first_root(row, contact * row[_CONTACT], h0, h1, fresh_contact)
         if stop == _WRONG_SIDE or turn == _WRONG_SIDE:
             return AMBIGUOUS, count, u, w, direction * contact
+        if stop == _TOO_LATE or turn == _TOO_LATE:
+            other = turn if stop == _TOO_LATE else stop
+            if other < 0 and other != _WRONG_SIDE and t_end == math.inf:
+                return SLOW, count, u, w, direction * contact
+            stop, turn = (_NEVER, turn) if stop == _TOO_LATE else (stop, _NEVER)
         turns = stop == _NEVER or 0 <= turn < stop
         part = turn if turns else stop
         if turns and turn == _NEVER:
