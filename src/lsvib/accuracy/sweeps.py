@@ -130,6 +130,11 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     return outcome
 
 
+def agree(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions have the same events, at the same times, and end in the same state."""
+    return _compare(Outcome(Verdict.WRONG, Judge.NONE), path, other, case) is Verdict.PASSED
+
+
 def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
     """Errors of a path against another, written to ``outcome``, and the verdict on it."""
     outcome.state_error = outcome.time_error = math.nan

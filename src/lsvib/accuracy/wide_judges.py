@@ -1,0 +1,155 @@
+"""Judge motions, attractors, labels and stability of one random drive against computations that share nothing with them.
+
+Every question is a *stage*, a function without arguments that returns findings; who runs them may stop one that takes
+too long and go on with the next.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mp
+
+from lsvib.accuracy import sweeps, watch
+from lsvib.accuracy.energy import balance
+from lsvib.accuracy.fate import Fate, fate
+from lsvib.accuracy.paths import MOST_EVENTS, engine_path, exact_path, watched_path
+from lsvib.accuracy.reference.rigid import Drive
+from lsvib.accuracy.sweep_families import Case, Family, Group
+from lsvib.accuracy.wide_drives import WideDrive
+from lsvib.analysis.attraction import mapper
+from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.summary import stability_table
+from lsvib.errors import LsvibError
+from lsvib.models.automaton import Automaton
+from lsvib.models.model import find_model
+from lsvib.models.motion import follow
+from lsvib.models.rigid import rigid_drive
+
+RIGHT, CORNER, BEYOND_INPUT = "right", "corner", "beyond input"
+WRONG, CRASHED, LATE = "wrong", "crashed", "late"
+REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
+GOOD = (RIGHT, CORNER, BEYOND_INPUT)
+BAD = (WRONG, CRASHED, LATE)
+_EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
+_EIGENVALUES = 1e-12  # relative
+_DIGITS = 40
+
+
+class Finding(NamedTuple):
+    """Verdict on one question; ``start``: index of the start, or None; ``said``, ``truth``: in words."""
+
+    verdict: str
+    start: int | None = None
+    said: str = ""
+    truth: str = ""
+
+
+Stage = tuple[str, Callable[[], list[Finding]]]
+
+
+def stages(wide: WideDrive) -> Iterator[Stage]:
+    """Yield the questions that are asked about a drive."""
+    yield "stability", lambda: [_stability(wide)]
+    if wide.model != "rigid":
+        return
+    constants = watch.constants(dict(wide.drive))
+    truths = [fate(constants, *start) for start in wide.starts]
+    automaton = lru_cache(lambda: rigid_drive(wide.drive))  # its first use counts its construction
+    for k in range(len(wide.starts)):
+        yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
+    for k, truth in enumerate(truths):
+        yield "attractor", lambda k=k, truth=truth: [_attractor(wide, k, truth, automaton())]
+    yield "label", lambda: _labels(wide, truths)
+
+
+def warm_up(model: str) -> None:
+    """Ask everything about a harmless drive, so that compiling is no part of the time of any other."""
+    kind = find_model(model)
+    drive = kind.drive.of({"mass": 5.0, "support_damping": 1e-3})
+    start = kind.initial_state(drive, {"u": 0.1, "w": 1.0})
+    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start]))):
+        ask()
+
+
+def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Automaton) -> Finding:
+    """Follow a motion for some turns; the closed form judges, and where it disagrees all others do."""
+    case = _case(wide, k)
+    try:
+        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError as error:
+        return Finding(REFUSED, k, str(error))
+    path = engine_path(motion, case)
+    other = watched_path(case, constants, path.size)
+    if other is not None and sweeps.agree(path, other, case):
+        drawn = balance(motion, wide.drive)
+        if not drawn.residual > sweeps.allowed_residual(drawn.rounding):
+            return Finding(RIGHT, k)
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    outcome = sweeps.judge(case, rng, by_reference=True)
+    verdicts = {
+        sweeps.Verdict.PASSED: RIGHT,
+        sweeps.Verdict.CORNER: CORNER,
+        sweeps.Verdict.BEYOND_INPUT: BEYOND_INPUT,
+    }
+    detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
+    return Finding(verdicts.get(outcome.verdict, WRONG), k, detail)
+
+
+def _case(wide: WideDrive, k: int) -> Case:
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    drive = wide.drive
+    turn = 2 * math.pi * float(Drive(dict(drive), 20).u_scale) / abs(drive.input_speed)
+    return Case(Family.WIDE, Group.ONLY, 0.0, drive, tuple(map(float, wide.starts[k])), turn * rng.uniform(0.3, 4.0))
+
+
+def _attractor(wide: WideDrive, k: int, truth: Fate, automaton: Automaton) -> Finding:
+    found = steady_state(automaton, wide.starts[k])
+    return _compared(wide, k, truth, found.label.name.lower())
+
+
+def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
+    labels = mapper(wide.drive).labels_of(wide.starts[:, 0], wide.starts[:, 1])
+    names = [Attractor(label).name.lower() for label in labels]
+    return [_compared(wide, k, truth, name) for k, (truth, name) in enumerate(zip(truths, names, strict=True))]
+
+
+def _compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
+    told = f"{truth.name} ({truth.reason})"
+    if name == "unbounded":  # see lsvib.accuracy.fate
+        return Finding(WRONG, k, name, told)
+    if name == "unresolved":
+        return Finding(UNRESOLVED, k, name, told)
+    if name == truth.name or (truth.edge and name in _EDGE):
+        return Finding(RIGHT, k)
+    if truth.name == "unknown":
+        return Finding(UNDECIDED, k, name, told)
+    return Finding(WRONG if _confirmed(wide, k) else UNDECIDED, k, name, told)
+
+
+def _confirmed(wide: WideDrive, k: int) -> bool:
+    """Whether the reference has the first events that the watcher has, over many turns."""
+    case = _case(wide, k)._replace(duration=10 * _case(wide, k).duration)
+    exact = exact_path(case, wide.drive, case.start)
+    watched = None if exact is None else watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+    return watched is not None and sweeps.agree(watched, exact, case)
+
+
+def _stability(wide: WideDrive) -> Finding:
+    """Eigenvalues of Γ σ² + C σ + k under the law of steady sliding with 40 digits, and their verdict."""
+    try:
+        table = stability_table(dict(wide.drive), wide.model)
+    except LsvibError as error:
+        return Finding(REFUSED, None, str(error))
+    with mp.workdps(_DIGITS):
+        d = Drive(dict(wide.drive), _DIGITS)
+        law = d.s0 or 1
+        exact = mp.polyroots([d.Gamma(law), d.C(law), d.k], maxsteps=500, extraprec=400)
+        stable = all(mp.re(x) < 0 for x in exact)
+        found = [mp.mpc(x["real"], x["imaginary"]) for x in table["eigenvalues"]]
+        gap = max(min(abs(x - y) for y in found) / abs(x) for x in exact)
+    if table["stable"] != stable or gap > _EIGENVALUES:
+        return Finding(WRONG, None, f"stable {table['stable']}, eigenvalues off by {float(gap):.1e}", f"stable {stable}")
+    return Finding(RIGHT)
