@@ -10,11 +10,13 @@ findings like others. The exit code is 1 if anything is wrong, crashed or late, 
 
 import argparse
 import json
+import math
+import signal
 import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -22,43 +24,52 @@ from typing import Any
 
 from lsvib.accuracy import wide_judges
 from lsvib.accuracy.wide_drives import MODELS, wide_drive
-from lsvib.accuracy.wide_judges import BAD, CRASHED, GOOD, LATE, REFUSED, UNRESOLVED, Finding
+from lsvib.accuracy.wide_judges import BAD, CRASHED, GOOD, LATE, QUESTIONS, REFUSED, UNRESOLVED, Finding
 
 STARTS = 4  # of each drive
 MOST_UNRESOLVED = 1e-3  # of the questions of a kind
-_PATIENCE = 3  # times the limit after which a question is stopped; other processes may slow one down
+_PATIENCE = 60  # times the limit, on the clock, after which a process that waits for something is stopped
 _WARM = 600.0  # [s] for the first drive of a process, which may compile
 _SHARES = 20  # reports of progress in a run
 
 Record = dict[str, Any]
 
 
-def judged(model: str, seed: int, index: int, limit: float, skipped: Iterable[int] = (), tell=None) -> Record:
+def judged(
+    model: str,
+    seed: int,
+    index: int,
+    questions: Iterable[str],
+    limit: float = math.inf,
+    skipped: Iterable[int] = (),
+    tell: Callable[[int, str], None] = lambda number, name: None,
+) -> Record:
     """Judge one drive: its findings by stage and verdict, and in full those that are not right.
 
-    ``limit`` [s of CPU time] for a question; ``skipped``: numbers of stages not to ask again; ``tell``: called with the
-    number and name of a stage before it is asked.
+    ``questions``: names of the stages wanted; ``limit`` [s of CPU time]: a stage that takes longer ends the *process*,
+    since a kernel that does not return cannot be stopped otherwise; ``skipped``: numbers of stages not to ask again;
+    ``tell``: called with the number and name of a stage before it is asked.
     """
     counts: Counter[str] = Counter()
     notable: list[Record] = []
     wide = wide_drive(model, seed, index, STARTS)
     longest = 0.0
-    for number, (name, ask) in enumerate(wide_judges.stages(wide)):
+    for number, (name, ask) in enumerate(wide_judges.stages(wide, questions)):
         if number in skipped:
             continue
-        if tell is not None:
-            tell(number, name)
+        tell(number, name)
         begin = time.process_time()
+        if limit < math.inf:
+            signal.setitimer(signal.ITIMER_PROF, limit)
         try:
             findings = ask()
         except Exception as error:  # whatever it is, it is what the judge is after
             where = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(where.filename).name}:{where.lineno}"
             findings = [Finding(CRASHED, None, f"{type(error).__name__}: {error} ({place})")]
-        seconds = time.process_time() - begin
-        longest = max(longest, seconds)
-        if seconds > limit:
-            findings.append(Finding(LATE, None, f"{seconds:.1f} s"))
+        if limit < math.inf:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+        longest = max(longest, time.process_time() - begin)
         for finding in findings:
             counts[f"{name} {finding.verdict}"] += 1
             if finding.verdict not in GOOD:
@@ -66,24 +77,25 @@ def judged(model: str, seed: int, index: int, limit: float, skipped: Iterable[in
     return {"index": index, "counts": dict(counts), "longest": round(longest, 3), "notable": notable}
 
 
-def _work(connection: Connection, model: str, seed: int, limit: float) -> None:
+def _work(connection: Connection, model: str, seed: int, questions: tuple[str, ...], limit: float) -> None:
     """Judge the drives whose numbers come through a pipe, and tell of every stage before it is asked."""
-    wide_judges.warm_up(model)
+    wide_judges.warm_up(model, questions)
     connection.send(("ready", None))
     while True:
         task = connection.recv()
         if task is None:
             return
         index, skipped = task
-        record = judged(model, seed, index, limit, skipped, lambda *stage: connection.send(("stage", stage)))
+        tell = lambda number, name: connection.send(("stage", (number, name)))  # noqa: E731
+        record = judged(model, seed, index, questions, limit, skipped, tell)
         connection.send(("done", record))
 
 
 class _Worker:
     """A process that judges, and what it is doing."""
 
-    def __init__(self, model: str, seed: int, limit: float) -> None:
-        self.arguments, self.limit = (model, seed, limit), limit
+    def __init__(self, model: str, seed: int, questions: tuple[str, ...], limit: float) -> None:
+        self.arguments, self.limit = (model, seed, questions, limit), limit
         self.process = None
         self.index, self.ready = -1, False
 
@@ -124,9 +136,11 @@ class _Worker:
             self.process, self.ready = None, False
 
 
-def run(model: str, seed: int, indices: Iterable[int], jobs: int, limit: float) -> Iterator[Record]:
+def run(
+    model: str, seed: int, indices: Iterable[int], jobs: int, limit: float, questions: tuple[str, ...] = QUESTIONS
+) -> Iterator[Record]:
     """Judge drives in ``jobs`` processes; yields their records in the order in which they are done."""
-    workers = [_Worker(model, seed, limit) for _ in range(jobs)]
+    workers = [_Worker(model, seed, questions, limit) for _ in range(jobs)]
     waiting = iter(indices)
     lost: dict[int, list[Record]] = {}  # what was stopped, by drive
     busy: list[_Worker] = []
@@ -145,7 +159,8 @@ def run(model: str, seed: int, indices: Iterable[int], jobs: int, limit: float) 
                     try:
                         record = worker.hear()
                     except (EOFError, ConnectionError):
-                        record, verdict = None, CRASHED
+                        worker.process.join()
+                        record, verdict = None, LATE if worker.process.exitcode == -signal.SIGPROF else CRASHED
                     if record is not None:
                         yield _with_lost(record, lost.pop(record["index"], []))
                         index = next(waiting, None)
@@ -158,7 +173,7 @@ def run(model: str, seed: int, indices: Iterable[int], jobs: int, limit: float) 
                 if verdict is None:
                     continue
                 index, number, name = worker.index, *worker.stage
-                said = "the process died" if verdict == CRASHED else "stopped"
+                said = f"the process died ({worker.process.exitcode})" if verdict == CRASHED else "stopped"
                 lost.setdefault(index, []).append({"stage": name, **Finding(verdict, None, said)._asdict()})
                 worker.stop()
                 if number < 0:  # not even drawn
@@ -231,7 +246,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=10_000, help=f"motions; every drive has {STARTS} starts")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="number of processes")
-    parser.add_argument("--limit", type=float, default=5.0, help="seconds for a question")
+    parser.add_argument("--limit", type=float, default=5.0, help="seconds of CPU time for a question")
+    parser.add_argument("--questions", nargs="+", choices=QUESTIONS, default=list(QUESTIONS))
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     options = parser.parse_args(arguments)
     if options.cases < 1 or options.jobs < 1 or not options.limit > 0 or options.seed < 0:
@@ -246,7 +262,7 @@ def main(arguments: list[str] | None = None) -> int:
     with path.open("a", encoding="utf-8") as file:
         if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
             file.write("\n")
-        for done, record in enumerate(run(options.model, options.seed, missing, options.jobs, options.limit), 1):
+        for done, record in enumerate(_asked(options, missing), 1):
             records.append(record)
             file.write(json.dumps(record) + "\n")
             file.flush()
@@ -257,6 +273,10 @@ def main(arguments: list[str] | None = None) -> int:
     table = summary(records)
     print(_report(table))
     return 0 if passed(table) else 1
+
+
+def _asked(options: argparse.Namespace, missing: list[int]) -> Iterator[Record]:
+    return run(options.model, options.seed, missing, options.jobs, options.limit, tuple(options.questions))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ too long and go on with the next.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -33,6 +33,7 @@ WRONG, CRASHED, LATE = "wrong", "crashed", "late"
 REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
 GOOD = (RIGHT, CORNER, BEYOND_INPUT)
 BAD = (WRONG, CRASHED, LATE)
+QUESTIONS = ("stability", "motion", "attractor", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative
 _DIGITS = 40
@@ -50,8 +51,12 @@ class Finding(NamedTuple):
 Stage = tuple[str, Callable[[], list[Finding]]]
 
 
-def stages(wide: WideDrive) -> Iterator[Stage]:
+def stages(wide: WideDrive, questions: Iterable[str] = QUESTIONS) -> Iterator[Stage]:
     """Yield the questions that are asked about a drive."""
+    return (stage for stage in _stages(wide) if stage[0] in questions)
+
+
+def _stages(wide: WideDrive) -> Iterator[Stage]:
     yield "stability", lambda: [_stability(wide)]
     if wide.model != "rigid":
         return
@@ -65,12 +70,12 @@ def stages(wide: WideDrive) -> Iterator[Stage]:
     yield "label", lambda: _labels(wide, truths)
 
 
-def warm_up(model: str) -> None:
+def warm_up(model: str, questions: Iterable[str] = QUESTIONS) -> None:
     """Ask everything about a harmless drive, so that compiling is no part of the time of any other."""
     kind = find_model(model)
     drive = kind.drive.of({"mass": 5.0, "support_damping": 1e-3})
     start = kind.initial_state(drive, {"u": 0.1, "w": 1.0})
-    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start]))):
+    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start])), questions):
         ask()
 
 
