@@ -78,7 +78,7 @@ def _fate(c: Constants, u: float, w: float, mode: int, leaps: int) -> Fate:
         if released.size >= 2:
             return _named(c, seen.kinds[released[0] + 1 : released[1] + 1], events, "two rests")
         size = np.abs(seen.states[seen.kinds.size // 2 :]).max(axis=0)
-        if size[0] < _CORNER * c.scale and size[1] < _CORNER * abs(c.speed):
+        if _vanishes(c, size[0], size[1]):
             return Fate("steady_sliding", "events without end that shrink to the equilibrium", events)
         period = _pattern(seen.modes)
         if period is None or released.size:
@@ -89,6 +89,11 @@ def _fate(c: Constants, u: float, w: float, mode: int, leaps: int) -> Fate:
         if c.flow[1, 0] == 0 and (seen.kinds[-period:] == watch.CONTACT_REVERSAL).all():
             return Fate("neutral_family", "undamped, a closed orbit with contact reversals", events)
         return _drift(c, seen, period, events, leaps)
+
+
+def _vanishes(c: Constants, u: float, w: float) -> bool:
+    """Whether a motion is so small that it has come to an equilibrium on Q = 0; any other it would settle to."""
+    return c.net_force == 0 and abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed)
 
 
 def _watch(c: Constants, u: float, w: float, mode: int, room: int) -> _Watched:
@@ -163,6 +168,7 @@ class _Section:
         self.kinds = self.pattern % 10
         self.on_contact = int(seen.kinds[-1]) == watch.CONTACT_REVERSAL
         self.start = float(seen.states[-1, int(self.on_contact)])
+        self.least = abs(c.speed) / math.sqrt(c.flow[1, 1])  # what the rounding of a rate makes of u
         self.size = float(np.abs(seen.states[-period:, int(self.on_contact)]).max())
 
     def state(self, x: float) -> tuple[float, float]:
@@ -178,8 +184,9 @@ class _Section:
         if seen.end != watch.EVENTS_FULL or seen.modes.size != self.pattern.size or (seen.modes != self.pattern).any():
             return None
         places = seen.states[:, int(self.on_contact)]
+        size = max(abs(x), np.abs(places).max(), 0.0 if self.on_contact else self.least)
         change = float(places[-1]) - x
-        return change if abs(change) > _SEEN * max(abs(x), np.abs(places).max()) else 0.0
+        return change if abs(change) > _SEEN * size else 0.0
 
     def ahead(self, x: float) -> tuple[float, float] | None:
         """A point that motions come to, near x where they do, and its drift: where one return from x leads."""
@@ -213,7 +220,7 @@ def _drift(c: Constants, seen: _Watched, period: int, events: int, leaps: int) -
         x, drift = there, ahead
         step = 2 * step if growing else step
         u, w = section.state(x)
-        if abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed):
+        if _vanishes(c, u, w):
             return Fate("steady_sliding", "events without end that shrink to the equilibrium", events)
     return Fate("unknown", "too many leaps", events)
 
@@ -233,7 +240,7 @@ def _between(c: Constants, section: _Section, x: float, y: float, drift: float, 
     if least > _CORNER * section.size:
         return Fate("unknown", "a drift that jumps", events)
     u, w = section.state(x)
-    if abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed):
+    if _vanishes(c, u, w):
         return Fate("steady_sliding", "events without end that shrink to the equilibrium", events)
     return _named(c, section.kinds, events, "a drift that turns back")
 

@@ -42,6 +42,7 @@ class Constants(NamedTuple):
     push: float  # u at which slip under law −1 has no acceleration from rest
     released: float  # u at which rest ends
     force_sign: int  # of R
+    net_force: float  # R̃
     paradox: bool
     scale: float  # size of u, for rounding
 
@@ -71,6 +72,7 @@ def constants(parameters: dict[str, float]) -> Constants:
             push=float(push / d.k),
             released=ends[0] if d.Omega > 0 else ends[1],
             force_sign=int(mp.sign(d.R)),
+            net_force=float(d.R_tilde),
             paradox=d.painleve,
             scale=float(max(d.u_scale, abs(d.z0))),
         )

@@ -6,16 +6,17 @@ too long and go on with the next.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from mpmath import mp
 
-from lsvib.accuracy import sweeps, watch
+from lsvib.accuracy import sweeps, threshold_judge, watch
 from lsvib.accuracy.energy import balance
 from lsvib.accuracy.fate import Fate, fate
-from lsvib.accuracy.paths import MOST_EVENTS, engine_path, exact_path, watched_path
+from lsvib.accuracy.paths import MOST_EVENTS, Path, engine_path, exact_path, watched_path
 from lsvib.accuracy.reference.rigid import Drive
 from lsvib.accuracy.sweep_families import Case, Family, Group
 from lsvib.accuracy.wide_drives import WideDrive
@@ -33,10 +34,11 @@ WRONG, CRASHED, LATE = "wrong", "crashed", "late"
 REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
 GOOD = (RIGHT, CORNER, BEYOND_INPUT)
 BAD = (WRONG, CRASHED, LATE)
-QUESTIONS = ("stability", "motion", "attractor", "label")
+QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative
 _DIGITS = 40
+_INSTANT = 1e-7  # of the duration
 
 
 class Finding(NamedTuple):
@@ -67,6 +69,7 @@ def _stages(wide: WideDrive) -> Iterator[Stage]:
         yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
     for k, truth in enumerate(truths):
         yield "attractor", lambda k=k, truth=truth: [_attractor(wide, k, truth, automaton())]
+    yield "threshold", lambda: _thresholds(wide)
     yield "label", lambda: _labels(wide, truths)
 
 
@@ -87,11 +90,18 @@ def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Auto
     except LsvibError as error:
         return Finding(REFUSED, k, str(error))
     path = engine_path(motion, case)
+    if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
+        return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
     other = watched_path(case, constants, path.size)
     if other is not None and sweeps.agree(path, other, case):
         drawn = balance(motion, wide.drive)
         if not drawn.residual > sweeps.allowed_residual(drawn.rounding):
             return Finding(RIGHT, k)
+    exact = exact_path(case, wide.drive, case.start)
+    if exact is None:
+        return Finding(UNDECIDED, k, "the reference does not decide")
+    if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
+        return Finding(CORNER, k)
     rng = np.random.default_rng([wide.seed, wide.index, k])
     outcome = sweeps.judge(case, rng, by_reference=True)
     verdicts = {
@@ -101,6 +111,16 @@ def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Auto
     }
     detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
     return Finding(verdicts.get(outcome.verdict, WRONG), k, detail)
+
+
+def _same_after_an_instant(path: Path, other: Path, case: Case) -> bool:
+    """Whether motions that start on θ′ = 0 agree but for events at once: a torque of rounding turns the screw at first."""
+    later = []
+    for one in (path, other):
+        late = one.times > _INSTANT * case.duration
+        kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
+        later.append(replace(one, kinds=kinds, times=one.times[late]))
+    return sweeps.agree(*later, case)
 
 
 def _case(wide: WideDrive, k: int) -> Case:
@@ -119,6 +139,12 @@ def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
     labels = mapper(wide.drive).labels_of(wide.starts[:, 0], wide.starts[:, 1])
     names = [Attractor(label).name.lower() for label in labels]
     return [_compared(wide, k, truth, name) for k, (truth, name) in enumerate(zip(truths, names, strict=True))]
+
+
+def _thresholds(wide: WideDrive) -> list[Finding]:
+    rng = np.random.default_rng([wide.seed, wide.index])
+    found = threshold_judge.objections(wide.drive, rng)
+    return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
 
 
 def _compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
