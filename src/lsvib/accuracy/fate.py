@@ -37,13 +37,14 @@ class Fate(NamedTuple):
     """Name of the attractor as in ``lsvib.analysis.cycles.Attractor``, or ``unknown``; why; events watched.
 
     ``edge``: the motion stays on the outermost orbit of a neutral family, which touches θ′ = 0, so that digits decide
-    whether it is told as a cycle or as one of the family.
+    whether it is told as a cycle or as one of the family. ``stops``: θ′ is zero somewhere on the cycle.
     """
 
     name: str
     reason: str
     events: int
     edge: bool = False
+    stops: bool = False
 
 
 class _Watched(NamedTuple):
@@ -147,8 +148,8 @@ def _named(c: Constants, kinds: np.ndarray, events: int, reason: str) -> Fate:
     if watch.RELEASE in found:
         if c.flow[1, 0] == 0 and watch.REVERSAL not in found:
             return Fate("neutral_family", "undamped, the orbit from the end of rest, which touches θ′ = 0", events, True)
-        return Fate("stick_slip_cycle", reason, events)
-    return Fate("other_cycle", reason, events)
+        return Fate("stick_slip_cycle", reason, events, stops=True)
+    return Fate("other_cycle", reason, events, stops=found != {watch.CONTACT_REVERSAL})
 
 
 def _pattern(modes: np.ndarray) -> int | None:

@@ -3,7 +3,7 @@
 With R̃ = R − r_m tan λ c_x Ω and all forces counted in the direction of the motion (times sgn Ω):
 
 * onset: beyond it steady sliding is left from nearby, before it nearby motions come back;
-* stick: the motion that leaves steady sliding ends in a slip cycle before it, and in a cycle with rest beyond it;
+* stick: the cycle of the motion that leaves steady sliding touches θ′ = 0 beyond it, and not before it;
 * detach: the cycle from the end of rest reverses the contact before it, and not beyond it;
 * global stability (Painlevé region): before it some motion goes on for ever, beyond it all come to steady sliding.
 
@@ -12,7 +12,7 @@ force against the motion must be.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -73,20 +73,16 @@ def _judge_onset(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
 
 def _judge_stick(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
     size = abs(force - _onset(drive))
-    wanted = (("stick_slip_cycle", _ASIDE), ("other_cycle", -_ASIDE))
-    return _judge_cycle(drive, force, size, wanted, lambda c: (_NEAR * abs(c.contact[2] / c.contact[0]), 0.0))
-
-
-def _judge_cycle(drive, force, size, wanted, start: Callable) -> tuple[str, str, str]:
     if not (force - _onset(drive)) * drive.input_speed > 0:
         return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
-    for name, aside in wanted:
+    for aside, stops in ((_ASIDE, True), (-_ASIDE, False)):
         c = _at(drive, force, aside, size)
-        found = fate(c, *start(c))
+        found = fate(c, _NEAR * abs(c.contact[2] / c.contact[0]), 0.0)
         if found.name == "unknown":
             return "undecided", f"{force} N", found.reason
-        if found.name != name:
-            return "wrong", f"{force} N: {name} at {aside:+g}", f"{found.name} ({found.reason})"
+        if found.name not in ("stick_slip_cycle", "other_cycle") or found.stops != stops:
+            told = f"{found.name}, which {'touches' if found.stops else 'does not touch'} it ({found.reason})"
+            return "wrong", f"{force} N: the cycle touches θ′ = 0 is {stops} at {aside:+g}", told
     return "right", "", ""
 
 
