@@ -117,7 +117,7 @@ def _settled(c: Constants, seen: _Watched, events: int) -> Fate:
 
 
 def _grown(c: Constants, seen: _Watched, events: int, leaps: int) -> Fate:
-    """Growth over more turns than double precision counts: enlarged until it is near a guard, then in several phases."""
+    """Growth over more turns than can be counted: enlarge the motion until it is near a guard, in several phases."""
     row = c.flow[0]
     u, w = seen.u - row[6], seen.w
     low, high = 1.0, 2.0
@@ -147,7 +147,7 @@ def _named(c: Constants, kinds: np.ndarray, events: int, reason: str) -> Fate:
         return Fate("sprag_slip_cycle", reason, events)
     if watch.RELEASE in found:
         if c.flow[1, 0] == 0 and watch.REVERSAL not in found:
-            return Fate("neutral_family", "undamped, the orbit from the end of rest, which touches θ′ = 0", events, True)
+            return Fate("neutral_family", "undamped, from the end of rest, touching θ′ = 0", events, True)
         return Fate("stick_slip_cycle", reason, events, stops=True)
     return Fate("other_cycle", reason, events, stops=found != {watch.CONTACT_REVERSAL})
 

@@ -2,10 +2,11 @@
 
     python -m lsvib.accuracy.random_drives --model rigid --cases 10000 --seed 1 --jobs 2 --out folder
 
-One line of JSON for each drive is written to ``folder/<model>-<seed>.jsonl``: how many findings of each verdict, and all
-that are not right in full. A run goes on where the last one with the same folder, model and seed ended. Drives are
-judged in processes of their own: one that does not come back in time is stopped, and so is one that dies; both are
-findings like others. The exit code is 1 if anything is wrong, crashed or late, or if too much is unresolved.
+One line of JSON for each drive is written to ``folder/<model>-<seed>.jsonl``: how many findings of each verdict, and
+in full those that are not right. A run goes on where the last one with the same folder, model and seed ended; an older
+program's findings belong into another folder. Drives are judged in processes of their own: a question that takes too
+long ends its process, and so may a fault; both are findings like others, and the drive's next questions are asked
+nevertheless. The exit code is 1 if anything is wrong, crashed or late, or if too much is refused or unresolved.
 """
 
 import argparse

@@ -120,9 +120,9 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     if exact is None:
         return outcome
     if quick is not None:
-        outcome.stepper_agrees = quick.kinds == exact.kinds or _same_but_corners(quick, exact, case)
+        outcome.stepper_agrees = quick.kinds == exact.kinds or agree_but_corners(quick, exact, case)
     outcome.verdict = _compare(outcome, path, exact, case)
-    if outcome.verdict is Verdict.WRONG and _same_but_corners(path, exact, case):
+    if outcome.verdict is Verdict.WRONG and agree_but_corners(path, exact, case):
         outcome.verdict = Verdict.CORNER
         outcome.state_error = _distance(path.end, exact)
     if outcome.verdict not in _GOOD or thorough:
@@ -147,7 +147,7 @@ def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
     return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.PASSED
 
 
-def _same_but_corners(path: Path, other: Path, case: Case) -> bool:
+def agree_but_corners(path: Path, other: Path, case: Case) -> bool:
     """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
     if not (path.complete and other.complete):
         return False

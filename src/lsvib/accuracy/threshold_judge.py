@@ -155,7 +155,8 @@ def _absent(drive: LeadScrew, name: str, reason: str, rng) -> tuple[str, str, st
     scale = max(abs(onset), 1e-3)
     for part in _FORCES:
         force = -math.copysign(part * scale, drive.input_speed)
-        verdict = _all_come_to_rest(watch.constants({**dict(drive), "axial_force": force}), f"{reason} R = {force}", rng)
+        there = watch.constants({**dict(drive), "axial_force": force})
+        verdict = _all_come_to_rest(there, f"{reason} R = {force}", rng)
         if verdict[0] != "right":
             return verdict
     return "right", "", ""

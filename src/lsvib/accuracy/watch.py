@@ -35,7 +35,7 @@ _STEPS = 200  # of a root; bisection alone ends in 60 per doubling of the bracke
 class Constants(NamedTuple):
     """The drive of eqs (8.16), (8.17) in numbers; rows of ``flow`` are the laws +1 and −1."""
 
-    flow: np.ndarray  # (2, 8): a = C/2Γ, b = k/Γ, ω or half the distance of the rates, sign of a² − b, rates, u, Q there
+    flow: np.ndarray  # (2, 8): a = C/2Γ, b = k/Γ, √|a² − b|, sign of a² − b, both rates, u and Q at rest
     contact: np.ndarray  # (3,) Q as an affine function of (u, w)
     speed: float  # Ω
     band: np.ndarray  # (2,) u at the ends of static friction, ascending
@@ -148,7 +148,7 @@ def first_root(row, rest, h0, h1, fresh):
     level = -h0 if fresh else rest
     if not fresh and level + h0 <= 0:
         return _WRONG_SIDE
-    if fresh and (h1 <= 0 and h2 <= 0 or h1 * (abs(a) + math.sqrt(row[_B])) < -_AT_ONCE * abs(h2)):
+    if fresh and ((h1 <= 0 and h2 <= 0) or h1 * (abs(a) + math.sqrt(row[_B])) < -_AT_ONCE * abs(h2)):
         return _WRONG_SIDE
     if form < 0:
         if h0 == 0 and h1 == 0:

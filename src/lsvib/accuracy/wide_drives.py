@@ -30,7 +30,7 @@ class WideDrive(NamedTuple):
 def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it."""
     rng = np.random.default_rng([seed, MODELS.index(model), index])
-    values = _common(rng)
+    values = rigid_values(rng)
     if model == "rigid":
         drive = LeadScrew.of(values)
         return WideDrive(model, seed, index, drive, (), _starts(rng, drive, starts))
@@ -108,7 +108,8 @@ def _zero_or(rng, share: float, low: float, high: float) -> float:
     return 0.0 if rng.random() < share else power(rng, low, high)
 
 
-def _common(rng) -> dict[str, float]:
+def rigid_values(rng: np.random.Generator) -> dict[str, float]:
+    """Draw the parameters of a rigid drive over decades; dampings and axial force are zero in a share of the drives."""
     lead = math.radians(power(rng, math.log10(0.5), math.log10(45.0)))
     friction = power(rng, -3, math.log10(0.9)) if rng.random() < 0.5 else rng.uniform(0.001, 0.9)
     force = sign(rng) * _zero_or(rng, _ZERO_FORCE, -3, 6)
