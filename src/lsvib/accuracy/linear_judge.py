@@ -36,9 +36,12 @@ def rates(wide: WideDrive) -> list:
 
 
 def stable(wide: WideDrive, found: list) -> bool:
-    """Whether all rates have a negative real part; without any damping, whether none has a positive one."""
+    """Whether all rates have a negative real part; for four states without any damping, whether none has a positive one.
+
+    That is what the tables of the program call stable, see ``lsvib.analysis.summary.stability_table``.
+    """
     dampings = ("support_damping", "translation_damping", "axial_support_damping", "nut_damping", "contact_damping")
     values = dict(wide.drive)
-    undamped = all(values.get(key, 0) == 0 for key in dampings)
+    undamped = wide.model != "rigid" and all(values.get(key, 0) == 0 for key in dampings)
     with mp.workdps(_DIGITS):
         return all(mp.re(x) <= (_REAL * abs(x) if undamped else -_REAL * abs(x)) for x in found)
