@@ -30,7 +30,7 @@ from lsvib.accuracy.wide_judges import BAD, CRASHED, GOOD, LATE, QUESTIONS, REFU
 STARTS = 4  # of each drive
 MOST_UNRESOLVED = 1e-3  # of the questions of a kind
 _PATIENCE = 60  # times the limit, on the clock, after which a process that waits for something is stopped
-_WARM = 600.0  # [s] for the first drive of a process, which may compile
+_WARM = 600.0  # [s] at least, since a process may compile before its first answer
 _SHARES = 20  # reports of progress in a run
 
 Record = dict[str, Any]
@@ -96,7 +96,7 @@ class _Worker:
     """A process that judges, and what it is doing."""
 
     def __init__(self, model: str, seed: int, questions: tuple[str, ...], limit: float) -> None:
-        self.arguments, self.limit = (model, seed, questions, limit), limit
+        self.arguments, self.patience = (model, seed, questions, limit), max(_PATIENCE * limit, _WARM)
         self.process = None
         self.index, self.ready = -1, False
 
@@ -114,7 +114,7 @@ class _Worker:
             self.start()
         self.index, self.skipped, self.stage = index, skipped, (-1, "draw")
         self.connection.send((index, skipped))
-        self.deadline = time.monotonic() + (_PATIENCE * self.limit if self.ready else _WARM)
+        self.deadline = time.monotonic() + (self.patience if self.ready else _WARM)
 
     def hear(self) -> Record | None:
         """Take a message; the record of the drive if it is the last one. ``EOFError`` if the process has died."""
@@ -125,7 +125,7 @@ class _Worker:
             self.ready = True
         else:
             self.stage = content
-        self.deadline = time.monotonic() + _PATIENCE * self.limit
+        self.deadline = time.monotonic() + self.patience
         return None
 
     def stop(self) -> None:
