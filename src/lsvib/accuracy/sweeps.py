@@ -155,6 +155,11 @@ def agree_but_corners(path: Path, other: Path, case: Case) -> bool:
     return same_but_corners(*tokens) and _distance(path.end, other) <= TOLERANCE
 
 
+def same_end(path: Path, other: Path) -> bool:
+    """Whether two motions end in the same state, whatever their events."""
+    return path.complete and other.complete and _distance(path.end, other) <= TOLERANCE
+
+
 def _distance(end: np.ndarray, other: Path) -> float:
     return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
 

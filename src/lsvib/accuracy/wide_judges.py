@@ -106,6 +106,8 @@ def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Auto
         return Finding(UNDECIDED, k, "the reference does not decide")
     if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
+    if constants.net_force == 0 and sweeps.same_end(path, exact):  # rest ends on Q = 0: a corner on every such orbit
+        return Finding(CORNER, k)
     return _by_reference(wide, k, case)
 
 
