@@ -36,7 +36,7 @@ def rates(wide: WideDrive) -> list:
 
 
 def stable(wide: WideDrive, found: list) -> bool:
-    """Whether all rates have a negative real part; for four states without any damping, whether none has a positive one.
+    """Whether all rates have a negative real part; of four undamped ones, whether none has a positive one.
 
     That is what the tables of the program call stable, see ``lsvib.analysis.summary.stability_table``.
     """

@@ -23,7 +23,6 @@ class Family(IntEnum):
     DOUBLE_RATE_OF_THREADS = 11  # two or three rates of compliant threads that coincide
     SUPPORT = 12  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
     NUT = 13  # rotating nut, the same
-    WIDE = 14  # drives of :mod:`lsvib.accuracy.wide_drives`
 
 
 class Group(IntEnum):

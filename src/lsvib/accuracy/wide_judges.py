@@ -151,7 +151,7 @@ def motion_case(wide: WideDrive, k: int) -> Case:
     rng = np.random.default_rng([wide.seed, wide.index, k])
     drive = wide.drive
     turn = 2 * math.pi * float(Drive(dict(drive), 20).u_scale) / abs(drive.input_speed)
-    return Case(Family.WIDE, Group.ONLY, 0.0, drive, tuple(map(float, wide.starts[k])), turn * rng.uniform(0.3, 4.0))
+    return Case(Family.RANDOM, Group.ONLY, 0.0, drive, tuple(map(float, wide.starts[k])), turn * rng.uniform(0.3, 4.0))
 
 
 def _attractor(wide: WideDrive, k: int, truth: Fate, automaton: Automaton) -> Finding:
