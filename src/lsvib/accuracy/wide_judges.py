@@ -40,6 +40,7 @@ _EIGENVALUES = {"rigid": 1e-12}  # relative; of the others _FOUR_EIGENVALUES
 _FOUR_EIGENVALUES = 1e-9  # rates that lie apart leave the slow ones fewer digits in double precision
 _MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
 _FAMILIES = {"threads": Family.CONTACT, "support": Family.SUPPORT, "nut": Family.NUT}
+_CONFIRMING = 12  # events that the reference must have as well
 _INSTANT = 1e-7  # of the duration
 
 
@@ -186,13 +187,17 @@ def compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
 
 
 def _confirmed(wide: WideDrive, k: int) -> bool:
-    """Whether the reference has the first events that the watcher has, over many turns."""
-    case = motion_case(wide, k)._replace(duration=10 * motion_case(wide, k).duration)
+    """Whether the reference has the first events that the watcher has, at the same times."""
+    case = motion_case(wide, k)
     exact = exact_path(case, wide.drive, case.start)
     watched = None if exact is None else watched_path(case, watch.constants(dict(wide.drive)), exact.size)
     if watched is None:
         return False
-    return sweeps.agree(watched, exact, case) or sweeps.agree_but_corners(watched, exact, case)
+    count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
+    if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
+        return False
+    late = np.abs(exact.times[:count] - watched.times[:count]).max(initial=0.0)
+    return exact.kinds[:count] == watched.kinds[:count] and late <= sweeps.TOLERANCE * case.duration
 
 
 def _stability(wide: WideDrive) -> Finding:
