@@ -107,6 +107,9 @@ def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Auto
         return Finding(UNDECIDED, k, "the reference does not decide")
     if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
+    # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
+    if not (path.complete or exact.complete) and _same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+        return Finding(RIGHT, k)
     if constants.net_force == 0 and sweeps.same_end(path, exact):  # rest ends on Q = 0: a corner on every such orbit
         return Finding(CORNER, k)
     return _by_reference(wide, k, case)
@@ -196,8 +199,13 @@ def _confirmed(wide: WideDrive, k: int) -> bool:
     count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
     if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
         return False
-    late = np.abs(exact.times[:count] - watched.times[:count]).max(initial=0.0)
-    return exact.kinds[:count] == watched.kinds[:count] and late <= sweeps.TOLERANCE * case.duration
+    return _same_first(watched, exact, count, case)
+
+
+def _same_first(path: Path, other: Path, count: int, case: Case) -> bool:
+    """Whether the first events of two motions are the same, at the same times."""
+    late = np.abs(path.times[:count] - other.times[:count]).max(initial=0.0)
+    return path.kinds[:count] == other.kinds[:count] and late <= sweeps.TOLERANCE * case.duration
 
 
 def _stability(wide: WideDrive) -> Finding:
