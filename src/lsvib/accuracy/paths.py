@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.accuracy import stepper
+from lsvib.accuracy import stepper, watch
 from lsvib.accuracy.reference import rigid as rigid_reference
 from lsvib.accuracy.reference import threads as threads_reference
 from lsvib.accuracy.reference import two_bodies_closed
@@ -104,6 +104,19 @@ def stepper_path(case: Case, size: np.ndarray) -> Path | None:
     complete, count, u, w = stepper.run(constants, *case.start, case.duration, times, kinds)
     names = [stepper.KINDS[kind] for kind in kinds[:count]]
     return _path(case, names, times[:count], (u, w), size, complete)
+
+
+def watched_path(case: Case, constants: watch.Constants, size: np.ndarray) -> Path | None:
+    """The motion in closed form, or None where double precision does not tell; ``size``: as for the stepper."""
+    times, states = np.empty(MOST_EVENTS), np.empty((MOST_EVENTS, 2))
+    kinds, modes = np.empty(MOST_EVENTS, dtype=np.int64), np.empty(MOST_EVENTS, dtype=np.int64)
+    end, count, u, w, _ = watch.watch(
+        constants, *case.start, watch.ANYWHERE, case.duration, False, times, kinds, modes, states
+    )
+    if end not in (watch.TIME_REACHED, watch.EVENTS_FULL):
+        return None
+    names = [watch.KINDS[kind] for kind in kinds[:count]]
+    return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
 
 
 def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:

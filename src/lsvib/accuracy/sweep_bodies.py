@@ -31,7 +31,7 @@ def support(rng) -> Case:
     }
     share = power(rng, -3, -0.01)
     if "slide_friction" in _FRICTIONS[group]:  # only up to this mass is the motion determined
-        values["screw_mass"] = min(values["screw_mass"], share * _heaviest(values, values["screw_inertia"]))
+        values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
     drive = SupportDrive.of(values)
     shift = drive.axial_force / drive.support_stiffness
     own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
@@ -50,7 +50,7 @@ def nut(rng) -> Case:
     share = power(rng, -3, -0.01)
     if "bearing_friction" in _FRICTIONS[group]:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
-        values["mass"] = min(values["mass"], share * _heaviest(values, inertia))
+        values["mass"] = min(values["mass"], share * heaviest(values, inertia))
     drive = NutDrive.of(values)
     own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
     return _case(rng, Family.NUT, group, level, drive, own)
@@ -71,7 +71,7 @@ def _common(rng) -> dict[str, float]:
     }
 
 
-def _heaviest(values: dict[str, float], inertia: float) -> float:
+def heaviest(values: dict[str, float], inertia: float) -> float:
     """Mass [kg] above which the threads could seize with a given inertia [kg m²], infinite if they never do."""
     tan = math.tan(values["lead_angle"])
     factor = friction_factor(values["friction_coefficient"], tan, 1)

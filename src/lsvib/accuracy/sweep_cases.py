@@ -7,6 +7,7 @@ import numpy as np
 
 from lsvib.accuracy import sweep_bodies, sweep_threads
 from lsvib.accuracy.sweep_families import Case, Family, Group, power, sign
+from lsvib.accuracy.wide_drives import rigid_values
 from lsvib.analysis import thresholds
 from lsvib.analysis.conditions import critical_mass
 from lsvib.models.coefficients import coefficients
@@ -171,19 +172,7 @@ def _double_rate(rng) -> Case:
 
 
 def _random(rng) -> Case:
-    lead = math.radians(power(rng, -0.5, 1.5))
-    drive = LeadScrew.of(
-        pitch_radius=power(rng, -4, 0),
-        lead_angle=lead,
-        screw_inertia=power(rng, -9, 1),
-        coupling_stiffness=power(rng, -3, 6),
-        support_damping=power(rng, -7, 1) if rng.random() < 0.9 else 0.0,
-        friction_coefficient=rng.uniform(0.0, min(1.0, 0.99 / math.tan(lead))),
-        input_speed=sign(rng) * power(rng, -2, 4),
-        mass=power(rng, -3, 4),
-        translation_damping=power(rng, -3, 5) if rng.random() < 0.5 else 0.0,
-        axial_force=sign(rng) * power(rng, -2, 5),
-    )
+    drive = LeadScrew.of(rigid_values(rng))
     return _case(rng, Family.RANDOM, Group.ONLY, math.log10(drive.mass), drive)
 
 

@@ -120,14 +120,19 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     if exact is None:
         return outcome
     if quick is not None:
-        outcome.stepper_agrees = quick.kinds == exact.kinds or _same_but_corners(quick, exact, case)
+        outcome.stepper_agrees = quick.kinds == exact.kinds or agree_but_corners(quick, exact, case)
     outcome.verdict = _compare(outcome, path, exact, case)
-    if outcome.verdict is Verdict.WRONG and _same_but_corners(path, exact, case):
+    if outcome.verdict is Verdict.WRONG and agree_but_corners(path, exact, case):
         outcome.verdict = Verdict.CORNER
         outcome.state_error = _distance(path.end, exact)
     if outcome.verdict not in _GOOD or thorough:
         _weigh(outcome, path, exact, case, rng)
     return outcome
+
+
+def agree(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions have the same events, at the same times, and end in the same state."""
+    return _compare(Outcome(Verdict.WRONG, Judge.NONE), path, other, case) is Verdict.PASSED
 
 
 def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
@@ -142,12 +147,17 @@ def _compare(outcome: Outcome, path: Path, other: Path, case: Case) -> Verdict:
     return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.PASSED
 
 
-def _same_but_corners(path: Path, other: Path, case: Case) -> bool:
+def agree_but_corners(path: Path, other: Path, case: Case) -> bool:
     """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
     if not (path.complete and other.complete):
         return False
     tokens = [without_clusters(x.kinds, x.times, _AT_ONCE * case.duration) for x in (path, other)]
     return same_but_corners(*tokens) and _distance(path.end, other) <= TOLERANCE
+
+
+def same_end(path: Path, other: Path) -> bool:
+    """Whether two motions end in the same state, whatever their events."""
+    return path.complete and other.complete and _distance(path.end, other) <= TOLERANCE
 
 
 def _distance(end: np.ndarray, other: Path) -> float:

@@ -1,0 +1,47 @@
+"""Rates of the motion near steady sliding, from the references' statements of Newton's laws, with 60 digits."""
+
+from mpmath import mp
+
+from lsvib.accuracy.reference import rigid, threads
+from lsvib.accuracy.reference.two_bodies_closed import ExactDrive
+from lsvib.accuracy.wide_drives import WideDrive
+
+_DIGITS = 60
+_REAL = mp.mpf(10) ** -25  # of a rate; a real part below this is rounding, as even a double rate has 30 digits
+
+
+def rates(wide: WideDrive) -> list:
+    """Rates [1/s] of the motion near steady sliding, two or four."""
+    parameters = dict(wide.drive)
+    with mp.workdps(_DIGITS):
+        turning = 1 if wide.drive.input_speed > 0 else -1
+        if wide.model == "rigid":
+            d = rigid.Drive(parameters, _DIGITS)
+            law = d.s0 or 1
+            a, b = d.C(law) / (2 * d.Gamma(law)), d.k / d.Gamma(law)
+            root = mp.sqrt(a * a - b)
+            first = -a - root if mp.re(-a) < 0 else -a + root
+            return [first, b / first]
+        if wide.model == "threads":
+            d = threads.Drive(parameters)
+            law = 1 if (d.R - d.r * d.tan * d.cx * d.Omega) * turning >= 0 else -1
+            matrix, _ = d.matrix(lambda x: d.slip(law, x))
+        else:
+            d = ExactDrive(wide.model, parameters, "slide_friction" in wide.physics, "bearing_friction" in wide.physics)
+            axial = d.p["axial_force"] - d.p["translation_damping"] * d.reach * d.Omega - d.F0 * turning
+            sign = 1 if axial >= 0 else -1
+            rows = d.row_of_field((turning, sign, turning if d.second else None))
+            matrix = mp.matrix([row[:4] for row in rows])
+        return list(mp.eig(matrix, left=False, right=False))
+
+
+def stable(wide: WideDrive, found: list) -> bool:
+    """Whether all rates have a negative real part; of four undamped ones, whether none has a positive one.
+
+    That is what the tables of the program call stable, see ``lsvib.analysis.summary.stability_table``.
+    """
+    dampings = ("support_damping", "translation_damping", "axial_support_damping", "nut_damping", "contact_damping")
+    values = dict(wide.drive)
+    undamped = wide.model != "rigid" and all(values.get(key, 0) == 0 for key in dampings)
+    with mp.workdps(_DIGITS):
+        return all(mp.re(x) <= (_REAL * abs(x) if undamped else -_REAL * abs(x)) for x in found)

@@ -1,0 +1,224 @@
+"""Judge what the program says about one random drive against computations that share nothing with it.
+
+Every question is a *stage*, a function without arguments that returns findings; who runs them may stop one that takes
+too long and go on with the next.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mp
+
+from lsvib.accuracy import linear_judge, sweeps, threshold_judge, watch
+from lsvib.accuracy.energy import balance
+from lsvib.accuracy.fate import Fate, fate
+from lsvib.accuracy.paths import MOST_EVENTS, Path, engine_path, exact_path, watched_path
+from lsvib.accuracy.reference.rigid import Drive
+from lsvib.accuracy.sweep_families import Case, Family, Group
+from lsvib.accuracy.wide_drives import WideDrive
+from lsvib.analysis.attraction import mapper
+from lsvib.analysis.cycles import Attractor, steady_state
+from lsvib.analysis.summary import stability_table
+from lsvib.errors import LsvibError
+from lsvib.models.automaton import Automaton
+from lsvib.models.model import find_model
+from lsvib.models.motion import follow
+from lsvib.models.rigid import rigid_drive
+
+RIGHT, CORNER, BEYOND_INPUT = "right", "corner", "beyond input"
+WRONG, CRASHED, LATE = "wrong", "crashed", "late"
+REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
+GOOD = (RIGHT, CORNER, BEYOND_INPUT)
+BAD = (WRONG, CRASHED, LATE)
+QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
+_EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
+_EIGENVALUES = {"rigid": 1e-12}  # relative; of the others _FOUR_EIGENVALUES
+_FOUR_EIGENVALUES = 1e-9  # rates that lie apart leave the slow ones fewer digits in double precision
+_MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
+_FAMILIES = {"threads": Family.CONTACT, "support": Family.SUPPORT, "nut": Family.NUT}
+_CONFIRMING = 12  # events that the reference must have as well
+_INSTANT = 1e-7  # of the duration
+
+
+class Finding(NamedTuple):
+    """Verdict on one question; ``start``: index of the start, or None; ``said``, ``truth``: in words."""
+
+    verdict: str
+    start: int | None = None
+    said: str = ""
+    truth: str = ""
+
+
+Stage = tuple[str, Callable[[], list[Finding]]]
+
+
+def stages(wide: WideDrive, questions: Iterable[str] = QUESTIONS) -> Iterator[Stage]:
+    """Yield the questions that are asked about a drive."""
+    return (stage for stage in _stages(wide) if stage[0] in questions)
+
+
+def _stages(wide: WideDrive) -> Iterator[Stage]:
+    yield "stability", lambda: [_stability(wide)]
+    if wide.model != "rigid":
+        for k in range(len(wide.starts)):
+            yield "motion", lambda k=k: [_exact_motion(wide, k)]
+        return
+    constants = watch.constants(dict(wide.drive))
+    truths = [fate(constants, *start) for start in wide.starts]
+    automaton = lru_cache(lambda: rigid_drive(wide.drive))  # its first use counts its construction
+    for k in range(len(wide.starts)):
+        yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
+    for k, truth in enumerate(truths):
+        yield "attractor", lambda k=k, truth=truth: [_attractor(wide, k, truth, automaton())]
+    yield "threshold", lambda: _thresholds(wide)
+    yield "label", lambda: _labels(wide, truths)
+
+
+def warm_up(model: str, questions: Iterable[str] = QUESTIONS) -> None:
+    """Ask everything about a harmless drive, so that compiling is no part of the time of any other."""
+    kind = find_model(model)
+    drive = kind.drive.of({"mass": 5.0, "support_damping": 1e-3})
+    start = kind.initial_state(drive, {key: 0.1 for key in kind.required})
+    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start])), questions):
+        ask()
+
+
+def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Automaton) -> Finding:
+    """Follow a motion for some turns; the closed form judges, and where it disagrees all others do."""
+    case = motion_case(wide, k)
+    try:
+        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError as error:
+        return Finding(REFUSED, k, str(error))
+    path = engine_path(motion, case)
+    if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
+        return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
+    other = watched_path(case, constants, path.size)
+    if other is not None and sweeps.agree(path, other, case):
+        drawn = balance(motion, wide.drive)
+        if not drawn.residual > sweeps.allowed_residual(drawn.rounding):
+            return Finding(RIGHT, k)
+    exact = exact_path(case, wide.drive, case.start)
+    if exact is None:
+        return Finding(UNDECIDED, k, "the reference does not decide")
+    if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
+        return Finding(CORNER, k)
+    # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
+    if not (path.complete or exact.complete) and _same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+        return Finding(RIGHT, k)
+    if constants.net_force == 0 and sweeps.same_end(path, exact):  # rest ends on Q = 0: a corner on every such orbit
+        return Finding(CORNER, k)
+    return _by_reference(wide, k, case)
+
+
+def _exact_motion(wide: WideDrive, k: int) -> Finding:
+    """Follow a motion of a drive with four states for some turns of its fastest oscillation; the reference judges."""
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    drive, start = wide.drive, tuple(map(float, wide.starts[k]))
+    fastest = max(abs(float(mp.im(x))) for x in linear_judge.rates(wide))
+    duration = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness) * rng.uniform(0.3, 3.0)
+    duration = min(duration, _MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
+    return _by_reference(wide, k, Case(_FAMILIES[wide.model], Group.ONLY, 0.0, drive, start, duration, wide.physics))
+
+
+def _by_reference(wide: WideDrive, k: int, case: Case) -> Finding:
+    outcome = sweeps.judge(case, np.random.default_rng([wide.seed, wide.index, k]), by_reference=True)
+    verdicts = {
+        sweeps.Verdict.PASSED: RIGHT,
+        sweeps.Verdict.CORNER: CORNER,
+        sweeps.Verdict.BEYOND_INPUT: BEYOND_INPUT,
+        sweeps.Verdict.REFUSED: REFUSED,
+    }
+    verdict = verdicts.get(outcome.verdict, WRONG)
+    if verdict == WRONG and math.isnan(outcome.state_error) and exact_path(case, case.drive, case.start) is None:
+        verdict = UNDECIDED
+    detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
+    return Finding(verdict, k, detail)
+
+
+def _same_after_an_instant(path: Path, other: Path, case: Case) -> bool:
+    """Whether motions that start on θ′ = 0 agree but for events at once, where rounding makes the torque."""
+    later = []
+    for one in (path, other):
+        late = one.times > _INSTANT * case.duration
+        kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
+        later.append(replace(one, kinds=kinds, times=one.times[late]))
+    return sweeps.agree(*later, case)
+
+
+def motion_case(wide: WideDrive, k: int) -> Case:
+    """Motion ``k`` of a rigid drive: its start, and up to four turns of the slow oscillation."""
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    drive = wide.drive
+    turn = 2 * math.pi * float(Drive(dict(drive), 20).u_scale) / abs(drive.input_speed)
+    return Case(Family.RANDOM, Group.ONLY, 0.0, drive, tuple(map(float, wide.starts[k])), turn * rng.uniform(0.3, 4.0))
+
+
+def _attractor(wide: WideDrive, k: int, truth: Fate, automaton: Automaton) -> Finding:
+    found = steady_state(automaton, wide.starts[k])
+    return compared(wide, k, truth, found.label.name.lower())
+
+
+def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
+    labels = mapper(wide.drive).labels_of(wide.starts[:, 0], wide.starts[:, 1])
+    names = [Attractor(label).name.lower() for label in labels]
+    return [compared(wide, k, truth, name) for k, (truth, name) in enumerate(zip(truths, names, strict=True))]
+
+
+def _thresholds(wide: WideDrive) -> list[Finding]:
+    rng = np.random.default_rng([wide.seed, wide.index])
+    found = threshold_judge.objections(wide.drive, rng)
+    return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
+
+
+def compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
+    """Verdict on the name of an attractor, by the fate of the motion."""
+    told = f"{truth.name} ({truth.reason})"
+    if name == "unbounded":  # see lsvib.accuracy.fate
+        return Finding(WRONG, k, name, told)
+    if name == "unresolved":
+        return Finding(UNRESOLVED, k, name, told)
+    if name == truth.name or (truth.edge and name in _EDGE):
+        return Finding(RIGHT, k)
+    if truth.name == "unknown":
+        return Finding(UNDECIDED, k, name, told)
+    return Finding(WRONG if _confirmed(wide, k) else UNDECIDED, k, name, told)
+
+
+def _confirmed(wide: WideDrive, k: int) -> bool:
+    """Whether the reference has the first events that the watcher has, at the same times."""
+    case = motion_case(wide, k)
+    exact = exact_path(case, wide.drive, case.start)
+    watched = None if exact is None else watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+    if watched is None:
+        return False
+    count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
+    if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
+        return False
+    return _same_first(watched, exact, count, case)
+
+
+def _same_first(path: Path, other: Path, count: int, case: Case) -> bool:
+    """Whether the first events of two motions are the same, at the same times."""
+    late = np.abs(path.times[:count] - other.times[:count]).max(initial=0.0)
+    return path.kinds[:count] == other.kinds[:count] and late <= sweeps.TOLERANCE * case.duration
+
+
+def _stability(wide: WideDrive) -> Finding:
+    """The table's verdict and eigenvalues against those of Newton's laws with 60 digits."""
+    try:
+        table = stability_table(dict(wide.drive), wide.model)
+    except LsvibError as error:
+        return Finding(REFUSED, None, str(error))
+    exact = linear_judge.rates(wide)
+    stable = linear_judge.stable(wide, exact)
+    found = [mp.mpc(x["real"], x["imaginary"]) for x in table["eigenvalues"]]
+    gap = max(float(min(abs(x - y) for y in found) / abs(x)) for x in exact)
+    if table["stable"] != stable or gap > _EIGENVALUES.get(wide.model, _FOUR_EIGENVALUES):
+        said = f"stable {table['stable']}, {table['class']}, eigenvalues off by {gap:.1e}"
+        return Finding(WRONG, None, said, f"stable {stable}, {[mp.nstr(x, 8) for x in exact]}")
+    return Finding(RIGHT)
