@@ -42,7 +42,9 @@ class BlockMode:
 
 
 @dataclass(frozen=True)
-class _Block:
+class Block:
+    """A block B = W A V of a matrix, the rows W that lead into it and the columns V that lead back."""
+
     matrix: mpmath.matrix  # (d, d)
     into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
     out: mpmath.matrix  # (p + 1, d)
@@ -63,10 +65,10 @@ def block_mode(field: Field) -> BlockMode:
         return _tables(field, sizes, [_balanced(block) for block in _blocks(homogeneous, rates)])
 
 
-def _blocks(matrix, rates) -> list[_Block]:
+def _blocks(matrix, rates) -> list[Block]:
     groups = _groups(rates)
     while True:
-        blocks = [_block(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
+        blocks = [block_of(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
         worst = max(blocks, key=_amplification)
         if len(groups) == 1 or _amplification(worst) <= _CONDITION:
             return blocks
@@ -90,8 +92,8 @@ def _near(a, b, largest) -> bool:
     return distance <= max(_APART * max(abs(a), abs(b)), _SAME * _SAME * largest)
 
 
-def _block(matrix, group, others) -> _Block:
-    """The block of a group of rates."""
+def block_of(matrix, group, others) -> Block:
+    """Return the block of a group of rates of a matrix (p + 1, p + 1), in the digits of the context."""
     product = mpmath.eye(matrix.rows)
     for rate in others:
         factor = matrix - rate * mpmath.eye(matrix.rows)
@@ -99,7 +101,7 @@ def _block(matrix, group, others) -> _Block:
     product = product.apply(mpmath.re)
     columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
     rows = (rows * columns) ** -1 * rows
-    return _Block(rows * matrix * columns, rows, columns, mpmath.mpf(0))
+    return Block(rows * matrix * columns, rows, columns, mpmath.mpf(0))
 
 
 def _basis(matrix, count: int) -> mpmath.matrix:
@@ -114,20 +116,20 @@ def _basis(matrix, count: int) -> mpmath.matrix:
     return found
 
 
-def _amplification(block: _Block) -> float:
+def _amplification(block: Block) -> float:
     """Of rounding, by the way into a block and back; its coordinates and those of the state have size one."""
     size = block.out.rows
     return amplification(_floats(block.out), _floats(block.into), np.ones(size))
 
 
-def _balanced(block: _Block) -> _Block:
+def _balanced(block: Block) -> Block:
     """Coordinates in which the block's logarithmic norm is below a σ that is as small as they allow."""
     d = block.matrix.rows
     rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
     spectral = max(mpmath.re(rate) for rate in rates)
     size = mpmath.mnorm(block.matrix, mpmath.inf)
     if d == 1 or size == 0:
-        return _Block(block.matrix, block.into, block.out, spectral)
+        return Block(block.matrix, block.into, block.out, spectral)
     fastest = max(abs(rate) for rate in rates)
     margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
     most = max(_NORM_CONDITION, 4 * _amplification(block))
@@ -138,7 +140,7 @@ def _balanced(block: _Block) -> _Block:
         margin *= 4
 
 
-def _in_lyapunov_norm(block: _Block, growth) -> _Block:
+def _in_lyapunov_norm(block: Block, growth) -> Block:
     d = block.matrix.rows
     shifted = block.matrix - growth * mpmath.eye(d)
     equations, right = mpmath.zeros(d * d), mpmath.zeros(d * d, 1)
@@ -152,14 +154,14 @@ def _in_lyapunov_norm(block: _Block, growth) -> _Block:
     norm = mpmath.matrix([[(solution[d * i + j] + solution[d * j + i]) / 2 for j in range(d)] for i in range(d)])
     factor = mpmath.cholesky(norm / mpmath.mnorm(norm, mpmath.inf)).T
     back = factor**-1
-    return _Block(factor * block.matrix * back, factor * block.into, block.out * back, growth)
+    return Block(factor * block.matrix * back, factor * block.into, block.out * back, growth)
 
 
 def _floats(matrix) -> np.ndarray:
     return np.array(matrix.tolist(), dtype=float)
 
 
-def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
+def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
     n, q = field.rows.rows, len(sizes)
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
