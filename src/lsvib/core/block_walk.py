@@ -1,7 +1,7 @@
 r"""The certain search for the first guard that fires in a mode whose flow is carried in blocks.
 
-With |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| for each block (:mod:`lsvib.core.blocks`), a guard g = g₀ + Σ_c g_c z_c obeys,
-for any h and any j ≤ k,
+With |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| in the norm of each block (:mod:`lsvib.core.blocks`), and the norm of a row that
+belongs to it, a guard g = g₀ + Σ_c g_c z_c obeys, for any h and any j ≤ k,
 
     |g^{(k)}| ≤ M_k = Σ_c max(1, e^{σ_c h}) min_j |g_c B_c^{k−j}| |B_c^j z_c(a)|      on [a, a + h].
 
@@ -66,7 +66,7 @@ def search(flow, mode, state, guards, on_surface, limit):
         rising = max(rising, flow.growth[mode, place])
     longest = _GROWTH / rising if rising > 0.0 else math.inf
     a, step = 0.0, min(limit, longest, 1.0 / fastest if fastest > 0.0 else 1.0)
-    _derivative_sizes(matrix, edges, start, a, moved, noise, moving)
+    _derivative_sizes(flow, mode, start, a, moved, noise, moving)
     for i in range(size):
         there[i] = start[i]
     for _ in range(_STEPS):
@@ -107,7 +107,7 @@ def search(flow, mode, state, guards, on_surface, limit):
             on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         values, ahead = ahead, values
-        _derivative_sizes(matrix, edges, there, a, moved, noise, moving)
+        _derivative_sizes(flow, mode, there, a, moved, noise, moving)
     return _LOST, -1, limit
 
 
@@ -130,34 +130,54 @@ def _forms(flow, mode, guards, weights, constants, sizes):
                 for i in range(size):
                     weights[guard, k, j] += weights[guard, k - 1, i] * flow.matrix[mode, i, j]
         for k in range(_ORDERS):
-            _norms(weights[guard, k], edges, sizes[guard, k])
+            _row_norms(weights[guard, k], flow.inverse_norm[mode], edges, sizes[guard, k])
 
 
 @kernel
-def _norms(vector, edges, out):
-    """Write the Euclidean norm of each block's part of a vector to its first place, zero elsewhere."""
+def _row_norms(vector, inverse, edges, out):
+    """Write the norm of each block's part of a row, |g_c R_c⁻¹|, to its first place, zero elsewhere."""
     for i in range(out.size):
         out[i] = 0.0
     for block in range(edges.size - 1):
-        total = 0.0
-        for i in range(edges[block], edges[block + 1]):
-            total += vector[i] * vector[i]
+        first, last, total = edges[block], edges[block + 1], 0.0
+        for j in range(first, last):
+            part = 0.0
+            for i in range(first, j + 1):
+                part += vector[i] * inverse[i, j]
+            total += part * part
         if total > 0.0:
-            out[edges[block]] = math.sqrt(total)
+            out[first] = math.sqrt(total)
 
 
 @kernel
-def _derivative_sizes(matrix, edges, z, t, out, noise, moving):
+def _norms(vector, factor, edges, out):
+    """Write the norm of each block's part of a vector, |R_c z_c|, to its first place, zero elsewhere."""
+    for i in range(out.size):
+        out[i] = 0.0
+    for block in range(edges.size - 1):
+        first, last, total = edges[block], edges[block + 1], 0.0
+        for i in range(first, last):
+            part = 0.0
+            for j in range(i, last):
+                part += factor[i, j] * vector[j]
+            total += part * part
+        if total > 0.0:
+            out[first] = math.sqrt(total)
+
+
+@kernel
+def _derivative_sizes(flow, mode, z, t, out, noise, moving):
     """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide.
 
     ``noise`` (q) and ``moving`` (2, q) are scratch space.
     """
+    matrix, edges, factor, inverse = flow.matrix[mode], flow.edges[mode], flow.norm[mode], flow.inverse_norm[mode]
     now, following = moving[0], moving[1]
     for i in range(z.size):
         now[i] = z[i]
-    _norms(z, edges, noise)
+    _norms(z, factor, edges, noise)
     for k in range(_ORDERS):
-        _norms(now, edges, out[k])
+        _norms(now, factor, edges, out[k])
         for i in range(z.size):
             total = 0.0
             for j in range(z.size):
@@ -167,13 +187,23 @@ def _derivative_sizes(matrix, edges, z, t, out, noise, moving):
         for block in range(edges.size - 1):
             first, last = edges[block], edges[block + 1]
             if first < last:
-                square = 0.0
-                for i in range(first, last):
-                    for j in range(first, last):
-                        square += matrix[i, j] * matrix[i, j]
-                rate = math.sqrt(square)
+                rate = _rate(matrix, factor, inverse, first, last)
                 out[k, first] += EPS * (_NOISE + rate * t) * noise[first]
                 noise[first] *= rate
+
+
+@kernel
+def _rate(matrix, factor, inverse, first, last):
+    """Bound of the norm of a block, |R B R⁻¹|."""
+    square = 0.0
+    for i in range(first, last):
+        for j in range(first, last):
+            element = 0.0
+            for k in range(i, last):
+                for m in range(first, j + 1):
+                    element += factor[i, k] * matrix[k, m] * inverse[m, j]
+            square += element * element
+    return math.sqrt(square)
 
 
 @kernel

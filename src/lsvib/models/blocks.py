@@ -6,11 +6,14 @@ group as its columns V₀ and rows W₀, whatever chains the group has; with W =
 Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
 0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
 
-Within a block, coordinates z = R y with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, bring the logarithmic
-norm of the block below σ. The smallest σ is taken for which they do not amplify rounding, either.
+A block's coordinates are what is left of d of the homogeneous ones in its subspace, those that are most independent
+there: so a mismatch that is far larger than its typical size, or than it will ever be, does not spoil the others. Its
+size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which brings the logarithmic norm
+of the block below σ. The smallest σ is taken for which R is not too far from a multiple of one.
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import mpmath
 import numpy as np
@@ -30,9 +33,11 @@ _NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in a
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks: B (q, q), block edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
+    """One mode in blocks: B, R, R⁻¹ (q, q), edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
 
     matrix: np.ndarray
+    norm: np.ndarray
+    inverse_norm: np.ndarray
     edges: np.ndarray
     growth: np.ndarray
     to_blocks: np.ndarray
@@ -48,7 +53,15 @@ class Block:
     matrix: mpmath.matrix  # (d, d)
     into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
     out: mpmath.matrix  # (p + 1, d)
-    growth: mpmath.mpf
+
+
+@dataclass(frozen=True)
+class _Norm:
+    """The norm |R y| in which a block grows as e^{σt} at most."""
+
+    factor: mpmath.matrix  # (d, d) R
+    inverse: mpmath.matrix  # (d, d)
+    growth: mpmath.mpf  # σ
 
 
 def block_mode(field: Field) -> BlockMode:
@@ -62,7 +75,7 @@ def block_mode(field: Field) -> BlockMode:
             for j in range(p + 1):
                 homogeneous[i, j] = (matrix[i, j] if j < p else push[i]) * sizes[j] / sizes[i]
         rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
-        return _tables(field, sizes, [_balanced(block) for block in _blocks(homogeneous, rates)])
+        return _tables(field, sizes, _blocks(homogeneous, rates))
 
 
 def _blocks(matrix, rates) -> list[Block]:
@@ -101,7 +114,18 @@ def block_of(matrix, group, others) -> Block:
     product = product.apply(mpmath.re)
     columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
     rows = (rows * columns) ** -1 * rows
-    return Block(rows * matrix * columns, rows, columns, mpmath.mpf(0))
+    chosen = max(combinations(range(matrix.rows), len(group)), key=lambda places: abs(_minor(columns, rows, places)))
+    own = mpmath.matrix([[columns[i, j] for j in range(len(group))] for i in chosen])
+    rows, columns = own * rows, columns * own**-1
+    return Block(rows * matrix * columns, rows, columns)
+
+
+def _minor(columns, rows, places):
+    """Determinant of these rows and columns of the projector."""
+    d = len(places)
+    left = mpmath.matrix([[columns[i, j] for j in range(d)] for i in places])
+    right = mpmath.matrix([[rows[i, j] for j in places] for i in range(d)])
+    return mpmath.det(left) * mpmath.det(right)
 
 
 def _basis(matrix, count: int) -> mpmath.matrix:
@@ -122,27 +146,28 @@ def _amplification(block: Block) -> float:
     return amplification(_floats(block.out), _floats(block.into), np.ones(size))
 
 
-def _balanced(block: Block) -> Block:
-    """Coordinates in which the block's logarithmic norm is below a σ that is as small as they allow."""
+def _norm_of(block: Block) -> _Norm:
+    """Norm in which the block's logarithmic norm is below a σ that is as small as it allows."""
     d = block.matrix.rows
     rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
     spectral = max(mpmath.re(rate) for rate in rates)
     size = mpmath.mnorm(block.matrix, mpmath.inf)
     if d == 1 or size == 0:
-        return Block(block.matrix, block.into, block.out, spectral)
+        return _Norm(mpmath.eye(d), mpmath.eye(d), spectral)
     fastest = max(abs(rate) for rate in rates)
     margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
     most = max(_NORM_CONDITION, 4 * _amplification(block))
     while True:
-        found = _in_lyapunov_norm(block, spectral + margin)
-        if _amplification(found) <= most or margin > 8 * size:
+        found = _lyapunov_norm(block.matrix, spectral + margin)
+        seen = Block(block.matrix, found.factor * block.into, block.out * found.inverse)
+        if _amplification(seen) <= most or margin > 8 * size:
             return found
         margin *= 4
 
 
-def _in_lyapunov_norm(block: Block, growth) -> Block:
-    d = block.matrix.rows
-    shifted = block.matrix - growth * mpmath.eye(d)
+def _lyapunov_norm(matrix, growth) -> _Norm:
+    d = matrix.rows
+    shifted = matrix - growth * mpmath.eye(d)
     equations, right = mpmath.zeros(d * d), mpmath.zeros(d * d, 1)
     for i in range(d):
         for j in range(d):
@@ -153,8 +178,7 @@ def _in_lyapunov_norm(block: Block, growth) -> Block:
     solution = mpmath.lu_solve(equations, right)
     norm = mpmath.matrix([[(solution[d * i + j] + solution[d * j + i]) / 2 for j in range(d)] for i in range(d)])
     factor = mpmath.cholesky(norm / mpmath.mnorm(norm, mpmath.inf)).T
-    back = factor**-1
-    return Block(factor * block.matrix * back, factor * block.into, block.out * back, growth)
+    return _Norm(factor, factor**-1, growth)
 
 
 def _floats(matrix) -> np.ndarray:
@@ -164,6 +188,7 @@ def _floats(matrix) -> np.ndarray:
 def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
     n, q = field.rows.rows, len(sizes)
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
+    norm, inverse_norm = np.zeros((q, q)), np.zeros((q, q))
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
     places = [*field.alive, n]
     for i, value in field.kept.items():
@@ -173,7 +198,12 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         d = block.matrix.rows
         part = slice(first, first + d)
         edges[k], first = first, first + d
-        matrix[part, part], growth[part] = _floats(block.matrix), float(block.growth)
+        measure = _norm_of(block)
+        matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
+        inverse_norm[part, part] = _floats(measure.inverse)
+        # Of the smallest relative amount more, so that the bound covers the rounding of B.
+        turned = np.abs(_floats(measure.factor * block.matrix * measure.inverse)).sum(axis=1)
+        growth[part] = float(measure.growth) + 1e-14 * turned
         for j, place in enumerate(places):
             to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
             if place < n:
@@ -184,9 +214,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
             f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
             "parameters that lie less far apart."
         )
-    # Of the smallest relative amount, so that the bound covers the rounding of B.
-    growth += 1e-14 * np.abs(matrix).sum(axis=1)
-    return BlockMode(matrix, edges, growth, to_blocks, from_blocks, field.table(), condition)
+    return BlockMode(matrix, norm, inverse_norm, edges, growth, to_blocks, from_blocks, field.table(), condition)
 
 
 def block_flow(modes: list[BlockMode]) -> BlockFlow:
@@ -194,6 +222,8 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
     count, n = len(modes), modes[0].field.shape[0]
     q = n + 1
     flow = BlockFlow(
+        np.zeros((count, q, q)),
+        np.zeros((count, q, q)),
         np.zeros((count, q, q)),
         np.full((count, q + 1), q, dtype=np.int64),
         np.zeros((count, q)),
@@ -204,6 +234,7 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
     for k, mode in enumerate(modes):
         own = len(mode.matrix)
         flow.matrix[k, :own, :own] = mode.matrix
+        flow.norm[k, :own, :own], flow.inverse_norm[k, :own, :own] = mode.norm, mode.inverse_norm
         flow.edges[k, : own + 1] = mode.edges
         flow.growth[k, :own] = mode.growth
         flow.to_blocks[k, :own] = mode.to_blocks
