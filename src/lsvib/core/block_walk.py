@@ -26,6 +26,7 @@ from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import EPS
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
+from lsvib.core.walk import HALVINGS as _HALVINGS
 from lsvib.core.walk import first_below
 
 _NONE = int(Found.NONE)
@@ -102,7 +103,7 @@ def search(flow, mode, state, guards, on_surface, limit):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work)
+            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -171,7 +172,7 @@ def _derivative_sizes(flow, mode, z, t, out, noise, moving):
 
     ``noise`` (q) and ``moving`` (2, q) are scratch space.
     """
-    matrix, edges, factor, inverse = flow.matrix[mode], flow.edges[mode], flow.norm[mode], flow.inverse_norm[mode]
+    matrix, edges, factor, rates = flow.matrix[mode], flow.edges[mode], flow.norm[mode], flow.rate[mode]
     now, following = moving[0], moving[1]
     for i in range(z.size):
         now[i] = z[i]
@@ -187,23 +188,8 @@ def _derivative_sizes(flow, mode, z, t, out, noise, moving):
         for block in range(edges.size - 1):
             first, last = edges[block], edges[block + 1]
             if first < last:
-                rate = _rate(matrix, factor, inverse, first, last)
-                out[k, first] += EPS * (_NOISE + rate * t) * noise[first]
-                noise[first] *= rate
-
-
-@kernel
-def _rate(matrix, factor, inverse, first, last):
-    """Bound of the norm of a block, |R B R⁻¹|."""
-    square = 0.0
-    for i in range(first, last):
-        for j in range(first, last):
-            element = 0.0
-            for k in range(i, last):
-                for m in range(first, j + 1):
-                    element += factor[i, k] * matrix[k, m] * inverse[m, j]
-            square += element * element
-    return math.sqrt(square)
+                out[k, first] += EPS * (_NOISE + rates[first] * t) * noise[first]
+                noise[first] *= rates[first]
 
 
 @kernel
@@ -305,7 +291,7 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
 
 
 @kernel
-def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work):
+def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_surface, rounding):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when = -1, b
     for guard in range(constants.size):
@@ -313,8 +299,32 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work):
             carry(flow, mode, start, when, z, work)
             _values(weights, constants, z, ahead)
         if ahead[guard, 0] <= 0.0:
-            first, when = guard, _root(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
+            low = a
+            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+                if first >= 0 and ahead[guard, 0] > -rounding[guard]:
+                    continue
+                low = _top(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
+            first, when = guard, _root(flow, mode, start, weights, constants, guard, low, when, ahead, z, work)
     return _CROSSING, first, when
+
+
+@kernel
+def _top(flow, mode, start, weights, constants, guard, low, high, out, z, work):
+    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    t = high
+    for _ in range(_HALVINGS):
+        carry(flow, mode, start, t, z, work)
+        _values(weights, constants, z, out)
+        if out[guard, 1] < 0.0:
+            high = t
+        elif t == high:
+            return high
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        if not low < t < high:
+            break
+    return low
 
 
 @kernel

@@ -29,6 +29,7 @@ class BlockFlow(NamedTuple):
     matrix: np.ndarray  # (m, q, q), block-diagonal
     norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
     inverse_norm: np.ndarray  # (m, q, q) R⁻¹
+    rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
     edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
     growth: np.ndarray  # (m, q) σ of each block [1/s]
     to_blocks: np.ndarray  # (m, q, n + 1)

@@ -9,7 +9,9 @@ the step (:func:`lsvib.core.sums.least_between`). Then, with g ≥ 0 at a,
     g″ > 0, g′_a ≥ 0    no root;
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
-A step on which a guard is undecided is shortened, so no root is passed over. Where shortening ends because the whole
+Where none of these holds, g > 0 and g′ ≠ 0 are tried again with each part of the guard enclosed on its own
+(:func:`lsvib.core.sums.least_by_swings`): a part that vibrates many times on the step is within its amplitude. A step
+on which a guard is undecided even so is shortened, so no root is passed over. Where shortening ends because the whole
 step is below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
 together are below the guards' constants.
 """
@@ -18,7 +20,7 @@ import math
 
 from lsvib.core import sums
 from lsvib.core.jit import inlined_kernel, kernel
-from lsvib.core.planar import ALPHA, BETA, R1, R2, own_rate
+from lsvib.core.planar import A0, ALPHA, BETA, R1, R2, own_rate
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
 
@@ -31,7 +33,10 @@ _STEPS = 1_000_000
 _LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
 _BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
 _GROWTH = 8.0  # of the exponent of a growing term within one step
+_LITTLE = 4.0  # of the factor by which a test passes: a step that grows by less than 1.4
+_FAR = 16.0  # of (ωh)²; below it the chord is within twice the amplitude
 _SPARE = 2  # node for roots
+HALVINGS = 1100  # of an interval of doubles, at most
 
 
 @kernel
@@ -73,7 +78,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, work, count, there, a, b)
+            return _earliest(flow, mode, work, count, there, a, b, on_surface)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -138,6 +143,15 @@ def _common_sign(x, y):
 
 
 @inlined_kernel
+def _turns(flow, mode, step):
+    """True if a pair turns far on a step [s], so that its amplitude is a better bound than its curvature."""
+    fastest = 0.0
+    for pair in range(flow.pairs[mode]):
+        fastest = max(fastest, flow.oscillators[mode, pair, A0])
+    return fastest * step * step > _FAR
+
+
+@inlined_kernel
 def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
     eighth, slack = 0.125 * step * step, 0.0
@@ -146,6 +160,9 @@ def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
         slack = _margin(least, low)
         if low > 0.0:
+            if slack < _LITTLE and _turns(flow, mode, step):
+                low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+                slack = max(slack, _margin(least, low))
             return _POSITIVE, slack
     after = _ROOT if last[0] <= 0.0 else _POSITIVE
     sign = _common_sign(first[1], last[1])
@@ -159,6 +176,16 @@ def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         low, least = sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
         if low > 0.0:
             return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+    if low > 0.0:
+        return _POSITIVE, _margin(least, low)
+    slack = max(slack, _margin(least, low))
+    sign = _common_sign(first[1], last[1])
+    if sign != 0.0:
+        low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+        slack = max(slack, _margin(least, low))
     low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low < work.rounding[guard]:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
@@ -193,7 +220,7 @@ def first_below(values, b):
 
 
 @inlined_kernel
-def _earliest(flow, mode, work, count, there, a, b):
+def _earliest(flow, mode, work, count, there, a, b, on_surface):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when = -1, b
     for guard in range(count):
@@ -203,8 +230,35 @@ def _earliest(flow, mode, work, count, there, a, b):
             sums.go_to(flow, mode, work, when, node)
             sums.evaluate(flow, mode, work, guard, node)
         if work.values[node, guard, 0] <= 0.0:
-            first, when = guard, _root(flow, mode, work, guard, node, a, when)
+            low = a
+            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+                if first >= 0 and work.values[node, guard, 0] > -work.rounding[guard]:
+                    continue
+                low = _top(flow, mode, work, guard, a, when)
+                sums.go_to(flow, mode, work, when, _SPARE)
+                sums.evaluate(flow, mode, work, guard, _SPARE)
+                node = _SPARE
+            first, when = guard, _root(flow, mode, work, guard, node, low, when)
     return _CROSSING, first, when
+
+
+@kernel
+def _top(flow, mode, work, guard, low, high):
+    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    t = high
+    for _ in range(HALVINGS):
+        sums.go_to(flow, mode, work, t, _SPARE)
+        sums.evaluate(flow, mode, work, guard, _SPARE)
+        if work.values[_SPARE, guard, 1] < 0.0:
+            high = t
+        elif t == high:
+            return high
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        if not low < t < high:
+            break
+    return low
 
 
 @inlined_kernel

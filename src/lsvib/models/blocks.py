@@ -33,11 +33,12 @@ _NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in a
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks: B, R, R⁻¹ (q, q), edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
+    """One mode in blocks: B, R, R⁻¹ (q, q), |R B R⁻¹| (q), edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
 
     matrix: np.ndarray
     norm: np.ndarray
     inverse_norm: np.ndarray
+    rate: np.ndarray
     edges: np.ndarray
     growth: np.ndarray
     to_blocks: np.ndarray
@@ -188,7 +189,7 @@ def _floats(matrix) -> np.ndarray:
 def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
     n, q = field.rows.rows, len(sizes)
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
-    norm, inverse_norm = np.zeros((q, q)), np.zeros((q, q))
+    norm, inverse_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
     places = [*field.alive, n]
     for i, value in field.kept.items():
@@ -202,8 +203,9 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
         inverse_norm[part, part] = _floats(measure.inverse)
         # Of the smallest relative amount more, so that the bound covers the rounding of B.
-        turned = np.abs(_floats(measure.factor * block.matrix * measure.inverse)).sum(axis=1)
-        growth[part] = float(measure.growth) + 1e-14 * turned
+        turned = _floats(measure.factor * block.matrix * measure.inverse)
+        growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
+        rate[part] = np.linalg.norm(turned)
         for j, place in enumerate(places):
             to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
             if place < n:
@@ -214,7 +216,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
             f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
             "parameters that lie less far apart."
         )
-    return BlockMode(matrix, norm, inverse_norm, edges, growth, to_blocks, from_blocks, field.table(), condition)
+    return BlockMode(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table(), condition)
 
 
 def block_flow(modes: list[BlockMode]) -> BlockFlow:
@@ -225,6 +227,7 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
         np.zeros((count, q, q)),
         np.zeros((count, q, q)),
         np.zeros((count, q, q)),
+        np.zeros((count, q)),
         np.full((count, q + 1), q, dtype=np.int64),
         np.zeros((count, q)),
         np.zeros((count, q, n + 1)),
@@ -235,6 +238,7 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
         own = len(mode.matrix)
         flow.matrix[k, :own, :own] = mode.matrix
         flow.norm[k, :own, :own], flow.inverse_norm[k, :own, :own] = mode.norm, mode.inverse_norm
+        flow.rate[k, :own] = mode.rate
         flow.edges[k, : own + 1] = mode.edges
         flow.growth[k, :own] = mode.growth
         flow.to_blocks[k, :own] = mode.to_blocks
