@@ -182,6 +182,15 @@ def _lyapunov_norm(matrix, growth) -> _Norm:
     return _Norm(factor, factor**-1, growth)
 
 
+def _in_even_units(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
+    """The same with each coordinate in the unit whose norm is one, which makes B as small as units can."""
+    d = block.matrix.rows
+    lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]
+    unit, inverse = mpmath.diag(lengths), mpmath.diag([1 / x for x in lengths])
+    turned = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
+    return turned, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+
+
 def _floats(matrix) -> np.ndarray:
     return np.array(matrix.tolist(), dtype=float)
 
@@ -199,7 +208,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         d = block.matrix.rows
         part = slice(first, first + d)
         edges[k], first = first, first + d
-        measure = _norm_of(block)
+        block, measure = _in_even_units(block, _norm_of(block))
         matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
         inverse_norm[part, part] = _floats(measure.inverse)
         # Of the smallest relative amount more, so that the bound covers the rounding of B.
