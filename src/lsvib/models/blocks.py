@@ -6,8 +6,8 @@ group as its columns V₀ and rows W₀, whatever chains the group has; with W =
 Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
 0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
 
-A block's coordinates are what is left of d of the homogeneous ones in its subspace, those that are most independent
-there: so a mismatch that is far larger than its typical size, or than it will ever be, does not spoil the others. Its
+A block's coordinates are, if that makes |B| no larger, what is left of d of the homogeneous ones in its subspace, those
+that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does not spoil the others. Its
 size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which brings the logarithmic norm
 of the block below σ. The smallest σ is taken for which R is not too far from a multiple of one.
 """
@@ -182,13 +182,26 @@ def _lyapunov_norm(matrix, growth) -> _Norm:
     return _Norm(factor, factor**-1, growth)
 
 
-def _in_even_units(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
-    """The same with each coordinate in the unit whose norm is one, which makes B as small as units can."""
+def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
+    """The block's own coordinates, or z = R y where these make |B| smaller.
+
+    The exponential of B loses what the rates of |B|, which no choice of units changes, exceed those of B by. In its own
+    coordinates the B of a drive is close to triangular; that of a chain in a general position is not.
+    """
     d = block.matrix.rows
+    turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
+    if _rate_of_sizes(turned) < _rate_of_sizes(block):
+        return turned, _Norm(mpmath.eye(d), mpmath.eye(d), norm.growth)
+    # Each coordinate in the unit whose norm is one, which makes B small.
     lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]
     unit, inverse = mpmath.diag(lengths), mpmath.diag([1 / x for x in lengths])
-    turned = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
-    return turned, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+    even = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
+    return even, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+
+
+def _rate_of_sizes(block: Block) -> float:
+    """Largest rate [1/s] of |B|."""
+    return float(np.abs(np.linalg.eigvals(np.abs(_floats(block.matrix)))).max())
 
 
 def _floats(matrix) -> np.ndarray:
@@ -208,7 +221,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         d = block.matrix.rows
         part = slice(first, first + d)
         edges[k], first = first, first + d
-        block, measure = _in_even_units(block, _norm_of(block))
+        block, measure = _in_good_coordinates(block, _norm_of(block))
         matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
         inverse_norm[part, part] = _floats(measure.inverse)
         # Of the smallest relative amount more, so that the bound covers the rounding of B.

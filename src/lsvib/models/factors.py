@@ -92,7 +92,9 @@ def _carried(matrix, factors: list, projectors: list, scale: list) -> bool:
     powers = [_size(power, scale) for power in (matrix * matrix, matrix, mpmath.eye(matrix.rows))]
     for factor, projector in zip(factors, projectors, strict=True):
         terms = sum(abs(a) * power for a, power in zip(reversed(factor), reversed(powers), strict=False))
-        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING[mpmath.mp.dps] * terms * _size(projector, scale):
+        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING[mpmath.mp.dps] * terms * _size(
+            projector, scale
+        ):
             return False
     return True
 

@@ -19,6 +19,7 @@ from lsvib.models.field import Field
 
 _DIGITS = 150  # rates thirty decades apart, in a product of four differences, leave 30
 SWINGS = 100  # of the coupling: what a motion does not show in that time is not taken for granted
+_SAME = mpmath.mpf(10) ** -35  # relative size of a rate that only rounding of the coefficients parts from zero
 _GAP = 4.0  # from one rate to the next faster one that outlives it: e⁻⁴ is left of it after a unit of the slower one's
 
 
@@ -45,8 +46,9 @@ def reached(field: Field, horizon: float) -> Field:
 def _slow_projectors(matrix, horizon: float):
     """Yield the projectors on the slowest rates, for each gap in the rates that shows before the horizon [s]."""
     rates = sorted([*mpmath.eig(matrix[:-1, :-1], left=False, right=False), mpmath.mpf(0)], key=abs)
+    least = max(1 / mpmath.mpf(horizon), _SAME * mpmath.mnorm(matrix, mpmath.inf))
     for k in range(1, len(rates)):
         slow, fast = rates[:k], rates[k:]
-        if abs(fast[0]) > max(_GAP * abs(slow[-1]), 1 / mpmath.mpf(horizon)):
+        if abs(fast[0]) > max(_GAP * abs(slow[-1]), least):
             block = block_of(matrix, slow, fast)
             yield block.out * block.into
