@@ -49,7 +49,7 @@ def search(flow, mode, state, guards, on_surface, limit):
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
     – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
     """
-    edges, matrix = flow.edges[mode], flow.matrix[mode]
+    matrix = flow.matrix[mode]
     size, count = matrix.shape[0], guards.shape[0]
     start, there = np.empty(size), np.empty(size)
     work, noise, moving = np.empty((2, size, size)), np.empty(size), np.empty((2, size))

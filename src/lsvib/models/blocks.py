@@ -7,9 +7,10 @@ Groups whose projector V₀ W amplifies rounding are merged, the worst one with 
 0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
 
 A block's coordinates are, if that makes |B| no larger, what is left of d of the homogeneous ones in its subspace, those
-that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does not spoil the others. Its
-size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which brings the logarithmic norm
-of the block below σ. The smallest σ is taken for which R is not too far from a multiple of one.
+that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does
+not spoil the others. Its size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which
+brings the logarithmic norm of the block below σ. The smallest σ is taken for which R is not too far from a multiple of
+one.
 """
 
 from dataclasses import dataclass
@@ -33,7 +34,7 @@ _NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in a
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks: B, R, R⁻¹ (q, q), |R B R⁻¹| (q), edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
+    """One mode in blocks, with the tables of :class:`lsvib.core.blocks.BlockFlow` and its condition."""
 
     matrix: np.ndarray
     norm: np.ndarray

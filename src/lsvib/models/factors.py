@@ -4,8 +4,8 @@ from itertools import pairwise, product
 
 import mpmath
 
-# Relative sizes that only rounding of the digits in use – or of the 50 of the coefficients – or its square root can have,
-# and that of projectors and what they are made of.
+# Relative sizes that only rounding can have – of the digits in use, or of the 50 of the coefficients – or its square root,
+# and that of projectors and what they are made of; by digits in use.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
 _ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
 _SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium

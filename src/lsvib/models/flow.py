@@ -1,9 +1,9 @@
 """Which kind of flow carries a model with more than two states.
 
 The modal form (:mod:`lsvib.models.modes`) is the fast one. Whether it loses digits is judged by the typical sizes of
-the coordinates, and if these are missed by too much, by those that a motion reaches. Where rates of a mode coincide in a
-way that it does not know, or so nearly that it would lose more than six digits even so, all modes of the model are carried in blocks instead
-(:mod:`lsvib.models.blocks`), since a flow is of one kind: its kernels are chosen by its type.
+the coordinates, and if that fails, by those that a motion reaches. Where rates of a mode coincide in a way that it does
+not know, or so nearly that it would lose more than six digits even so, all modes of the model are carried in blocks
+instead (:mod:`lsvib.models.blocks`), since a flow is of one kind: its kernels are chosen by its type.
 """
 
 import math

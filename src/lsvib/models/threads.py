@@ -23,8 +23,8 @@ from lsvib.models.coefficients import coefficients
 from lsvib.models.flow import LinearMode, flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.models.model import Model, seizures_only_by_contact
-from lsvib.models.reach import SWINGS
 from lsvib.models.parameters import PLACES, ThreadsDrive
+from lsvib.models.reach import SWINGS
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 
