@@ -9,7 +9,7 @@ the step (:func:`lsvib.core.sums.least_between`). Then, with g ≥ 0 at a,
     g″ > 0, g′_a ≥ 0    no root;
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
-Where none of these holds, g > 0 and g′ ≠ 0 are tried again with each part of the guard enclosed on its own
+Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part of the guard enclosed on its own
 (:func:`lsvib.core.sums.least_by_swings`): a part that vibrates many times on the step is within its amplitude. A step
 on which a guard is undecided even so is shortened, so no root is passed over. Where shortening ends because the whole
 step is below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
@@ -144,10 +144,12 @@ def _common_sign(x, y):
 
 @inlined_kernel
 def _turns(flow, mode, step):
-    """True if a pair turns far on a step [s], so that its amplitude is a better bound than its curvature."""
+    """True if a pair turns, or a single dies away, so far on a step [s] that its size is a better bound than its bend."""
     fastest = 0.0
     for pair in range(flow.pairs[mode]):
-        fastest = max(fastest, flow.oscillators[mode, pair, A0])
+        fastest = max(fastest, abs(flow.oscillators[mode, pair, A0]))
+    for single in range(flow.singles[mode]):
+        fastest = max(fastest, flow.rates[mode, single] * flow.rates[mode, single])
     return fastest * step * step > _FAR
 
 
@@ -176,16 +178,17 @@ def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         low, least = sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
         if low > 0.0:
             return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-    low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if low > 0.0:
-        return _POSITIVE, _margin(least, low)
-    slack = max(slack, _margin(least, low))
-    sign = _common_sign(first[1], last[1])
-    if sign != 0.0:
-        low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
+    if _turns(flow, mode, step):
+        low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
         if low > 0.0:
-            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+            return _POSITIVE, _margin(least, low)
         slack = max(slack, _margin(least, low))
+        sign = _common_sign(first[1], last[1])
+        if sign != 0.0:
+            low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
+            if low > 0.0:
+                return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+            slack = max(slack, _margin(least, low))
     low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low < work.rounding[guard]:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.

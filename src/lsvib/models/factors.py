@@ -4,7 +4,7 @@ from itertools import pairwise, product
 
 import mpmath
 
-# Relative sizes that only rounding can have – of the digits in use, or of the 50 of the coefficients – or its square root,
+# Relative sizes that only rounding can have – of the digits in use, or of the 50 of the coefficients – or its root,
 # and that of projectors and what they are made of; by digits in use.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
 _ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
