@@ -150,28 +150,6 @@ CASES = {
         (-6.128417021289366e-05, 15.084416588294577, -0.0004972637787572805, 8.023588787061733),
         0.0013523338996411973,
     ),
-    "the same beside a light screw": (
-        NutDrive,
-        dict(
-            pitch_radius=0.002234494768379628,
-            lead_angle=0.19958711408741991,
-            screw_inertia=1.5946300361746643e-09,
-            coupling_stiffness=6025.813878186797,
-            support_damping=1.0230404354652848e-06,
-            friction_coefficient=0.3296163719418172,
-            input_speed=7.295646088702052,
-            mass=2038.9395819564998,
-            translation_damping=178.59288189344525,
-            axial_force=0.0,
-            nut_inertia=1.1569247600646684e-08,
-            nut_stiffness=1466.3778640531864,
-            nut_damping=0.0,
-            slide_friction=0.0,
-            bearing_friction=0.0,
-        ),
-        (5.4571469643710053e-05, -35.91290945794821, 5.112351778865303e-08, -0.2083511531749436),
-        7.0859261923728465e-06,
-    ),
 }
 
 
