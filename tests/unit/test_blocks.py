@@ -122,14 +122,14 @@ def test_frozen_coordinate_keeps_its_value():
 
 def bound_holds(flow, state, guard, left, step, share=1.0) -> bool:
     """Whether a share of the bounds of the derivatives 2 to 4 of a guard bounds them on [left, left + step]."""
-    edges, matrix, growth = flow.edges[0], flow.matrix[0], flow.growth[0]
+    matrix, growth = flow.matrix[0], flow.growth[0]
     size = len(matrix)
     weights, constants = np.empty((1, block_walk._ORDERS, size)), np.empty(1)
     sizes, moved = np.empty((1, block_walk._ORDERS, size)), np.empty((block_walk._ORDERS, size))
     block_walk._forms(flow, 0, guard[None], weights, constants, sizes)
     start, there, work = flow.to_blocks[0] @ [*state, 1.0], np.empty(size), np.empty((2, size, size))
     blocks.carry(flow, 0, start, left, there, work)
-    block_walk._derivative_sizes(matrix, edges, there, left, moved, np.empty(size), np.empty((2, size)))
+    block_walk._derivative_sizes(flow, 0, there, left, moved, np.empty(size), np.empty((2, size)))
     most = [block_walk._bound(sizes[0], moved, growth, k, step) for k in range(block_walk._ORDERS)]
     for t in np.linspace(left, left + step, 41):
         blocks.carry(flow, 0, start, t, there, work)

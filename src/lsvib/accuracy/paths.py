@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from mpmath import mpf
 
 from lsvib.accuracy import stepper, watch
 from lsvib.accuracy.reference import rigid as rigid_reference
@@ -23,6 +24,8 @@ from lsvib.models.support import SupportEvent, SupportMode, support_drive
 from lsvib.models.threads import ThreadsEvent, threads_drive
 
 MOST_EVENTS = 60
+# Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
+_SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
 _INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
@@ -129,9 +132,10 @@ def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path |
 
 def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...], digits: int) -> Path:
     if isinstance(drive, ThreadsDrive):
-        result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits)
+        result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
-        end, complete = result.state, True
+        visited += [arc.state(stay * x) for _, _, arc, stay in result.arcs for x in _SAMPLES if stay]
+        end, complete = result.state, result.complete
     elif is_rigid(case):
         result = rigid_reference.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds = [event.kind for event in result.events]
@@ -151,6 +155,7 @@ def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...], digits: 
         )
         kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
         visited = [event.state for event in result.events]
+        visited += result.sampled(_SAMPLES)
         end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
     if isinstance(drive, SupportDrive | NutDrive):

@@ -1,7 +1,7 @@
 r"""The certain search for the first guard that fires in a mode whose flow is carried in blocks.
 
-With |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| for each block (:mod:`lsvib.core.blocks`), a guard g = g₀ + Σ_c g_c z_c obeys,
-for any h and any j ≤ k,
+With |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| in the norm of each block (:mod:`lsvib.core.blocks`), and the norm of a row that
+belongs to it, a guard g = g₀ + Σ_c g_c z_c obeys, for any h and any j ≤ k,
 
     |g^{(k)}| ≤ M_k = Σ_c max(1, e^{σ_c h}) min_j |g_c B_c^{k−j}| |B_c^j z_c(a)|      on [a, a + h].
 
@@ -26,6 +26,7 @@ from lsvib.core.jit import allocating_kernel, kernel
 from lsvib.core.planar import EPS
 from lsvib.core.root import next_guess
 from lsvib.core.status import Found
+from lsvib.core.walk import HALVINGS as _HALVINGS
 from lsvib.core.walk import first_below
 
 _NONE = int(Found.NONE)
@@ -48,7 +49,7 @@ def search(flow, mode, state, guards, on_surface, limit):
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
     – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
     """
-    edges, matrix = flow.edges[mode], flow.matrix[mode]
+    matrix = flow.matrix[mode]
     size, count = matrix.shape[0], guards.shape[0]
     start, there = np.empty(size), np.empty(size)
     work, noise, moving = np.empty((2, size, size)), np.empty(size), np.empty((2, size))
@@ -66,7 +67,7 @@ def search(flow, mode, state, guards, on_surface, limit):
         rising = max(rising, flow.growth[mode, place])
     longest = _GROWTH / rising if rising > 0.0 else math.inf
     a, step = 0.0, min(limit, longest, 1.0 / fastest if fastest > 0.0 else 1.0)
-    _derivative_sizes(matrix, edges, start, a, moved, noise, moving)
+    _derivative_sizes(flow, mode, start, a, moved, noise, moving)
     for i in range(size):
         there[i] = start[i]
     for _ in range(_STEPS):
@@ -102,12 +103,12 @@ def search(flow, mode, state, guards, on_surface, limit):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work)
+            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         values, ahead = ahead, values
-        _derivative_sizes(matrix, edges, there, a, moved, noise, moving)
+        _derivative_sizes(flow, mode, there, a, moved, noise, moving)
     return _LOST, -1, limit
 
 
@@ -130,34 +131,54 @@ def _forms(flow, mode, guards, weights, constants, sizes):
                 for i in range(size):
                     weights[guard, k, j] += weights[guard, k - 1, i] * flow.matrix[mode, i, j]
         for k in range(_ORDERS):
-            _norms(weights[guard, k], edges, sizes[guard, k])
+            _row_norms(weights[guard, k], flow.inverse_norm[mode], edges, sizes[guard, k])
 
 
 @kernel
-def _norms(vector, edges, out):
-    """Write the Euclidean norm of each block's part of a vector to its first place, zero elsewhere."""
+def _row_norms(vector, inverse, edges, out):
+    """Write the norm of each block's part of a row, |g_c R_c⁻¹|, to its first place, zero elsewhere."""
     for i in range(out.size):
         out[i] = 0.0
     for block in range(edges.size - 1):
-        total = 0.0
-        for i in range(edges[block], edges[block + 1]):
-            total += vector[i] * vector[i]
+        first, last, total = edges[block], edges[block + 1], 0.0
+        for j in range(first, last):
+            part = 0.0
+            for i in range(first, j + 1):
+                part += vector[i] * inverse[i, j]
+            total += part * part
         if total > 0.0:
-            out[edges[block]] = math.sqrt(total)
+            out[first] = math.sqrt(total)
 
 
 @kernel
-def _derivative_sizes(matrix, edges, z, t, out, noise, moving):
+def _norms(vector, factor, edges, out):
+    """Write the norm of each block's part of a vector, |R_c z_c|, to its first place, zero elsewhere."""
+    for i in range(out.size):
+        out[i] = 0.0
+    for block in range(edges.size - 1):
+        first, last, total = edges[block], edges[block + 1], 0.0
+        for i in range(first, last):
+            part = 0.0
+            for j in range(i, last):
+                part += factor[i, j] * vector[j]
+            total += part * part
+        if total > 0.0:
+            out[first] = math.sqrt(total)
+
+
+@kernel
+def _derivative_sizes(flow, mode, z, t, out, noise, moving):
     """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide.
 
     ``noise`` (q) and ``moving`` (2, q) are scratch space.
     """
+    matrix, edges, factor, rates = flow.matrix[mode], flow.edges[mode], flow.norm[mode], flow.rate[mode]
     now, following = moving[0], moving[1]
     for i in range(z.size):
         now[i] = z[i]
-    _norms(z, edges, noise)
+    _norms(z, factor, edges, noise)
     for k in range(_ORDERS):
-        _norms(now, edges, out[k])
+        _norms(now, factor, edges, out[k])
         for i in range(z.size):
             total = 0.0
             for j in range(z.size):
@@ -167,13 +188,8 @@ def _derivative_sizes(matrix, edges, z, t, out, noise, moving):
         for block in range(edges.size - 1):
             first, last = edges[block], edges[block + 1]
             if first < last:
-                square = 0.0
-                for i in range(first, last):
-                    for j in range(first, last):
-                        square += matrix[i, j] * matrix[i, j]
-                rate = math.sqrt(square)
-                out[k, first] += EPS * (_NOISE + rate * t) * noise[first]
-                noise[first] *= rate
+                out[k, first] += EPS * (_NOISE + rates[first] * t) * noise[first]
+                noise[first] *= rates[first]
 
 
 @kernel
@@ -275,7 +291,7 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
 
 
 @kernel
-def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work):
+def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_surface, rounding):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when = -1, b
     for guard in range(constants.size):
@@ -283,8 +299,32 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work):
             carry(flow, mode, start, when, z, work)
             _values(weights, constants, z, ahead)
         if ahead[guard, 0] <= 0.0:
-            first, when = guard, _root(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
+            low = a
+            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+                if first >= 0 and ahead[guard, 0] > -rounding[guard]:
+                    continue
+                low = _top(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
+            first, when = guard, _root(flow, mode, start, weights, constants, guard, low, when, ahead, z, work)
     return _CROSSING, first, when
+
+
+@kernel
+def _top(flow, mode, start, weights, constants, guard, low, high, out, z, work):
+    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    t = high
+    for _ in range(_HALVINGS):
+        carry(flow, mode, start, t, z, work)
+        _values(weights, constants, z, out)
+        if out[guard, 1] < 0.0:
+            high = t
+        elif t == high:
+            return high
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        if not low < t < high:
+            break
+    return low
 
 
 @kernel

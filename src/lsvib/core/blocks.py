@@ -5,7 +5,7 @@ z_c′ = B_c z_c (:mod:`lsvib.models.blocks`). Nothing is asked of the rates wit
 chains of any length. e^{B_c t} is the Taylor polynomial of degree 18 in B_c t / 2^s, squared s times, with s such that
 ‖B_c t‖ ≤ 2^s; its remainder is then below 1.06 / 19! < 10⁻¹⁷.
 
-The coordinates of a block are such that its Euclidean norm obeys |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)|;
+Each block comes with a norm |R_c z_c| that obeys |R_c z_c(a + τ)| ≤ e^{σ_c τ} |R_c z_c(a)|;
 :mod:`lsvib.core.block_walk` isolates roots with that.
 
 Everything is written element by element: numba's own products of matrices need scipy, and its assignment of slices
@@ -27,6 +27,9 @@ class BlockFlow(NamedTuple):
     """Flow tables of m modes with n states, in q ≤ n + 1 block coordinates."""
 
     matrix: np.ndarray  # (m, q, q), block-diagonal
+    norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
+    inverse_norm: np.ndarray  # (m, q, q) R⁻¹
+    rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
     edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
     growth: np.ndarray  # (m, q) σ of each block [1/s]
     to_blocks: np.ndarray  # (m, q, n + 1)

@@ -195,8 +195,47 @@ def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
 
 
 @kernel
+def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
+    """As :func:`least_between` for k = 0 or 1, each part enclosed on its own; also that bound for a short step.
+
+    A pair that turns many times between the nodes is within its amplitude, a single that dies away on the way within
+    its values at both. So what vibrates or dies away does not hold the step down; only what bends slowly does.
+    """
+    first, last = sign * sums.values[here, guard, k], sign * sums.values[there, guard, k]
+    smooth, apart = 0.0, 0.0
+    for pair in range(flow.pairs[mode]):
+        a, b, factors = sums.pair_nodes[here, pair], sums.pair_nodes[there, pair], sums.pair_bounds[guard, pair]
+        slow, fast, h = max(a[3], b[3]), max(a[4], b[4]), max(a[5], b[5])
+        curve, swing = bound(factors[k + 2], slow, fast, h) * eighth, bound(factors[k], slow, fast, h)
+        if curve <= swing:
+            smooth += curve
+            continue
+        parts = sums.pairs[guard, pair]
+        apart -= swing
+        if k == 0:
+            first -= sign * (parts[0] * a[0] + parts[1] * a[1])
+            last -= sign * (parts[0] * b[0] + parts[1] * b[1])
+        else:
+            first -= sign * (parts[2] * a[2] + parts[3] * a[1])
+            last -= sign * (parts[2] * b[2] + parts[3] * b[1])
+    for single in range(flow.singles[mode]):
+        a, b, factors = sums.single_nodes[here, single], sums.single_nodes[there, single], sums.singles[guard, single]
+        begins, ends = factors[k] * a[0], factors[k] * b[0]
+        if k == 0:
+            begins, ends = begins + factors[1] * a[1], ends + factors[1] * b[1]
+        curve = abs(factors[k + 2]) * max(a[0], b[0]) * eighth
+        if curve <= abs(ends - begins):
+            smooth += curve
+        else:
+            first, last = first - sign * begins, last - sign * ends
+            apart += min(sign * begins, sign * ends)
+    least = min(first, last) + apart
+    return least - smooth, least
+
+
+@kernel
 def lowest_from(flow, mode, sums, guard, node, t):
-    """Lower bound of a guard for all times from t [s], a node, on; −∞ unless all that moves dies away.
+    """Lower bound of a guard for all times from t [s], a node, on; −∞ if anything that moves grows.
 
     With h(t) ≤ t the joint form of a pair is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from
     t = 1/r on.
@@ -205,6 +244,9 @@ def lowest_from(flow, mode, sums, guard, node, t):
     for pair in range(flow.pairs[mode]):
         row, at, factors = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pair_bounds[guard, pair, 0]
         rate = -own_rate(row)
+        if rate == 0.0 and row[BETA] > 0.0:  # it swings for ever
+            level -= factors[0]
+            continue
         if not (row[A0] > 0.0 and rate > 0.0):
             return -math.inf
         longest = t * at[3] if t * rate >= 1.0 else math.exp(-1.0) / rate

@@ -9,9 +9,11 @@ the step (:func:`lsvib.core.sums.least_between`). Then, with g ≥ 0 at a,
     g″ > 0, g′_a ≥ 0    no root;
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
-A step on which a guard is undecided is shortened, so no root is passed over. Where shortening ends because the whole
-step is below the rounding of the guard, the guard grazes. With infinite time the walk ends when the bounds of all parts
-together are below the guards' constants.
+Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part
+enclosed on its own (:func:`lsvib.core.sums.least_by_swings`): one that vibrates many times on the step is within its
+amplitude. A step on which a guard is undecided even so is shortened, so no root is passed over. Where shortening ends
+because the whole step is below the rounding of the guard, the guard grazes. With infinite time the walk ends when the
+bounds of all parts together are below the guards' constants.
 """
 
 import math
@@ -31,7 +33,10 @@ _STEPS = 1_000_000
 _LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
 _BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
 _GROWTH = 8.0  # of the exponent of a growing term within one step
+_LITTLE = 4.0  # of the factor by which a test passes: a step that grows by less than 1.4
+_FAR = 4.0  # of ωh; below it the chord is within twice the amplitude
 _SPARE = 2  # node for roots
+HALVINGS = 1100  # of an interval of doubles, at most
 
 
 @kernel
@@ -48,6 +53,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
     longest = _longest_step(flow, mode)
+    rate = _fastest(flow, mode)
     steps, a, step = 0, 0.0, min(limit, longest, _first_step(flow, mode, work, count))
     for _ in range(_STEPS):
         here, there = steps % 2, 1 - steps % 2
@@ -58,7 +64,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         outcome, stretch, touched = _POSITIVE, _LONGEST, -1
         for guard in range(count):
             sums.evaluate(flow, mode, work, guard, there)
-            decision, slack = _decide(flow, mode, work, guard, here, there, b - a, on_surface[guard])
+            decision, slack = _decide(
+                flow, mode, work, guard, here, there, b - a, rate * (b - a) > _FAR, on_surface[guard]
+            )
             stretch = min(stretch, slack)
             if decision == _TOUCHES:
                 touched = guard
@@ -73,7 +81,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, work, count, there, a, b)
+            return _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -137,8 +145,24 @@ def _common_sign(x, y):
     return -1.0 if max(x, y) < 0.0 else 0.0
 
 
+@kernel
+def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
+    """As :func:`_decide`, with each part of the guard enclosed on its own."""
+    low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+    if low > 0.0:
+        return _POSITIVE, _margin(least, low)
+    slack = max(slack, _margin(least, low))
+    sign = _common_sign(work.values[here, guard, 1], work.values[there, guard, 1])
+    if sign != 0.0:
+        low, least = sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+        slack = max(slack, _margin(least, low))
+    return _UNDECIDED, slack
+
+
 @inlined_kernel
-def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
+def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface):
     """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
     eighth, slack = 0.125 * step * step, 0.0
     first, last = work.values[here, guard], work.values[there, guard]
@@ -146,6 +170,8 @@ def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
         slack = _margin(least, low)
         if low > 0.0:
+            if turns and slack < _LITTLE:
+                _, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, _ROOT, slack)
             return _POSITIVE, slack
     after = _ROOT if last[0] <= 0.0 else _POSITIVE
     sign = _common_sign(first[1], last[1])
@@ -159,6 +185,10 @@ def _decide(flow, mode, work, guard, here, there, step, starts_on_surface):
         low, least = sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
         if low > 0.0:
             return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    if turns:
+        decision, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack)
+        if decision != _UNDECIDED:
+            return decision, slack
     low, least = sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low < work.rounding[guard]:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
@@ -193,7 +223,7 @@ def first_below(values, b):
 
 
 @inlined_kernel
-def _earliest(flow, mode, work, count, there, a, b):
+def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
     """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
     first, when = -1, b
     for guard in range(count):
@@ -203,14 +233,41 @@ def _earliest(flow, mode, work, count, there, a, b):
             sums.go_to(flow, mode, work, when, node)
             sums.evaluate(flow, mode, work, guard, node)
         if work.values[node, guard, 0] <= 0.0:
-            first, when = guard, _root(flow, mode, work, guard, node, a, when)
+            low = a
+            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+                if first >= 0 and work.values[node, guard, 0] > -work.rounding[guard]:
+                    continue
+                low = _top(flow, mode, work, guard, a, when)
+                sums.go_to(flow, mode, work, when, _SPARE)
+                sums.evaluate(flow, mode, work, guard, _SPARE)
+                node = _SPARE
+            first, when = guard, _root(flow, mode, work, guard, node, low, when, rate)
     return _CROSSING, first, when
 
 
+@kernel
+def _top(flow, mode, work, guard, low, high):
+    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    t = high
+    for _ in range(HALVINGS):
+        sums.go_to(flow, mode, work, t, _SPARE)
+        sums.evaluate(flow, mode, work, guard, _SPARE)
+        if work.values[_SPARE, guard, 1] < 0.0:
+            high = t
+        elif t == high:
+            return high
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        if not low < t < high:
+            break
+    return low
+
+
 @inlined_kernel
-def _root(flow, mode, work, guard, node, low, high):
+def _root(flow, mode, work, guard, node, low, high, rate):
     """Root of a guard that is positive from ``low`` on and not after its root; it has been evaluated at ``high``."""
-    rate, t = _fastest(flow, mode), high
+    t = high
     for count in range(300):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:

@@ -6,11 +6,15 @@ group as its columns V₀ and rows W₀, whatever chains the group has; with W =
 Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
 0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
 
-Within a block, coordinates z = R y with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, bring the logarithmic
-norm of the block below σ. The smallest σ is taken for which they do not amplify rounding, either.
+A block's coordinates are, if that makes |B| no larger, what is left of d of the homogeneous ones in its subspace, those
+that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does
+not spoil the others. Its size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which
+brings the logarithmic norm of the block below σ. The smallest σ is taken for which R is not too far from a multiple of
+one.
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import mpmath
 import numpy as np
@@ -30,9 +34,12 @@ _NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in a
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks: B (q, q), block edges (q + 1), σ (q), W (q, n + 1), V and kept values (n, q + 1)."""
+    """One mode in blocks, with the tables of :class:`lsvib.core.blocks.BlockFlow` and its condition."""
 
     matrix: np.ndarray
+    norm: np.ndarray
+    inverse_norm: np.ndarray
+    rate: np.ndarray
     edges: np.ndarray
     growth: np.ndarray
     to_blocks: np.ndarray
@@ -42,11 +49,21 @@ class BlockMode:
 
 
 @dataclass(frozen=True)
-class _Block:
+class Block:
+    """A block B = W A V of a matrix, the rows W that lead into it and the columns V that lead back."""
+
     matrix: mpmath.matrix  # (d, d)
     into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
     out: mpmath.matrix  # (p + 1, d)
-    growth: mpmath.mpf
+
+
+@dataclass(frozen=True)
+class _Norm:
+    """The norm |R y| in which a block grows as e^{σt} at most."""
+
+    factor: mpmath.matrix  # (d, d) R
+    inverse: mpmath.matrix  # (d, d)
+    growth: mpmath.mpf  # σ
 
 
 def block_mode(field: Field) -> BlockMode:
@@ -60,13 +77,13 @@ def block_mode(field: Field) -> BlockMode:
             for j in range(p + 1):
                 homogeneous[i, j] = (matrix[i, j] if j < p else push[i]) * sizes[j] / sizes[i]
         rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
-        return _tables(field, sizes, [_balanced(block) for block in _blocks(homogeneous, rates)])
+        return _tables(field, sizes, _blocks(homogeneous, rates))
 
 
-def _blocks(matrix, rates) -> list[_Block]:
+def _blocks(matrix, rates) -> list[Block]:
     groups = _groups(rates)
     while True:
-        blocks = [_block(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
+        blocks = [block_of(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
         worst = max(blocks, key=_amplification)
         if len(groups) == 1 or _amplification(worst) <= _CONDITION:
             return blocks
@@ -90,8 +107,8 @@ def _near(a, b, largest) -> bool:
     return distance <= max(_APART * max(abs(a), abs(b)), _SAME * _SAME * largest)
 
 
-def _block(matrix, group, others) -> _Block:
-    """The block of a group of rates."""
+def block_of(matrix, group, others) -> Block:
+    """Return the block of a group of rates of a matrix (p + 1, p + 1), in the digits of the context."""
     product = mpmath.eye(matrix.rows)
     for rate in others:
         factor = matrix - rate * mpmath.eye(matrix.rows)
@@ -99,7 +116,18 @@ def _block(matrix, group, others) -> _Block:
     product = product.apply(mpmath.re)
     columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
     rows = (rows * columns) ** -1 * rows
-    return _Block(rows * matrix * columns, rows, columns, mpmath.mpf(0))
+    chosen = max(combinations(range(matrix.rows), len(group)), key=lambda places: abs(_minor(columns, rows, places)))
+    own = mpmath.matrix([[columns[i, j] for j in range(len(group))] for i in chosen])
+    rows, columns = own * rows, columns * own**-1
+    return Block(rows * matrix * columns, rows, columns)
+
+
+def _minor(columns, rows, places):
+    """Determinant of these rows and columns of the projector."""
+    d = len(places)
+    left = mpmath.matrix([[columns[i, j] for j in range(d)] for i in places])
+    right = mpmath.matrix([[rows[i, j] for j in places] for i in range(d)])
+    return mpmath.det(left) * mpmath.det(right)
 
 
 def _basis(matrix, count: int) -> mpmath.matrix:
@@ -114,33 +142,34 @@ def _basis(matrix, count: int) -> mpmath.matrix:
     return found
 
 
-def _amplification(block: _Block) -> float:
+def _amplification(block: Block) -> float:
     """Of rounding, by the way into a block and back; its coordinates and those of the state have size one."""
     size = block.out.rows
     return amplification(_floats(block.out), _floats(block.into), np.ones(size))
 
 
-def _balanced(block: _Block) -> _Block:
-    """Coordinates in which the block's logarithmic norm is below a σ that is as small as they allow."""
+def _norm_of(block: Block) -> _Norm:
+    """Norm in which the block's logarithmic norm is below a σ that is as small as it allows."""
     d = block.matrix.rows
     rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
     spectral = max(mpmath.re(rate) for rate in rates)
     size = mpmath.mnorm(block.matrix, mpmath.inf)
     if d == 1 or size == 0:
-        return _Block(block.matrix, block.into, block.out, spectral)
+        return _Norm(mpmath.eye(d), mpmath.eye(d), spectral)
     fastest = max(abs(rate) for rate in rates)
     margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
     most = max(_NORM_CONDITION, 4 * _amplification(block))
     while True:
-        found = _in_lyapunov_norm(block, spectral + margin)
-        if _amplification(found) <= most or margin > 8 * size:
+        found = _lyapunov_norm(block.matrix, spectral + margin)
+        seen = Block(block.matrix, found.factor * block.into, block.out * found.inverse)
+        if _amplification(seen) <= most or margin > 8 * size:
             return found
         margin *= 4
 
 
-def _in_lyapunov_norm(block: _Block, growth) -> _Block:
-    d = block.matrix.rows
-    shifted = block.matrix - growth * mpmath.eye(d)
+def _lyapunov_norm(matrix, growth) -> _Norm:
+    d = matrix.rows
+    shifted = matrix - growth * mpmath.eye(d)
     equations, right = mpmath.zeros(d * d), mpmath.zeros(d * d, 1)
     for i in range(d):
         for j in range(d):
@@ -151,17 +180,39 @@ def _in_lyapunov_norm(block: _Block, growth) -> _Block:
     solution = mpmath.lu_solve(equations, right)
     norm = mpmath.matrix([[(solution[d * i + j] + solution[d * j + i]) / 2 for j in range(d)] for i in range(d)])
     factor = mpmath.cholesky(norm / mpmath.mnorm(norm, mpmath.inf)).T
-    back = factor**-1
-    return _Block(factor * block.matrix * back, factor * block.into, block.out * back, growth)
+    return _Norm(factor, factor**-1, growth)
+
+
+def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
+    """The block's own coordinates, or z = R y where these make |B| smaller.
+
+    The exponential of B loses what the rates of |B|, which no choice of units changes, exceed those of B by. In its own
+    coordinates the B of a drive is close to triangular; that of a chain in a general position is not.
+    """
+    d = block.matrix.rows
+    turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
+    if _rate_of_sizes(turned) < _rate_of_sizes(block):
+        return turned, _Norm(mpmath.eye(d), mpmath.eye(d), norm.growth)
+    # Each coordinate in the unit whose norm is one, which makes B small.
+    lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]
+    unit, inverse = mpmath.diag(lengths), mpmath.diag([1 / x for x in lengths])
+    even = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
+    return even, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+
+
+def _rate_of_sizes(block: Block) -> float:
+    """Largest rate [1/s] of |B|."""
+    return float(np.abs(np.linalg.eigvals(np.abs(_floats(block.matrix)))).max())
 
 
 def _floats(matrix) -> np.ndarray:
     return np.array(matrix.tolist(), dtype=float)
 
 
-def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
+def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
     n, q = field.rows.rows, len(sizes)
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
+    norm, inverse_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
     places = [*field.alive, n]
     for i, value in field.kept.items():
@@ -171,7 +222,13 @@ def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
         d = block.matrix.rows
         part = slice(first, first + d)
         edges[k], first = first, first + d
-        matrix[part, part], growth[part] = _floats(block.matrix), float(block.growth)
+        block, measure = _in_good_coordinates(block, _norm_of(block))
+        matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
+        inverse_norm[part, part] = _floats(measure.inverse)
+        # Of the smallest relative amount more, so that the bound covers the rounding of B.
+        turned = _floats(measure.factor * block.matrix * measure.inverse)
+        growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
+        rate[part] = np.linalg.norm(turned)
         for j, place in enumerate(places):
             to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
             if place < n:
@@ -182,9 +239,7 @@ def _tables(field: Field, sizes: list, blocks: list[_Block]) -> BlockMode:
             f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
             "parameters that lie less far apart."
         )
-    # Of the smallest relative amount, so that the bound covers the rounding of B.
-    growth += 1e-14 * np.abs(matrix).sum(axis=1)
-    return BlockMode(matrix, edges, growth, to_blocks, from_blocks, field.table(), condition)
+    return BlockMode(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table(), condition)
 
 
 def block_flow(modes: list[BlockMode]) -> BlockFlow:
@@ -193,6 +248,9 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
     q = n + 1
     flow = BlockFlow(
         np.zeros((count, q, q)),
+        np.zeros((count, q, q)),
+        np.zeros((count, q, q)),
+        np.zeros((count, q)),
         np.full((count, q + 1), q, dtype=np.int64),
         np.zeros((count, q)),
         np.zeros((count, q, n + 1)),
@@ -202,6 +260,8 @@ def block_flow(modes: list[BlockMode]) -> BlockFlow:
     for k, mode in enumerate(modes):
         own = len(mode.matrix)
         flow.matrix[k, :own, :own] = mode.matrix
+        flow.norm[k, :own, :own], flow.inverse_norm[k, :own, :own] = mode.norm, mode.inverse_norm
+        flow.rate[k, :own] = mode.rate
         flow.edges[k, : own + 1] = mode.edges
         flow.growth[k, :own] = mode.growth
         flow.to_blocks[k, :own] = mode.to_blocks

@@ -4,10 +4,16 @@ from itertools import pairwise, product
 
 import mpmath
 
-_TINY = mpmath.mpf(10) ** -25  # relative size that only the rounding of 60 digits, or its square root, can have
-_ROUNDING = mpmath.mpf(10) ** -35  # of projectors and what they are made of
+# Relative sizes that only rounding can have – of the digits in use, or of the 50 of the coefficients – or its root,
+# and that of projectors and what they are made of; by digits in use.
+_TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
+_ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
 _SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
 _APART = 0.25  # relative distance of two real rates from which on each is carried alone
+
+
+def _tiny() -> mpmath.mpf:
+    return _TINY[mpmath.mp.dps]
 
 
 def _factors(rates, once: bool) -> list[list]:
@@ -19,10 +25,10 @@ def _factors(rates, once: bool) -> list[list]:
     largest = max(abs(rate) for rate in rates)
     if largest == 0:
         return [[mpmath.mpf(1), mpmath.mpf(0)]]
-    zeros = [rate for rate in rates if abs(rate) <= _TINY * largest]
-    moving = [rate for rate in rates if abs(rate) > _TINY * largest]
-    upper = [rate for rate in moving if mpmath.im(rate) > _TINY * abs(rate)]
-    real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _TINY * abs(r)), reverse=True)
+    zeros = [rate for rate in rates if abs(rate) <= _tiny() * largest]
+    moving = [rate for rate in rates if abs(rate) > _tiny() * largest]
+    upper = [rate for rate in moving if mpmath.im(rate) > _tiny() * abs(rate)]
+    real = sorted((mpmath.re(r) for r in moving if abs(mpmath.im(r)) <= _tiny() * abs(r)), reverse=True)
     if once:
         upper, real = _distinct(upper), _distinct(real)
     factors = [[mpmath.mpf(1), -2 * mpmath.re(rate), abs(rate) ** 2] for rate in upper]
@@ -40,7 +46,7 @@ def _factors(rates, once: bool) -> list[list]:
 def _distinct(rates: list) -> list:
     found: list = []
     for rate in rates:
-        if all(abs(rate - other) > _TINY * abs(rate) for other in found):
+        if all(abs(rate - other) > _tiny() * abs(rate) for other in found):
             found.append(rate)
     return found
 
@@ -74,19 +80,21 @@ def _projector(matrix, factors, k: int) -> mpmath.matrix:
 
 
 def _slow(factor, rates) -> bool:
-    larger = [abs(rate) for rate in rates if abs(rate) > (1 + _TINY) * abs(factor[1])]
+    larger = [abs(rate) for rate in rates if abs(rate) > (1 + _tiny()) * abs(factor[1])]
     return len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
 
 
 def _carried(matrix, factors: list, projectors: list, scale: list) -> bool:
     """True if each factor is zero on its subspace – no chain is left out – and the projectors add up to one."""
     total = sum(projectors[1:], projectors[0]) - mpmath.eye(matrix.rows)
-    if _size(total, scale) > _ROUNDING * max(_size(p, scale) for p in projectors):
+    if _size(total, scale) > _ROUNDING[mpmath.mp.dps] * max(_size(p, scale) for p in projectors):
         return False
     powers = [_size(power, scale) for power in (matrix * matrix, matrix, mpmath.eye(matrix.rows))]
     for factor, projector in zip(factors, projectors, strict=True):
         terms = sum(abs(a) * power for a, power in zip(reversed(factor), reversed(powers), strict=False))
-        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING * terms * _size(projector, scale):
+        if _size(_polynomial(factor, matrix) * projector, scale) > _ROUNDING[mpmath.mp.dps] * terms * _size(
+            projector, scale
+        ):
             return False
     return True
 

@@ -1,10 +1,12 @@
 """Which kind of flow carries a model with more than two states.
 
-The modal form (:mod:`lsvib.models.modes`) is the fast one. Where rates of a mode coincide in a way that it does not
-know, or so nearly that it would lose more than six digits, all modes of the model are carried in blocks instead
-(:mod:`lsvib.models.blocks`), since a flow is of one kind: its kernels are chosen by its type.
+The modal form (:mod:`lsvib.models.modes`) is the fast one. Whether it loses digits is judged by the typical sizes of
+the coordinates, and if that fails, by those that a motion reaches. Where rates of a mode coincide in a way that it does
+not know, or so nearly that it would lose more than six digits even so, all modes of the model are carried in blocks
+instead (:mod:`lsvib.models.blocks`), since a flow is of one kind: its kernels are chosen by its type.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -15,8 +17,11 @@ import numpy as np
 from lsvib.core.blocks import BlockFlow
 from lsvib.core.modal import ModalFlow
 from lsvib.models.blocks import BlockMode, block_flow, block_mode
-from lsvib.models.field import Field, exact_field
+from lsvib.models.field import DIGITS, Field, exact_field
 from lsvib.models.modes import ModalMode, modal_flow, modal_mode
+from lsvib.models.reach import reached
+
+_MORE_DIGITS = 120  # for rates that lie thirty decades apart
 
 
 @dataclass(frozen=True)
@@ -25,11 +30,12 @@ class LinearMode:
 
     field: Field
     modal: ModalMode | None
+    horizon: float
 
     @cached_property
     def blocks(self) -> BlockMode:
         """The mode in blocks."""
-        return block_mode(self.field)
+        return block_mode(reached(self.field, self.horizon))
 
     @property
     def condition(self) -> float:
@@ -46,14 +52,22 @@ class LinearMode:
 
 
 def linear_mode(
-    rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None
+    rows: Sequence[Sequence],
+    sizes: Sequence[float],
+    frozen: Mapping[int, Decimal] | None = None,
+    horizon: float = math.inf,
 ) -> LinearMode:
-    """Return a mode of a model; arguments as of :func:`lsvib.models.field.exact_field`."""
+    """Return a mode of a model.
+
+    Arguments as of :func:`lsvib.models.field.exact_field`, and the horizon [s] of :func:`lsvib.models.reach.reached`.
+    """
     field = exact_field(rows, sizes, frozen)
-    try:
-        return LinearMode(field, modal_mode(field))
-    except ArithmeticError:
-        return LinearMode(field, None)
+    for digits in (DIGITS, _MORE_DIGITS):
+        try:
+            return LinearMode(field, modal_mode(field, digits), horizon)
+        except ArithmeticError:
+            field = reached(exact_field(rows, sizes, frozen), horizon)
+    return LinearMode(field, None, horizon)
 
 
 def flow_of(modes: Sequence[LinearMode]) -> ModalFlow | BlockFlow:

@@ -49,12 +49,14 @@ class TwoBodies:
     threads from slipping in direction d; the sides are the signs of n, or 0 alone if they do not matter. ``released(d,
     side)`` is the sign of n with which slip begins at the end of static friction. ``tied(slip, second)`` are the rows
     of the reset that makes the speeds which are zero exactly so; ``impact`` those of a seizure. ``turning``: sgn Ω.
+    ``horizon``: see :func:`lsvib.models.reach.reached`.
     ``second``: word for the second body, with friction of size ``limit`` (0: none). ``turns_over``: n may pass zero at
     rest. ``snaps``: the coordinates that put the speeds ``slip`` and ``sliding`` on zero.
     """
 
     states: tuple[str, ...]
     sizes: tuple[float, ...]
+    horizon: float
     slip: Row
     sliding: Row
     snaps: tuple[int, int]

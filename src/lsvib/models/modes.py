@@ -1,4 +1,4 @@
-"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.core.modal`, in 60-digit arithmetic.
+"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.core.modal`, in 60 digits or more.
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
@@ -45,13 +45,13 @@ class ModalMode:
         return [*self.oscillators[:, planar.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
-def modal_mode(field: Field) -> ModalMode:
-    """Decompose a field.
+def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
+    """Decompose a field, in so many digits.
 
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(digits):
         matrix, constant, scale = field.reduced()
         pairs, singles = [], []
         for factor, projector, slow in subspaces(matrix, scale):

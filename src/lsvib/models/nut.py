@@ -22,12 +22,14 @@ both to the common speed (I θ′ + I_2 θ_2′) / (I + I_2); springs, dampers a
 effective inertia, and with it whether the threads seize, so the rule for what follows an impact does not cover it.
 """
 
+import math
 from decimal import localcontext
 
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, plus, solved
 from lsvib.models.parameters import PLACES, NutDrive
+from lsvib.models.reach import SWINGS
 from lsvib.models.screw import Screw
 from lsvib.models.two_bodies import two_bodies
 from lsvib.models.two_body_model import two_body_model
@@ -74,6 +76,7 @@ class _Build(Screw):
         return TwoBodies(
             states=STATES,
             sizes=(0.1, speed, 0.1 * float(min(d.coupling_stiffness / d.nut_stiffness, 1)), speed),
+            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
             slip=self.slip,
             sliding=self.speed,
             snaps=(3, 1),

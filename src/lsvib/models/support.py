@@ -24,6 +24,7 @@ from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, plus, solved
 from lsvib.models.parameters import PLACES, SupportDrive
+from lsvib.models.reach import SWINGS
 from lsvib.models.screw import Screw
 from lsvib.models.two_bodies import two_bodies
 from lsvib.models.two_body_model import two_body_model
@@ -69,6 +70,7 @@ class _Build(Screw):
         return TwoBodies(
             states=STATES,
             sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),
+            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
             slip=self.speed,
             sliding=self.nut_speed,
             snaps=(1, 3),

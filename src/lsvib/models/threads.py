@@ -24,6 +24,7 @@ from lsvib.models.flow import LinearMode, flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.models.model import Model, seizures_only_by_contact
 from lsvib.models.parameters import PLACES, ThreadsDrive
+from lsvib.models.reach import SWINGS
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 
@@ -118,10 +119,11 @@ class _Build:
         mismatch = force / (stiffness + damping / swing + mass / swing**2)
         rate = force / (damping + math.sqrt(stiffness * mass) + mass / swing)
         self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
+        self.horizon = SWINGS * swing
 
     def slip(self, law: int) -> LinearMode:
         """Field of slip under law s."""
-        return linear_mode(self._slip_rows(law), self.sizes)
+        return linear_mode(self._slip_rows(law), self.sizes, horizon=self.horizon)
 
     def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
@@ -133,7 +135,7 @@ class _Build:
     def rest(self) -> LinearMode:
         """Field of rest: w stays −Ω, the nut moves on."""
         axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
-        return linear_mode(self._rows((0, 0, 0, 0, 0), axial), self.sizes, {1: -self.d.input_speed})
+        return linear_mode(self._rows((0, 0, 0, 0, 0), axial), self.sizes, {1: -self.d.input_speed}, self.horizon)
 
     def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d

@@ -90,7 +90,7 @@ class _Layout:
 
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
-        flow = linear_mode(solution.field, self.b.sizes, solution.frozen)
+        flow = linear_mode(solution.field, self.b.sizes, solution.frozen, self.b.horizon)
         return Mode(self.codes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:

@@ -49,6 +49,7 @@ class Result:
     events: list
     arcs: list = field(repr=False)  # (start time, mode, Arc, duration)
     drive: object = field(repr=False)
+    complete: bool = True  # False: stopped at max_events
 
 
 class Function:
@@ -342,7 +343,7 @@ def simulate(parameters, state, t_end, *, dps=40, max_events=10000):
         x, t, t_end = tuple(mpf(value) for value in state), mpf(0), mpf(t_end)
         events, arcs = [], []
         mode = drive.mode_at(x)
-        while len(events) <= max_events:
+        while len(events) < max_events:
             arc, left = drive.arc(mode, x), t_end - t
             rows, sides = zip(*drive.guards(mode), strict=True)
             stay, fired = first_root([Function(arc, row) for row in rows], sides, left)
@@ -361,7 +362,7 @@ def simulate(parameters, state, t_end, *, dps=40, max_events=10000):
                 mode = drive.mode_at(x)
                 kind = "reversal" if mode[0] else "stick"
             events.append(Event(t, kind, x, name(mode)))
-        raise ArithmeticError("too many events")
+        return Result(t, x, name(mode), events, arcs, drive, complete=False)
 
 
 def peak_normal_force(result):

@@ -35,6 +35,15 @@ class Result:
     events: list
     arcs: list  # (mode, state at the start, duration)
     complete: bool  # False: stopped at max_events
+    drive: object
+
+    def sampled(self, parts):
+        """States at these parts of every arc."""
+        found = []
+        for mode, state, stay in self.arcs:
+            arc = self.drive.mode(mode).arc(state)
+            found += [arc.state(stay * part) for part in parts if stay]
+        return found
 
 
 class Mode:
@@ -198,7 +207,7 @@ def simulate(parameters, model, slide, bearing, start, t_end, *, dps=40, max_eve
                 x = np.array(arc.state(stay), dtype=object)
             t += stay
             if fired is None:
-                return Result(t_end, tuple(x), mode, events, arcs, True)
+                return Result(t_end, tuple(x), mode, events, arcs, True, drive)
             zero, after = set(here.ties), None
             if here.kinds[fired] is not None:
                 zero.add(here.kinds[fired])
@@ -209,4 +218,4 @@ def simulate(parameters, model, slide, bearing, start, t_end, *, dps=40, max_eve
             x = drive.tie(x, zero)
             mode = drive.choose(x, zero, after)
             events.append(Event(t, mode, tuple(x), seized))
-        return Result(t, tuple(x), mode, events, arcs, False)
+        return Result(t, tuple(x), mode, events, arcs, False, drive)
