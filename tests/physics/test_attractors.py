@@ -103,11 +103,11 @@ def test_steady_sliding_itself_stays(force):
     assert attractor(NEGATIVE_DAMPING.replace(axial_force=force), (0.0, 0.0)).label == Attractor.STEADY_SLIDING
 
 
-def test_undamped_slip_is_a_cycle_of_its_own():
+def test_undamped_slip_is_one_of_a_neutral_family():
     """c = c_x = 0 within N > 0 and θ′ > 0: an ellipse, period 2π √(Γ₊/k), multiplier 1."""
     drive = LeadScrew.of(support_damping=0.0)
     found = attractor(drive, (0.01, 5.0))
-    assert found.label == Attractor.OTHER_CYCLE
+    assert found.label == Attractor.NEUTRAL_FAMILY
     assert found.multiplier == 1.0
     row = rigid_drive(drive).tables.flow[found.orbit.start_mode]
     assert found.period == pytest.approx(2 * math.pi / row[planar.BETA], rel=4 * planar.EPS)
