@@ -163,15 +163,15 @@ def steady_state(
             return settled(automaton, motion)
         if automaton.contracts or _only_touches(motion):
             return _neutral(automaton, motion)
-        cycle = _recurrence(automaton, motion)
-        if cycle is not None:
-            return cycle
         used += motion.time.size
         if used >= patience and size_of_state == 2:
             patience *= _LONGER
             slow = _slow_end(automaton, motion, max_events - used)
             if slow is not None:
                 return slow
+        cycle = _recurrence(automaton, motion)
+        if cycle is not None:
+            return cycle
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
     return SteadyState(Attractor.UNRESOLVED, state)
