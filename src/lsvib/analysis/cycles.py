@@ -151,7 +151,7 @@ def steady_state(
     state = np.array(state, dtype=float)
     if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
-    used, chunk, size_of_state = 0, _CHUNK, state.size
+    used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)

@@ -23,8 +23,9 @@ _SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of 
 _FIRST = 64.0  # length of the first leap, in returns
 _LONGER = 4.0  # factor from one leap to the next
 _SHORTER = 0.125  # factor after a leap that was too long
-_LEAPS = 400  # of one drift
+_LEAPS = 150  # of one drift, of which two dozen cross ten decades
 _SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
+_STALLS = 8  # such leaps in one drift: f is too close to its rounding, or changes its sign too often
 _HALVINGS = 80  # of an interval in which the events of a return change
 _FINE = 16.0  # times the rounding of f below which a line with a finer scale is taken,
 _FAR = 0.25  # once the drift has come so far, in scales of the line
@@ -70,7 +71,7 @@ def drift(section: Section, place: float) -> Drift | None:
     first = come_back(section, place)
     if first.events is None or abs(first.excess) <= _rounding(section, place):
         return None
-    way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
+    way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
     for _ in range(_LEAPS):
         there = here + way * length
         step = abs(come_back(section, here).excess)
@@ -84,6 +85,9 @@ def drift(section: Section, place: float) -> Drift | None:
         if outcome is None:
             length *= _SHORTER
             if length < _SHORTEST * step:
+                stalls += 1
+                if stalls > _STALLS:
+                    return None
                 following = come_back(section, here)
                 here, length = here + following.excess, _SHORTEST * step
                 if come_back(section, here).events != first.events:

@@ -53,7 +53,7 @@ def nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     alpha = tables.flow[:, planar.ALPHA]
     settled = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, 0))
     undamped = (alpha == 0) & ~rests
-    settled[undamped] = np.where(tables.flow[undamped, planar.BETA] > 0, Attractor.OTHER_CYCLE, Attractor.UNBOUNDED)
+    settled[undamped] = np.where(tables.flow[undamped, planar.BETA] > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
     settled[rests] = Attractor.REST
     return Known(
         landing=_landings(automaton, rests),
@@ -152,7 +152,8 @@ def with_labels(known: Known, found: dict[Section, Pieces]) -> Known:
 def _shares(flow: np.ndarray) -> np.ndarray:
     """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
     beta = flow[:, planar.BETA]
-    return np.where(beta > 0, np.exp(-2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)), 0.0)
+    turns = -2 * np.pi * flow[:, planar.ALPHA] / np.where(beta > 0, beta, 1.0)
+    return np.where(beta > 0, np.exp(np.minimum(turns, planar.OVERFLOW)), 0.0)
 
 
 def with_common_labels(automaton: Automaton, known: Known, found: dict[Section, Pieces], size: np.ndarray) -> Known:

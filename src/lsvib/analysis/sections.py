@@ -26,6 +26,7 @@ unresolved.
 
 import numpy as np
 
+from lsvib.analysis import leaps, return_map
 from lsvib.analysis.cycles import Attractor, Passage, SteadyState, steady_state
 from lsvib.analysis.section_tables import (
     FAR,
@@ -44,14 +45,23 @@ from lsvib.core import itinerary, planar
 from lsvib.core.attraction import UNKNOWN, UNRESOLVED
 from lsvib.core.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
 from lsvib.models.automaton import Automaton
+from lsvib.models.motion import follow
 
 _EVENTS = 256  # of an itinerary; what a motion does later is asked of its attractor
-_HASTE = 64  # events after which a motion that hardly moves is leapt over
+_HASTE = 16  # events after which a motion that hardly moves is leapt over
 _WORK = 20_000_000  # events that may be followed for a drive, a few seconds
 _BISECTIONS = 60  # motions followed to find the place at which two courses part
-_COST = 20_000  # events that a search for an attractor counts for, about
+_SPLIT = 2_000  # events that the bookkeeping of a piece counts for, about
+_MANY = 200  # pieces of a section after which those narrower than _NOISE, relative, are not divided: where the speed
+_NOISE = 1e-6  # passes zero by less than its rounding, neighbours differ at random over the square root of that
+_CROWDED = 24  # pieces of a section at which, and at each double of it, a drift is looked for that joins them
+_BESIDE = 1e-9  # relative distance of a start beside a piece
+_PATIENT = 1e3  # times a return that one may take which starts farther away
+_COST = 60_000  # events that a search for an attractor counts for, about
 _PROBES = (-0.5 * FAR, -30.0, -1.0, -0.1, 0.1, 1.0, 30.0, 0.5 * FAR)  # starts, in sizes of the drive's motions
 _LATER = 1000  # plus a label ends the course of a motion whose attractor was found beyond its itinerary
+_WINDOW = 1e-4  # half width, relative, around a change of label within which motions are pushed
+_FUTILE = 8  # searches that find no attractor, after which none is made: motions stay that long near a repelling cycle
 _SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
@@ -70,7 +80,7 @@ class Sections:
         self._absorbed: list[Attractor] = []
         self._found: dict[Section, list[tuple[float, float, int]]] = {}
         self._learned: list[Attractor] = []
-        self._work = 0
+        self._work = self._futile = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
         if automaton.contracts:
             self._same_for_all()
@@ -93,7 +103,7 @@ class Sections:
 
     def _same_for_all(self) -> None:
         """Fill the table for a drive all of whose motions have one attractor."""
-        label = steady_state(self.automaton, np.zeros(2)).label
+        label = self.known.settled.max()  # damped slip ends in steady sliding, undamped slip in a neutral family
         found = {section: Pieces([-np.inf, np.inf], [int(label)]) for section in self.sections}
         self.known.resting[self.known.resting != UNKNOWN] = label
         self.known = with_common_labels(self.automaton, with_labels(self.known, found), found, self.size)
@@ -112,10 +122,15 @@ class Sections:
         values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
         return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
 
-    def _explore(self, state: np.ndarray, mode: int) -> Attractor:
+    def _explore(self, state: np.ndarray, mode: int, learns: bool = True) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
+        if self._futile > _FUTILE:
+            return Attractor.UNRESOLVED
         found = steady_state(self.automaton, state, mode=mode, max_events=_COST, patience=_HASTE)
+        self._futile += found.label == Attractor.UNRESOLVED
         self._work += _COST
+        if not learns:
+            return found.label
         for passage in found.passages if found.label != Attractor.UNRESOLVED else ():
             self._absorb_passage(passage, found.label)
         if found.orbit is None or any(_same(found, other) for other in self.attractors):
@@ -133,7 +148,10 @@ class Sections:
             points = [self._point(section, x) for x in passage.ends[:, section.free]]
             near = ON_CYCLE * np.abs(passage.ends).max(axis=0)
             if section.mode == passage.mode and (np.abs(points - passage.ends) <= near).all():
-                self._absorb((section.mode, section.surface, *sorted(passage.ends[:, section.free])), label)
+                low, high = sorted(passage.ends[:, section.free])
+                same = (self._absorbing[:, 0] == section.mode) & (self._absorbing[:, 1] == section.surface)
+                if not (same & (self._absorbing[:, 2] <= low) & (high <= self._absorbing[:, 3])).any():
+                    self._absorb((section.mode, section.surface, low, high), label)
                 return
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
@@ -167,8 +185,12 @@ class Sections:
             path.append(self._symbols[:count].tobytes())
         return path, float(state[section.free])
 
-    def _course(self, section: Section, x: float, push: tuple[float, bool]) -> np.ndarray:
-        """The itinerary of the motion from a point of a section, with the code of its end as the last number."""
+    def _course(self, section: Section, x: float, push: tuple[float, bool], learns: bool = True) -> np.ndarray:
+        """The itinerary of the motion from a point of a section, with the code of its end as the last number.
+
+        With ``learns`` an attractor that is met beyond the itinerary is added to what ends itineraries.
+        """
+        before = None
         while True:
             state = self._point(section, x)
             code, count, mode = itinerary.itinerary(
@@ -177,10 +199,11 @@ class Sections:
             self._work += count
             if code != TOO_LONG or self._work > _WORK:
                 return np.append(self._symbols[:count], -10 - code)
-            before = len(self._absorbing)
-            label = self._explore(state, mode)
-            if len(self._absorbing) == before:
+            label = self._explore(state, mode, learns)
+            learned = len(self._absorbed)
+            if not learns or (before is not None and (learned == before[0] or (state == before[1]).all())):
                 return np.append(self._symbols[:count], _LATER + label)
+            before = learned, state
 
     def _absorb_by_corner(self, section: Section, side: int) -> None:
         """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
@@ -212,10 +235,11 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
-        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], learns=True))]
+        far = FAR * self.size[section.free]
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], (-far, far), learns=True))]
         if len(runs[0].labels) == 1:
             return runs[0]
-        runs += [self._trimmed(section, self._pieces(section, push)) for push in _PUSHES[1:]]
+        runs += [self._pushed(section, runs[0], push) for push in _PUSHES[1:]]
         low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
         cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
         seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
@@ -233,6 +257,19 @@ class Sections:
                 labels.append(label)
         return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
 
+    def _pushed(self, section: Section, pieces: Pieces, push: tuple[float, bool]) -> Pieces:
+        """The labels along a section again, for motions that are pushed, near the places where labels change."""
+        edges, labels = [pieces.edges[0]], [pieces.labels[0]]
+        for before, cut, after, label in zip(
+            pieces.edges, pieces.edges[1:], pieces.edges[2:], pieces.labels[1:], strict=False
+        ):
+            reach = _WINDOW * max(abs(cut), self.size[section.free])
+            ends = max(cut - reach, 0.5 * (before + cut)), min(cut + reach, 0.5 * (cut + after))
+            near = self._pieces(section, push, ends)
+            edges += [*near.edges]
+            labels += [*near.labels, label]
+        return Pieces([*edges, pieces.edges[-1]], labels)
+
     def _trimmed(self, section: Section, pieces: Pieces) -> Pieces:
         """Cut off ends of a section that lie outside its mode, where no motion enters it."""
         edges, labels = pieces
@@ -242,37 +279,64 @@ class Sections:
             edges, labels = edges[:-1], labels[:-1]
         return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
-    def _pieces(self, section: Section, push: tuple[float, bool], learns: bool = False) -> Pieces:
-        """Labels along a section, by bisection between motions that take different courses.
+    def _pieces(
+        self, section: Section, push: tuple[float, bool], ends: tuple[float, float], learns: bool = False
+    ) -> Pieces:
+        """Labels along a section between two ``ends``, by bisection between motions that take different courses.
 
         With ``learns`` what is found is used at once: places that are nearer to the equilibrium come first, and a
-        motion that returns to where the label is known needs no more of its course.
+        motion that returns to where the label is known needs no more of its course. Of very many pieces, narrow ones
+        whose ends have one label are not divided any further.
         """
-        far, resolution = FAR * self.size[section.free], 1e-3 * planar.EPS * self.size[section.free]
-        waiting, found = [(-far, far)], []
+        resolution = 1e-3 * planar.EPS * self.size[section.free]
+        waiting, found, splits, crowded = [ends], [], 0, _CROWDED
         while waiting:
             low, high = waiting.pop()
-            attractors = -1
-            while attractors != len(self._absorbed):
-                attractors = len(self._absorbed)
-                low_course, high_course = (self._course(section, x, push) for x in (low, high))
+            known = len(self._absorbed)
+            low_course, high_course = (self._course(section, x, push) for x in (low, high))
+            if known != len(self._absorbed):  # what was learned may have changed the numbers in either course
+                low_course, high_course = (self._course(section, x, push, learns=False) for x in (low, high))
             position = _first_difference(low_course, high_course)
-            if position < 0 or self._work > _WORK or position == _EVENTS:
-                label = self._label(low_course) if position < 0 else UNRESOLVED
+            narrow = splits > _MANY and high - low <= _NOISE * max(abs(low), abs(high))
+            late = position == _EVENTS  # alike for so long: halves are told apart by where they end
+            if late and self._work <= _WORK and high - low > _NOISE * max(abs(low), abs(high)):
+                waiting += [(0.5 * (low + high), high), (low, 0.5 * (low + high))]
+                self._work += _SPLIT
+                continue
+            if position < 0 or narrow or late or self._work > _WORK:
+                same = position < 0 or (narrow and self._label(low_course) == self._label(high_course))
+                label = self._label(low_course) if same else UNRESOLVED
                 found.append((low, high, label))
                 if learns:
                     self._remember(section, low, high, label)
+                    if label > UNRESOLVED and splits >= crowded:
+                        crowded *= 2
+                        self._extend(section, max(low, high, key=abs), Attractor(label))
                 continue
             here, there = itinerary.last_agreement(
                 self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
                 low, high, resolution, *push, low_course, position,
             )  # fmt: skip
-            self._work += _BISECTIONS * (position + 1)
+            self._work += _SPLIT + _BISECTIONS * (position + 1)
+            splits += 1
             waiting += sorted([(low, here), (there, high)], key=lambda ends: -min(abs(ends[0]), abs(ends[1])))
         found.sort()
-        return _merged(
-            [*(low for low, _, _ in found), far], [x for _, _, x in found], _SLIVER * self.size[section.free]
-        )
+        edges, labels = [*(low for low, _, _ in found), ends[1]], [label for _, _, label in found]
+        return _merged(edges, labels, _SLIVER * self.size[section.free])
+
+    def _extend(self, section: Section, x: float, label: Attractor) -> None:
+        """Add all that drifts to a place next to which the label is known, where a return hardly moves."""
+        state = self._point(section, x * (1.0 + _BESIDE))
+        motion = follow(self.automaton, state, np.inf, mode=section.mode, max_events=_EVENTS)
+        size = np.abs(motion.after).max(axis=0, initial=0.0)
+        for kind, time in zip(
+            motion.kind[motion.mode == section.mode], motion.time[motion.mode == section.mode], strict=True
+        ):
+            line = return_map.Section(self.automaton, (int(kind), section.mode), state, size, 1, _PATIENT * time)
+            if line.dimension == 1 and line.outcome(np.zeros(1))[1] is not None:
+                ends = np.array([state, line.state(np.array([leaps.reach_back(line, 0.0)]))])
+                self._absorb_passage(Passage(section.mode, ends), label)
+                return
 
     def _remember(self, section: Section, low: float, high: float, label: int) -> None:
         """Let motions that come to the inside of a piece of a section end there; its ends stay to be examined."""
@@ -284,7 +348,7 @@ class Sections:
         for low, high, label in pieces:
             touches = [one for one in joined[-2:] if one[2] == label]
             special = touches and len(joined) > 1 and touches[-1] is joined[-2] and _touching(joined[-1], sliver)
-            near = 4 * planar.EPS * max(abs(low), sliver)  # places were bisected so far
+            near = 4 * planar.EPS * max(abs(low), 1e-3 * self.size[section.free])  # places were bisected so far
             if touches and touches[-1] is joined[-1] and low <= joined[-1][1] + near:
                 joined[-1:] = [(joined[-1][0], high, label)]
             elif special and low <= joined[-1][1] + near and joined[-1][0] <= joined[-2][1] + near:
