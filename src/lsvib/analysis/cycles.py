@@ -148,7 +148,13 @@ def steady_state(
       those with a multiplier within 1e-6 of the unit circle, with more than 8 returns, or where the return map has no
       derivative.
     """
-    state = np.array(state, dtype=float)
+    return _steady_state(automaton, np.array(state, dtype=float), mode, max_events, patience, True)
+
+
+def _steady_state(
+    automaton: Automaton, state: np.ndarray, mode: int | None, max_events: int, patience: int, twice: bool
+) -> SteadyState:
+    """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
     if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
@@ -166,7 +172,7 @@ def steady_state(
         used += motion.time.size
         if used >= patience and size_of_state == 2:
             patience *= _LONGER
-            slow = _slow_end(automaton, motion, max_events - used)
+            slow = _slow_end(automaton, motion, max_events - used, twice)
             if slow is not None:
                 return slow
         cycle = _recurrence(automaton, motion)
@@ -177,11 +183,11 @@ def steady_state(
     return SteadyState(Attractor.UNRESOLVED, state)
 
 
-def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | None:
+def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
     """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
 
-    ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns, so that the
-    last of them and a place half a return further must end alike.
+    ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns: with
+    ``twice`` the last of them and a place half a return further must end alike.
     """
     key = section_key(motion)
     if key is None:
@@ -206,12 +212,11 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int) -> SteadyState | 
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else _cycle(there, fixed)
     elif end.end == leaps.End.SHRINKS:
-        found = steady_state(automaton, place, mode=key[1], max_events=left)
+        found = _steady_state(automaton, place, key[1], left, _LONG, twice)
     else:
-        step = leaps.come_back(section, end.place).excess
-        between = section.state(np.array([end.place + 0.5 * step]))
-        found, other = (steady_state(automaton, state, mode=key[1], max_events=left // 2) for state in (place, between))
-        if found.label != other.label:
+        between = section.state(np.array([end.place + 0.5 * leaps.come_back(section, end.place).excess]))
+        found = _steady_state(automaton, place, key[1], left, _LONG, False)
+        if twice and found.label != _steady_state(automaton, between, key[1], left, _LONG, False).label:
             return SteadyState(Attractor.UNRESOLVED, place)
     return None if found is None else replace(found, passages=(passage, *found.passages))
 

@@ -23,7 +23,7 @@ _SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of 
 _FIRST = 64.0  # length of the first leap, in returns
 _LONGER = 4.0  # factor from one leap to the next
 _SHORTER = 0.125  # factor after a leap that was too long
-_LEAPS = 150  # of one drift, of which two dozen cross ten decades
+_LEAPS = 80  # of one drift, of which two dozen cross ten decades
 _SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
 _STALLS = 8  # such leaps in one drift: f is too close to its rounding, or changes its sign too often
 _HALVINGS = 80  # of an interval in which the events of a return change
@@ -32,6 +32,10 @@ _FAR = 0.25  # once the drift has come so far, in scales of the line
 _FEW = 32.0  # returns
 _NEARLY = 1e-3  # of the way is left out, where f vanishes
 _EDGE = 0.25  # width, in returns, within which that place is found
+
+_PLACES = chebyshev.chebpts1(_NODES)  # in [−1, 1]
+_TO_WEIGHTS = np.linalg.inv(chebyshev.chebvander(_PLACES, _NODES - 1))  # from values there to Chebyshev coefficients
+_TO_SAMPLES = chebyshev.chebvander(np.linspace(-1, 1, _SAMPLES), _NODES - 1)
 
 
 class Return(NamedTuple):
@@ -164,18 +168,17 @@ def _last_same(section: Section, here: float, there: float, events, step: float)
 
 def _passes(section: Section, here: float, there: float, way: float, events) -> float | None:
     """Return ``there`` if f points the same way from ``here`` to there, a place beyond its first zero, or None."""
-    nodes = np.cos(np.pi * (2 * np.arange(_NODES)[::-1] + 1) / (2 * _NODES))
-    places = here + 0.5 * (nodes + 1) * (there - here)
+    places = here + 0.5 * (_PLACES + 1) * (there - here)
     found = [come_back(section, float(y)) for y in places]
     if any(one.events != events for one in found):
         return None
     values = way * np.array([one.excess for one in found])
-    weights = chebyshev.chebfit(nodes, values, _NODES - 1)
+    weights = _TO_WEIGHTS @ values
     error = _SAFE * np.abs(weights[-_TAIL:]).max() + _rounding(section, there)
-    samples = chebyshev.chebval(np.linspace(-1, 1, _SAMPLES), weights)
+    samples = _TO_SAMPLES @ weights
     negative = np.flatnonzero(values < -error)
     if negative.size:
-        before = samples[: max(1, int(_SAMPLES * 0.5 * (nodes[negative[0]] + 1)))]
+        before = samples[: max(1, int(_SAMPLES * 0.5 * (_PLACES[negative[0]] + 1)))]
         # One change of sign: above the error, then within it while f falls, then below.
         undecided = np.flatnonzero(before <= error)
         falls = np.diff(before[max(0, undecided[0] - 1) :]) if undecided.size else np.array([-1.0])

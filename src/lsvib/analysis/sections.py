@@ -49,7 +49,7 @@ from lsvib.models.motion import follow
 
 _EVENTS = 256  # of an itinerary; what a motion does later is asked of its attractor
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
-_WORK = 20_000_000  # events that may be followed for a drive, a few seconds
+_WORK = 15_000_000  # events that may be followed for a drive, a few seconds
 _BISECTIONS = 60  # motions followed to find the place at which two courses part
 _SPLIT = 2_000  # events that the bookkeeping of a piece counts for, about
 _MANY = 200  # pieces of a section after which those narrower than _NOISE, relative, are not divided: where the speed
@@ -57,11 +57,13 @@ _NOISE = 1e-6  # passes zero by less than its rounding, neighbours differ at ran
 _CROWDED = 24  # pieces of a section at which, and at each double of it, a drift is looked for that joins them
 _BESIDE = 1e-9  # relative distance of a start beside a piece
 _PATIENT = 1e3  # times a return that one may take which starts farther away
+_LEAPS_COST = 400_000  # events that a search by leaps counts for, about
 _COST = 60_000  # events that a search for an attractor counts for, about
 _PROBES = (-0.5 * FAR, -30.0, -1.0, -0.1, 0.1, 1.0, 30.0, 0.5 * FAR)  # starts, in sizes of the drive's motions
 _LATER = 1000  # plus a label ends the course of a motion whose attractor was found beyond its itinerary
 _WINDOW = 1e-4  # half width, relative, around a change of label within which motions are pushed
 _FUTILE = 8  # searches that find no attractor, after which none is made: motions stay that long near a repelling cycle
+_IN_VAIN = 20  # searches with leaps that made none, after which motions are followed without
 _SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
 _ROUNDING = 64 * planar.EPS  # push after every event, relative to what the state was computed from
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
@@ -80,7 +82,7 @@ class Sections:
         self._absorbed: list[Attractor] = []
         self._found: dict[Section, list[tuple[float, float, int]]] = {}
         self._learned: list[Attractor] = []
-        self._work = self._futile = 0
+        self._work = self._futile = self._in_vain = 0
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
         if automaton.contracts:
             self._same_for_all()
@@ -103,9 +105,10 @@ class Sections:
 
     def _same_for_all(self) -> None:
         """Fill the table for a drive all of whose motions have one attractor."""
-        label = self.known.settled.max()  # damped slip ends in steady sliding, undamped slip in a neutral family
+        slips = self.known.resting == UNKNOWN
+        label = self.known.settled[slips][0]  # damped slip ends in steady sliding, undamped slip in a neutral family
         found = {section: Pieces([-np.inf, np.inf], [int(label)]) for section in self.sections}
-        self.known.resting[self.known.resting != UNKNOWN] = label
+        self.known.resting[~slips] = label
         self.known = with_common_labels(self.automaton, with_labels(self.known, found), found, self.size)
 
     def _point(self, section: Section, x: float) -> np.ndarray:
@@ -126,9 +129,11 @@ class Sections:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
         if self._futile > _FUTILE:
             return Attractor.UNRESOLVED
-        found = steady_state(self.automaton, state, mode=mode, max_events=_COST, patience=_HASTE)
+        patience = _HASTE if self._in_vain < _IN_VAIN else _COST
+        found = steady_state(self.automaton, state, mode=mode, max_events=_COST, patience=patience)
         self._futile += found.label == Attractor.UNRESOLVED
-        self._work += _COST
+        self._in_vain += not found.passages
+        self._work += _COST if patience == _COST else _LEAPS_COST
         if not learns:
             return found.label
         for passage in found.passages if found.label != Attractor.UNRESOLVED else ():
