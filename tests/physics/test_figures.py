@@ -30,6 +30,8 @@ SPOILERS = {
         "settles on the origin": set_to("attractor", Attractor.OTHER_CYCLE, 0, 1, 0),
     },
     "fig8_06": {
+        "Tangent of the lead angle": scale("lead_tangent", 1.001),
+        "self-locking": set_to("friction_coefficient", 0.09),
         "sets in": scale("onset_force", 1.02),
         "first touches rest": scale("stick_force", 1.03),
         "no longer reaches": scale("detach_force", 1.05),
