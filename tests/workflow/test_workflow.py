@@ -1,5 +1,6 @@
 """The workflow as a newcomer meets it: a run, a second run, an edit, a failed check, a wrong key, a kill."""
 
+import io
 import json
 import os
 import re
@@ -7,6 +8,7 @@ import signal
 import time
 import zipfile
 
+import docutils.core
 import pytest
 import yaml
 from conftest import ROOT
@@ -172,6 +174,14 @@ def test_every_figure_has_a_caption_and_a_section():
     captions = {path.stem for path in (ROOT / "workflow" / "report").glob("*.rst")}
     assert captions - {"figure", "workflow"} == figures
     assert {name for name, section in CONFIG.items() if isinstance(section, dict)} == figures
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "report").glob("*.rst")), ids=lambda path: path.stem)
+def test_captions_are_restructured_text_without_a_complaint(path):
+    complaints = io.StringIO()
+    settings = {"warning_stream": complaints, "report_level": 1}
+    docutils.core.publish_doctree(path.read_text(encoding="utf-8"), settings_overrides=settings)
+    assert complaints.getvalue() == ""
 
 
 @pytest.mark.slow

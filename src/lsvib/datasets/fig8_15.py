@@ -159,11 +159,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             residual < 1e-11,
         ),
         Check.holds(
-            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the printed "
-            "form of (8.30) is equal to it, to 1e-12",
+            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
+            "printed form of (8.30) is equal to it, to 1e-12",
             "eqs 8.30, 8.31, 8.32",
             f"{odd} exceptions among {friction.size} friction coefficients; {real} of "
-            f"{dataset.sizes['boundary_friction']} places with both branches; printed form differs by {rewritten:.1e} of b_2²",
+            f"{dataset.sizes['boundary_friction']} places with both branches; the printed form differs by "
+            f"{rewritten:.1e} of b_2²",
             odd == 0 and real == dataset.sizes["boundary_friction"] and rewritten < 1e-12,
         ),
         Check.holds(
