@@ -23,6 +23,11 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/attraction.smk"
 
 
+# The names of all figures: the sections of the configuration but the map, which has rules of its own.
+wildcard_constraints:
+    figure="|".join(name for name, section in config.items() if isinstance(section, dict) and name != "attraction"),
+
+
 rule all:
     default_target: True
     input:

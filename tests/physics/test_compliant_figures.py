@@ -30,6 +30,7 @@ SPOILERS = {
         "Largest sample of N(t)": scale("normal_force", 1 - 1e-5),
     },
     "fig8_13": {
+        "different distances beyond": set_to("critical_mass", 12.0, 0),
         "repeats to 1e-9": set_to("residual", 1e-8, 1),
         "smoother": scale("largest_acceleration", 100.0, -1),
         "becomes positive with the softest": set_to("largest_deflection", 1e-3, 0),
