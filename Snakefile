@@ -30,7 +30,6 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/attraction.smk"
 
 
-
 rule all:
     default_target: True
     input:

@@ -78,6 +78,8 @@ SPOILERS = {
         "contact torque": scale("mean_contact_torque", 1 + 1e-9, 0, 5),
     },
     "fig8_14": {
+        "printed corner": scale("corner_angle", 1 + 1e-9, 2),
+        "up to the corner": set_to("corner_attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 7),
         "printed mass has": scale("effective_inertia", -1.0, 0),
         "(a) m = 10 kg": set_to("event_kind", EventKind.STICK, 0, 0),
         "(a) m = 11 kg": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 1),
