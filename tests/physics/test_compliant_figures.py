@@ -42,6 +42,7 @@ SPOILERS = {
         "converges to the rigid one under the rule contact_sign": set_to("verdict", Verdict.AT_ONCE, 0, 0),
         "errors of rest, impulse and period": set_to("impulse_error_order", 0.7, 0, 3),
         "rules of resuming part": set_to("verdict", Verdict.BOTH),
+        "time that an impact takes": scale("stop_time", 100.0, 1, 0, -1),
         "on no branch": set_to("verdict", Verdict.CONTACT_SIGN, 2, 5),
         "chain of short rests": set_to("rests", 1, 2, 0, -1),
         "overdamped contact": set_to("impulse_error", 1e-3, 1, 0, -1),
