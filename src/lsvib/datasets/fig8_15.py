@@ -11,7 +11,7 @@ from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.modes import Mode, eigenvalues, undamped_class
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import flags
+from lsvib.datasets.variables import ASSUMED, attributes, flags
 from lsvib.errors import InputError
 from lsvib.models.linear import support_model, values_of
 from lsvib.models.parameters import LeadScrew, SupportDrive
@@ -65,7 +65,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
             "boundary_friction": ("boundary_friction", curve, _friction("friction coefficient")),
             **{
-                name: ((), getattr(drive, name), {"units": known[name]["unit"], "long_name": known[name]["long_name"]})
+                name: (
+                    (),
+                    getattr(drive, name),
+                    attributes(known[name]["unit"], known[name]["long_name"], **_note(name)),
+                )
                 for name in _PARAMETERS
             },
         },
@@ -202,6 +206,13 @@ def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, in
     odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
     finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
     return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
+
+
+def _note(name: str) -> dict[str, str]:
+    """What the chapter leaves open: Table 7.1, of which Fig. 8.15 takes k, is not in it."""
+    if name != "coupling_stiffness":
+        return {}
+    return {"comment": f"{ASSUMED}; both branches of (8.29) are in proportion to it"}
 
 
 def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
