@@ -10,6 +10,7 @@ import xarray as xr
 from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.rounding import HALF_UNITS, ROUND, propagated
+from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
 from lsvib.datasets.variables import attributes, flags
 from lsvib.models.coefficients import coefficients
@@ -38,7 +39,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     base = LeadScrew.of(settings["drive"])
     drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
     functions = _functions()
-    printed = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
+    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
     changes = np.array([list(propagated(functions[name], drives[name]).values()) for name in _PRINTED_HALF_UNITS])
     damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drives["stick_force"])
@@ -46,7 +47,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     parts = ("threshold", "parameter")
     return xr.Dataset(
         {
-            "residual": ("threshold", printed / computed - 1, attributes("1", "printed less computed, relative")),
+            "residual": ("threshold", in_print / computed - 1, attributes("1", "printed less computed, relative")),
             "print_half_unit": (
                 "threshold",
                 np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
@@ -61,6 +62,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 "parameter",
                 np.array(list(HALF_UNITS.values())),
                 attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
+            ),
+            "printed_value": (
+                "parameter",
+                [np.degrees(base.lead_angle) if n == "lead_angle_deg" else getattr(base, n) for n in HALF_UNITS],
+                attributes("1", "value of the parameter, SI units, angle in degrees"),
             ),
             "one_digit": (
                 "parameter",
@@ -91,6 +97,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
             "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
+            **{
+                f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " "))
+                for n in _PRINTED_HALF_UNITS
+            },
+            **{
+                f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed"))
+                for n, value in zip(_PRINTED_HALF_UNITS, computed, strict=True)
+            },
             "support_damping": ((), base.support_damping, attributes("N m s rad-1", "support damping, as printed")),
         },
         attrs={

@@ -6,13 +6,6 @@ from matplotlib.figure import Figure
 
 from lsvib.figures import phase, style
 
-_NAMES = {
-    "critical mass": "critical mass",
-    "critical friction": "critical friction",
-    "onset force": "onset force",
-    "stick force": "stick force",
-    "detach force": "detach force",
-}
 _SYMBOLS = {
     "pitch radius": ("$r_m$", style.BLUE),
     "lead angle deg": ("$\\lambda$", style.SKY),
@@ -43,8 +36,9 @@ def draw(dataset: xr.Dataset) -> Figure:
             axes.barh(place, change, left=width, color=colour, label=f"half a unit of {symbol}")
             width = width + change
         residual = 100 * np.abs(dataset.residual.values)
-        axes.plot(residual, place, "D", color=style.VERMILION, markersize=5, label="printed less computed, size")
+        axes.plot(residual, place, "D", color=style.VERMILION, markersize=5, label="printed less computed, size",
+                  clip_on=False)  # fmt: skip
         axes.set(title=words, xlabel="Part of the threshold [%]", xlim=(0, 1.15 * max(residual.max(), width.max())))
-    panels[0].set_yticks(place, [_NAMES[name] for name in names])
+    panels[0].set_yticks(place, names)
     phase.legend(figure, list(panels), 5)
     return figure
