@@ -17,6 +17,13 @@ STARTED = time.time()
 
 
 include: "workflow/rules/common.smk"
+
+
+# The names of all figures: the sections of the configuration but the map, which has rules of its own.
+wildcard_constraints:
+    figure="|".join(name for name, section in config.items() if isinstance(section, dict) and name != "attraction"),
+
+
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/checks.smk"
 include: "workflow/rules/accuracy.smk"

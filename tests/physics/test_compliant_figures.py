@@ -30,6 +30,7 @@ SPOILERS = {
         "Largest sample of N(t)": scale("normal_force", 1 - 1e-5),
     },
     "fig8_13": {
+        "different distances beyond": set_to("critical_mass", 12.0, 0),
         "repeats to 1e-9": set_to("residual", 1e-8, 1),
         "smoother": scale("largest_acceleration", 100.0, -1),
         "becomes positive with the softest": set_to("largest_deflection", 1e-3, 0),
@@ -41,6 +42,7 @@ SPOILERS = {
         "converges to the rigid one under the rule contact_sign": set_to("verdict", Verdict.AT_ONCE, 0, 0),
         "errors of rest, impulse and period": set_to("impulse_error_order", 0.7, 0, 3),
         "rules of resuming part": set_to("verdict", Verdict.BOTH),
+        "time that an impact takes": scale("stop_time", 100.0, 1, 0, -1),
         "on no branch": set_to("verdict", Verdict.CONTACT_SIGN, 2, 5),
         "chain of short rests": set_to("rests", 1, 2, 0, -1),
         "overdamped contact": set_to("impulse_error", 1e-3, 1, 0, -1),

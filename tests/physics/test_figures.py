@@ -30,6 +30,8 @@ SPOILERS = {
         "settles on the origin": set_to("attractor", Attractor.OTHER_CYCLE, 0, 1, 0),
     },
     "fig8_06": {
+        "Tangent of the lead angle": scale("lead_tangent", 1.001),
+        "self-locking": set_to("friction_coefficient", 0.09),
         "sets in": scale("onset_force", 1.02),
         "first touches rest": scale("stick_force", 1.03),
         "no longer reaches": scale("detach_force", 1.05),
@@ -76,6 +78,8 @@ SPOILERS = {
         "contact torque": scale("mean_contact_torque", 1 + 1e-9, 0, 5),
     },
     "fig8_14": {
+        "printed corner": scale("corner_angle", 1 + 1e-9, 2),
+        "up to the corner": set_to("corner_attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 7),
         "printed mass has": scale("effective_inertia", -1.0, 0),
         "(a) m = 10 kg": set_to("event_kind", EventKind.STICK, 0, 0),
         "(a) m = 11 kg": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 1),

@@ -50,6 +50,9 @@ SPOILERS = {
         "do not overlap": set_to("stability", Mode.FLUTTER, -1, 3),
         "both closed branches": scale("lower_boundary", 1.1),
         "printed quadratic equation": scale("upper_boundary", 1 + 1e-6),
+        "(8.30) and (8.31) hold": set_to("lower_boundary", np.nan, 5),
+        "two necessary conditions": set_to("stability", Mode.KINEMATIC, 0, 3),
+        "reduced mass as its critical mass": scale("critical_friction", 1 + 1e-9),
     },
 }
 test_checks_pass, test_check_fails, test_is_drawn = figure_tests(SPOILERS)

@@ -1,11 +1,22 @@
-"""Figures 8.3 and 8.8, and the ablation: every check passes, each can fail, and the figure is drawn."""
+"""Figures 8.3 and 8.8, the rounding of Table 8.1, stability over contact and nut, and the ablation.
+
+Every check passes, each can fail, and the figure is drawn.
+"""
+
+import math
 
 import numpy as np
 import pytest
-from reference.figures import assert_drawn_from_file, assert_each_check_fails_on_some, dataset_of, scale, set_to
+from reference.figures import assert_drawn_from_file, assert_each_check_fails_on_some, dataset_of, draft, scale, set_to
 
+from lsvib.analysis import rounding
+from lsvib.analysis.conditions import critical_mass
+from lsvib.analysis.modes import Mode
 from lsvib.analysis.stability import Stability
+from lsvib.analysis.thresholds import onset_force
 from lsvib.datasets import ablation, fig8_03
+from lsvib.datasets.table_rounding import Threshold
+from lsvib.models.parameters import LeadScrew
 
 
 def test_each_check_of_figure_8_8_can_fail():
@@ -18,7 +29,65 @@ def test_each_check_of_figure_8_8_can_fail():
     assert_each_check_fails_on_some("fig8_08", dataset_of("fig8_08"), spoilers)
 
 
-@pytest.mark.parametrize("figure", ["fig8_03", "fig8_08"])
+def test_each_check_of_the_rounding_can_fail():
+    spoilers = [
+        scale("residual", 20.0, Threshold.critical_mass),
+        scale("residual", 5.0, Threshold.onset_force),
+        scale("residual", 0.2, Threshold.detach_force),
+        set_to("matching_detach_force", 46.6),
+        set_to("matching_damping_plus", -1.1e-4),
+    ]
+    assert_each_check_fails_on_some("table_rounding", dataset_of("table_rounding"), spoilers)
+
+
+def test_rounding_is_the_derivative_times_half_a_unit():
+    """Closed forms: m_cr = I / (xi tan(lambda) r_m²) is in proportion to I and 1 / r_m², the onset to Omega and r_m."""
+    drive = LeadScrew.of(translation_damping=1e3)
+    change = rounding.propagated(critical_mass, drive)
+    value = critical_mass(drive)
+    assert change["screw_inertia"] == pytest.approx(value * 0.005 / 3.12, rel=1e-9)
+    assert change["pitch_radius"] == pytest.approx(-2 * value * 0.005 / 5.18, rel=1e-9)
+    assert [change[name] for name in rounding.ROUND] == [0.0, 0.0, 0.0]
+    change = rounding.propagated(onset_force, drive)
+    assert change["input_speed"] == pytest.approx(onset_force(drive) * 0.5 / 40, rel=1e-9)
+    tangent, step = math.tan(drive.lead_angle), math.radians(0.005)
+    expected = onset_force(drive) * step * (1 + tangent**2) / tangent
+    assert change["lead_angle_deg"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_each_check_of_the_contact_stability_can_fail():
+    spoilers = [
+        set_to("contact_critical_mass", 7.0, 1),
+        scale("contact_critical_mass", 1.001, 2),
+        set_to("critical_mass", 10.2, 2, 5),
+        set_to("growth_rate", -1.0, 0, 0, -1),
+        scale("growth_scale", 1.1),
+        scale("elastic_growth_limit", 1.1),
+        scale("least_damping", 0.1),
+        scale("growth_rate", -1.0, 1, 0, 3),
+    ]
+    assert_each_check_fails_on_some("contact_stability", dataset_of("contact_stability"), spoilers)
+
+
+def test_contacts_are_those_of_figures_8_10_and_8_13():
+    contacts = draft("contact_stability")["contacts"]
+    first = draft("fig8_10")
+    assert contacts == [{key: first[key] for key in contacts[0]}, *draft("fig8_13")["contacts"]]
+
+
+def test_each_check_of_the_nut_stability_can_fail():
+    spoilers = [
+        set_to("stability", Mode.KINEMATIC, 0, 0),
+        set_to("stability", Mode.FLUTTER, -1, -1),
+        scale("boundary", 10.0),
+        scale("critical_mass", 1 + 1e-9, 3),
+        scale("critical_mass_by_eigenvalues", 1 + 1e-8, 3),
+        set_to("critical_mass", 20.0, -1),
+    ]
+    assert_each_check_fails_on_some("nut_stability", dataset_of("nut_stability"), spoilers)
+
+
+@pytest.mark.parametrize("figure", ["fig8_03", "fig8_08", "table_rounding", "contact_stability", "nut_stability"])
 def test_is_drawn(figure, tmp_path):
     assert_drawn_from_file(figure, dataset_of(figure), tmp_path / "a.nc")
 

@@ -11,6 +11,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from lsvib.datasets.writer import read_dataset, write_dataset
+from reference.chapter import assert_listed_checks_exist
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -57,6 +58,7 @@ def assert_checks_pass(figure: str, spoilers: Mapping[str, Spoiler]) -> None:
     """Every check passes, and the words of each spoiler name exactly one check."""
     checks = import_module(f"lsvib.datasets.{figure}").checks(dataset_of(figure))
     assert [check.sentence() for check in checks if not check.passed] == []
+    assert_listed_checks_exist(figure, checks)
     hits = {words: [check.claim for check in checks if words in check.claim] for words in spoilers}
     assert {words: len(found) for words, found in hits.items()} == dict.fromkeys(hits, 1)
     assert {claim for found in hits.values() for claim in found} == {check.claim for check in checks}
@@ -72,6 +74,7 @@ def assert_each_check_fails_on_some(figure: str, dataset: xr.Dataset, spoilers: 
     """Every check passes; every spoiler makes one fail at least, and all of them together every check."""
     checks = import_module(f"lsvib.datasets.{figure}").checks
     claims = [check.claim for check in checks(dataset)]
+    assert_listed_checks_exist(figure, checks(dataset))
     assert [check.sentence() for check in checks(dataset) if not check.passed] == []
     failing = [{k for k, check in enumerate(checks(spoil(dataset))) if not check.passed} for spoil in spoilers]
     assert all(failing), failing

@@ -1,5 +1,6 @@
 """The workflow as a newcomer meets it: a run, a second run, an edit, a failed check, a wrong key, a kill."""
 
+import io
 import json
 import os
 import re
@@ -7,6 +8,7 @@ import signal
 import time
 import zipfile
 
+import docutils.core
 import pytest
 import yaml
 from conftest import ROOT
@@ -91,11 +93,12 @@ def test_draft_configuration_reruns_both_figures(built):
 
 @pytest.mark.slow
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
-    """All but the figures of contact force and eigenvalues (8.1–8.3, 8.8, 8.15) wait for the compiled engine."""
+    """All but the figures of contact force and eigenvalues wait for the compiled engine."""
     figures = CONFIG["figures"]
     assert {f"fig8_{n:02}" for n in range(1, 16)} <= set(figures)
     waiting = {f for f in figures if "Compiling the engine" in fresh.plan(f"results/datasets/{f}.nc")}
-    assert waiting == set(figures) - {f"fig8_{n}" for n in ("01", "02", "03", "08", "15")}
+    others = {"contact_stability", "nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
+    assert waiting == set(figures) - others
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
@@ -172,6 +175,14 @@ def test_every_figure_has_a_caption_and_a_section():
     captions = {path.stem for path in (ROOT / "workflow" / "report").glob("*.rst")}
     assert captions - {"figure", "workflow"} == figures
     assert {name for name, section in CONFIG.items() if isinstance(section, dict)} == figures
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "report").glob("*.rst")), ids=lambda path: path.stem)
+def test_captions_are_restructured_text_without_a_complaint(path):
+    complaints = io.StringIO()
+    settings = {"warning_stream": complaints, "report_level": 1}
+    docutils.core.publish_doctree(path.read_text(encoding="utf-8"), settings_overrides=settings)
+    assert complaints.getvalue() == ""
 
 
 @pytest.mark.slow

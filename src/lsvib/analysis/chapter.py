@@ -39,5 +39,9 @@ EFFECTIVE_INERTIA = {
     1: Claim(6.5e-7, "kg m2", "Sect. 8.5.1", _READ_AS, 0.5e-8 / 6.5e-7, _TWO_DIGITS),
 }
 
+TAN_LEAD = Claim(
+    0.0975, "1", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-4 / 0.0975, "printed with three digits: half a unit of the last"
+)
+
 # Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
 GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}

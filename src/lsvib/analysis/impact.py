@@ -10,6 +10,9 @@ normal impulse
 
     J_N = v sin λ (m r_m − I / r_m).
 
+With axial support or a rotating nut x′ has a second part and Δθ′ is not all of θ′, but the two balances are the same;
+:func:`event_impulses` takes Δx′ and Δθ′ from the states before and after.
+
 Over a whole cycle the momenta of screw and nut do not change. With c_x = 0 the mean axial contact force is then R, and
 the mean contact torque is −k ⟨z⟩ − c Ω.
 """
@@ -63,6 +66,26 @@ def seizure_impulses(drive: LeadScrew, speed) -> Impulses:
 def seizure_speeds(drive: LeadScrew, motion: Motion) -> np.ndarray:
     """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
     return drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1]
+
+
+def event_impulses(drive: LeadScrew, motion: Motion) -> Impulses:
+    """Return the impulses of each event of a motion of any model, shape (events), from the balances of momentum.
+
+    With A = −m Δx′ along the axis and T = −I Δθ′ about it the normal impulse is A cos λ − (T / r_m) sin λ. They are
+    zero for an event that is no seizure, and so in every event of compliant threads, whose contact force is finite.
+    """
+    automaton = motion.automaton
+    change = np.where(np.isin(motion.kind, automaton.sprag_kinds)[:, None], motion.before - motion.after, 0.0)
+    turned = change[:, automaton.states.index("velocity_deviation")]
+    lead = drive.pitch_radius * math.tan(drive.lead_angle)
+    travel = lead * turned
+    if "shift_rate" in automaton.states:
+        travel = travel + change[:, automaton.states.index("shift_rate")]
+    if "nut_rate" in automaton.states:
+        travel = travel - lead * change[:, automaton.states.index("nut_rate")]
+    axial, torque = drive.mass * travel, drive.screw_inertia * turned
+    normal = axial * math.cos(drive.lead_angle) - torque / drive.pitch_radius * math.sin(drive.lead_angle)
+    return Impulses(normal=normal, axial=axial, torque=torque)
 
 
 def mean_load(drive: LeadScrew, orbit: Motion) -> MeanLoad:

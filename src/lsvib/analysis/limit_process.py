@@ -184,7 +184,7 @@ def deviations(branch: Branch, drive: ThreadsDrive, automaton: Automaton) -> dic
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
     ``distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule; ``impulse_error`` [1]
-    of an impact; ``rests``, their number.
+    and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
     """
     seated = seated_state(drive, *branch.start)
     if branch.impact is None:
@@ -203,7 +203,11 @@ def deviations(branch: Branch, drive: ThreadsDrive, automaton: Automaton) -> dic
     if branch.impact is None:
         return values | {"period_error": [motion.end_time / rigid.end_time - 1 for rigid in branch.rigid]}
     expected = float(seizure_impulses(drive, drive.input_speed + branch.impact.w).normal)
-    return values | {"impulse_error": impact_impulse(drive, motion) / expected - 1}
+    stops = motion.time[np.isin(motion.kind, (ThreadsEvent.STICK, ThreadsEvent.REVERSAL))]
+    return values | {
+        "impulse_error": impact_impulse(drive, motion) / expected - 1,
+        "stop_time": stops[0] if stops.size else math.nan,
+    }
 
 
 def outcome(motion: Motion) -> Outcome:

@@ -7,11 +7,15 @@ Sect. 5.5 (:func:`lsvib.models.linear.threads_model`) has the coefficients
     p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
 """
 
+import math
 from decimal import Decimal, localcontext
 
+from lsvib.analysis.boundaries import stable_set
 from lsvib.models.coefficients import coefficients
 from lsvib.models.linear import steady_law
 from lsvib.models.parameters import PLACES, ThreadsDrive
+
+LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 
 
 def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
@@ -42,6 +46,24 @@ def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
             return None
         excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
         return float(max(Decimal(0), excess / (beta * gamma**2)))
+
+
+def stable_masses(drive: ThreadsDrive) -> list[tuple[float, float]]:
+    """Intervals of masses [kg] at which steady sliding with the contact of a drive is stable, ascending, up to 1e9 kg.
+
+    As a rule there is one, from zero to the critical mass. A soft contact with little damping keeps steady sliding
+    stable at every mass, or again beyond a large one: the nut is then too heavy to follow the screw.
+    """
+    return [(float(a), float(b)) for a, b in stable_set(drive, "mass").intervals]
+
+
+def critical_mass_of_contact(drive: ThreadsDrive) -> float:
+    """Mass [kg] at which steady sliding with the contact of a drive loses its stability, all masses below it stable.
+
+    Exact and rounded once; NaN if no mass is stable, or every one.
+    """
+    found = stable_masses(drive)
+    return found[0][1] if found and found[0][1] < LARGEST_MASS else math.nan
 
 
 def _effective(drive: ThreadsDrive) -> tuple[Decimal, Decimal, Decimal]:

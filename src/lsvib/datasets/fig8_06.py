@@ -52,6 +52,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "force": ("force", forces, phase.parameter("axial_force")),
             "reading": ("reading", np.array(settings["mass_readings"], float), phase.parameter("mass")),
             "mass": ((), drive.mass, phase.parameter("mass")),
+            "friction_coefficient": ((), drive.friction_coefficient, phase.parameter("friction_coefficient")),
+            "lead_tangent": (
+                (),
+                float(drive.exact().tan_lead),
+                phase.attributes("1", "tangent of the lead angle", r"$\tan\lambda$"),
+            ),
             **phase.cases(insets, ["axial_force"]),
             **phase.rule_coordinate(),
             **{n: ((), value, phase.attributes("N", n.replace("_", " "), "$R$")) for n, value in values.items()},
@@ -68,6 +74,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
     return [
+        *_self_locking_checks(dataset),
         *_threshold_checks(dataset),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
@@ -105,6 +112,19 @@ def _regime(steady: SteadyState) -> Regime:
         (Attractor.STICK_SLIP_CYCLE, False): Regime.STICK_SLIP_IN_CONTACT,
     }
     return kinds.get((steady.label, reverses), Regime.OTHER)
+
+
+def _self_locking_checks(dataset: xr.Dataset) -> list[Check]:
+    friction, tangent = float(dataset.friction_coefficient), float(dataset.lead_tangent)
+    return [
+        printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
+        Check.holds(
+            "The thread is self-locking, μ > tan λ",
+            "Sect. 8.5.1",
+            f"μ = {friction:g}, tan λ = {tangent:.6g}",
+            friction > tangent,
+        ),
+    ]
 
 
 def _threshold_checks(dataset: xr.Dataset) -> list[Check]:

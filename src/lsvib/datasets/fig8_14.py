@@ -14,10 +14,12 @@ from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.thresholds import global_stability_force
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, rigid_drive
 
 _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
+_DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -42,6 +44,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 np.array([_basin(d, angle, velocity) for d in drives]),
                 phase.flag("attractor of the motion from each state of the grid", Attractor),
             ),
+            "corner_angle": (
+                "case",
+                [_corner(d) for d in drives],
+                phase.attributes("rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"),
+            ),
+            "corner_attractor": (
+                ("case", "rule", "corner_distance"),
+                np.array([[_from_standstill(d, rule) for rule in phase.RULES] for d in drives], np.int8),
+                phase.flag("attractor of the motion from standstill so far below the corner", Attractor),
+            ),
             "bracket_attractor": (
                 ("bracket", "rule"),
                 np.array(labels, np.int8),
@@ -53,6 +65,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **phase.rule_coordinate(),
             "angle": ("angle", angle, phase.attributes("rad", "deviation at the start", "$u$")),
             "velocity": ("velocity", velocity, phase.attributes("rad s-1", "rate at the start", r"$\dot u$")),
+            "corner_distance": (
+                "corner_distance",
+                _DISTANCES,
+                phase.attributes("rad", "distance of the start below the corner, at standstill"),
+            ),
             "bracket": ("bracket", bracket, phase.attributes("N", "axial force beside the threshold", "$R$")),
             "global_stability_force": (
                 (),
@@ -113,6 +130,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                 and bool(np.isin(grid[case], [Attractor.STEADY_SLIDING, expected]).all()),
             )
         )
+    result += _corner_checks(dataset)
     threshold = float(dataset.global_stability_force)
     labels = dataset.bracket_attractor.values
     result += [
@@ -130,6 +148,41 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
     ]
     return result
+
+
+def _corner_checks(dataset: xr.Dataset) -> list[Check]:
+    """The end of Sect. 8.7, word for word: all starts at standstill up to the corner, beyond m_cr."""
+    met = dataset.contact_line_angle.values + dataset.contact_line_slope.values * dataset.stop_velocity.values
+    gap = float(np.abs(met / dataset.corner_angle.values - 1).max())
+    settles = dataset.corner_attractor.values == Attractor.STEADY_SLIDING
+    counts = settles.sum(axis=2)
+    return [
+        Check.holds(
+            "The lines N = 0 and θ′ = 0 meet in the printed corner, to 1e-12",
+            "Sect. 8.7",
+            f"largest relative distance {gap:.1e}",
+            gap < 1e-12,
+        ),
+        Check.holds(
+            "Beyond m_cr every motion from standstill up to the corner reaches the origin in (a), where steady sliding "
+            "is globally stable, and not every one in (b), under either rule of resuming",
+            "end of Sect. 8.7",
+            f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
+            bool(settles[2].all() and not settles[3].all(axis=1).any()),
+        ),
+    ]
+
+
+def _corner(drive: LeadScrew) -> float:
+    """u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
+    c, p = coefficients(drive), drive.exact()
+    lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
+    return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
+
+
+def _from_standstill(drive: LeadScrew, rule: str) -> list[Attractor]:
+    automaton, corner = rigid_drive(drive, resume=rule), _corner(drive)
+    return [steady_state(automaton, [corner - distance, -drive.input_speed]).label for distance in _DISTANCES]
 
 
 def _basin(drive: LeadScrew, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:

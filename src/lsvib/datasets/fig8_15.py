@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis import chapter, support
-from lsvib.analysis.conditions import critical_friction
+from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.modes import Mode, eigenvalues, undamped_class
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import flags
+from lsvib.datasets.variables import ASSUMED, attributes, flags
 from lsvib.errors import InputError
-from lsvib.models.linear import support_model
-from lsvib.models.parameters import SupportDrive
+from lsvib.models.linear import support_model, values_of
+from lsvib.models.parameters import LeadScrew, SupportDrive
 
 _LAW = 1  # R Ω > 0
 _SAME = 1e-9  # relative distance from a boundary within which rounding may decide the class
@@ -65,7 +65,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
             "boundary_friction": ("boundary_friction", curve, _friction("friction coefficient")),
             **{
-                name: ((), getattr(drive, name), {"units": known[name]["unit"], "long_name": known[name]["long_name"]})
+                name: (
+                    (),
+                    getattr(drive, name),
+                    attributes(known[name]["unit"], known[name]["long_name"], **_note(name)),
+                )
                 for name in _PARAMETERS
             },
         },
@@ -102,6 +106,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     off = int(np.sum(clear & ~kinematic & (kinds != expected)))
     residual = _residual(dataset, drive)
     differ, compared = _against_lapack(dataset, drive, clear)
+    own = {**drive, "friction_coefficient": friction}
+    early = int(kinematic[friction <= np.tan(drive["lead_angle"])].sum())
+    against = min(np.min(support.rigid_inertia(own, -_LAW)), np.min(support.reduced_inertia(own, -_LAW)))
+    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
+    locked = LeadScrew.of({n: drive[n] for n in _PARAMETERS if n != "screw_mass"}, friction_coefficient=critical)
+    odd, real, rewritten = _real_branches(dataset, own)
     counts = {mode.name.lower(): int(np.sum(kinds == mode)) for mode in Mode}
     return [
         printed.check(
@@ -142,7 +152,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.holds(
             "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
-            "eqs 8.25, 8.29, 8.32",
+            "eqs 8.25, 8.29",
             f"{off} exceptions among {int((clear & ~kinematic).sum())} points; {counts['divergence']} of divergence",
             off == 0,
         ),
@@ -152,7 +162,57 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"largest remainder {residual:.1e}",
             residual < 1e-11,
         ),
+        Check.holds(
+            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
+            "printed form of (8.30) is equal to it, to 1e-12",
+            "eqs 8.30, 8.31, 8.32",
+            f"{odd} exceptions among {friction.size} friction coefficients; {real} of "
+            f"{dataset.sizes['boundary_friction']} places with both branches; the printed form differs by "
+            f"{rewritten:.1e} of b_2²",
+            odd == 0 and real == dataset.sizes["boundary_friction"] and rewritten < 1e-12,
+        ),
+        Check.holds(
+            "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
+            "smaller μ, and under law −, whose effective inertia is positive, at none",
+            "eq. 8.21, Remark 8.2, Sect. 8.9",
+            f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
+            early == 0 and against >= drive["screw_inertia"],
+        ),
+        Check.within(
+            "The rigid drive with the critical friction has the reduced mass as its critical mass",
+            "Remark 8.3",
+            reduced_mass,
+            critical_mass(locked) or np.nan,
+            1e-12,
+            "kg",
+            "both exact; rounding only",
+        ),
     ]
+
+
+def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, int, float]:
+    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
+
+    ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
+    """
+    b_1, b_2, b_3 = support.boundary_coefficients(own, _LAW)
+    p = values_of(own, _LAW)
+    lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
+    discriminant = b_2**2 - 4 * b_1 * b_3
+    reduced = support.reduced_inertia(own, _LAW)
+    form = 16 * lever * p.mass**2 * total * reduced
+    clear = np.abs(discriminant) > _SAME * b_2**2
+    together = (discriminant >= 0) & (b_2 < 0)
+    odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
+    finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
+    return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
+
+
+def _note(name: str) -> dict[str, str]:
+    """What the chapter leaves open: Table 7.1, of which Fig. 8.15 takes k, is not in it."""
+    if name != "coupling_stiffness":
+        return {}
+    return {"comment": f"{ASSUMED}; both branches of (8.29) are in proportion to it"}
 
 
 def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:

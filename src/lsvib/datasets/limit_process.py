@@ -25,6 +25,7 @@ _QUANTITIES = {
     "impulse_error": ("1", "relative error of the normal impulse of the impact"),
     "period_error": ("1", "relative error of the period"),
     "rests": ("1", "number of rests"),
+    "stop_time": ("s", "time that an impact takes, until the screw first stands"),
 }
 _BY_RULE = ("distance", "rest_error", "period_error")
 
@@ -71,7 +72,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     flat = [branch for row in branches for branch in row]
     fitted = stiffness >= settings["fit_from"]
     variables = {name: (_dims(name), found[name], attributes(*_QUANTITIES[name])) for name in _QUANTITIES}
-    for name in ("distance", "rest_error", "impulse_error", "period_error"):
+    for name in ("distance", "rest_error", "impulse_error", "period_error", "stop_time"):
         variables |= _orders(name, stiffness[fitted], found[name][:, :, fitted])
     rebound = [[limit_process.rebound_force(limit_process.stiffened(drives[0], f, k, ratio), speed) for k in stiffness]
                for f in Family]  # fmt: skip
@@ -122,6 +123,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     excess, slow = ratio.impulse_error.values[impact, -1], ratio.distance_order.values[:, 0]
     far = ratio.distance.values[:, -1, 0]
     nearest = float(np.nanmin(elastic.distance.values[:, -1, 0]))
+    stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
+    fitted = dataset.stiffness.values >= float(dataset.fit_from)
     rests, rigid_rests = elastic.rests.values[:, -1], viscous.rests.values[:, -1]
     count = follows.size
     return [
@@ -146,6 +149,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.6, rule of resuming",
             f"{int((told & differ).sum())} of {int(differ.sum())} branches; distance or rest under at_once stays",
             bool(told[differ].all() and differ.any()),
+        ),
+        Check.holds(
+            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next in every "
+            f"family, in the viscous limit with an order of at least {_ORDER:g}",
+            "Sect. 8.2",
+            f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
+            f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
+            f"{float(dataset.stiffness[-1]):.0e} N/m",
+            bool((np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER),
         ),
         Check.holds(
             "Elastic limit: on no branch does the motion converge to the rigid one under either rule",

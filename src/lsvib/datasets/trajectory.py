@@ -9,10 +9,16 @@ import numpy as np
 import xarray as xr
 
 from lsvib.analysis.cycles import orbit_extremes, steady_state
-from lsvib.analysis.impact import seizure_impulses, seizure_speeds
+from lsvib.analysis.impact import event_impulses
 from lsvib.datasets.variables import flags, quantity
 from lsvib.models.motion import Motion, follow
 from lsvib.models.scene import Scene, read_yaml
+
+_IMPULSES = (
+    ("normal", "N s", "normal impulse of the threads"),
+    ("axial", "N s", "impulse of the threads along the axis"),
+    ("torque", "N m s", "impulse of the threads about the axis"),
+)
 
 
 def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
@@ -22,8 +28,8 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, /, **c
     (``initial``, ``t_end``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...) that replace the
     scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the scene's
     outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode after, state before and
-    after. At the time of an event the samples are those after it. Raises ``InputError`` or ``EngineError`` in one
-    sentence.
+    after, and for models that seize the impulses: normal and axial [N s], torque [N m s], zero in other events. At the
+    time of an event the samples are those after it. Raises ``InputError`` or ``EngineError`` in one sentence.
 
     >>> import lsvib
     >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
@@ -73,6 +79,8 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     data["mode"] = ("time", codes[modes], {"long_name": "mode of motion", "units": "1", **flags(scene.kind.modes)})
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
+        if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
+            data[name][2]["comment"] = "without the impulses of seizures, which are in event_normal_impulse"
     data |= _events(scene, motion)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
     form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
@@ -114,6 +122,11 @@ def _events(scene: Scene, motion: Motion) -> dict[str, tuple]:
             {"long_name": "mode of motion after the event", "units": "1", **flags(scene.kind.modes)},
         ),
     }
+    if motion.automaton.sprag_kinds:
+        impulses = event_impulses(scene.drive, motion)
+        for part, unit, words in _IMPULSES:
+            values = getattr(impulses, part)
+            events[f"event_{part}_impulse"] = (values, {"long_name": f"{words} of the event", "units": unit})
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
             attributes = quantity(name)
@@ -127,7 +140,8 @@ def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
 
     ``final_state`` (the keys of the initial state, and the mode), ``events`` (count by kind), ``attractor`` (where the
     motion goes on to, decided by the return map), ``peak_normal_force`` (largest |N| [N] along the motion, without the
-    impulses of seizures), ``peak_normal_impulse`` (of the seizures of a rigid drive [N s]), ``status``.
+    impulses of seizures), ``status``; for models that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure
+    [N s], zero without one; the impulse of each is in the motion's dataset).
     """
     kind, automaton = scene.kind, motion.automaton
     counts = np.bincount(motion.kind, minlength=len(kind.events))
@@ -144,7 +158,7 @@ def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
         "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
         "status": motion.status.name.lower(),
     }
-    if scene.model == "rigid":
-        impulses = seizure_impulses(scene.drive, seizure_speeds(scene.drive, motion)).normal
+    if automaton.sprag_kinds:
+        impulses = event_impulses(scene.drive, motion).normal
         result["peak_normal_impulse"] = float(np.max(np.abs(impulses), initial=0.0))
     return result

@@ -21,13 +21,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     _deflection(deflection, dataset)
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
-    phase.legend(figure, [plane, deflection], 3)
+    phase.legend(figure, [plane, deflection], 2)
     return figure
 
 
 def _name(dataset: xr.Dataset, index: int) -> str:
     stiffness, damping = (dataset[f"contact_{word}"].values[index] for word in ("stiffness", "damping"))
-    return f"$k_c$ = {_power(stiffness)} N m⁻¹, $c_c$ = {_power(damping)} N s m⁻¹"
+    critical = float(dataset.critical_mass[index])
+    words = f", $m_\\mathrm{{cr}}$ = {critical:.2f} kg"
+    return f"$k_c$ = {_power(stiffness)} N m⁻¹, $c_c$ = {_power(damping)} N s m⁻¹{words}"
 
 
 def _power(value: float) -> str:
@@ -46,7 +48,7 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.locator_params(axis="x", nbins=5)
     phase.mark_origin(axes)
     axes.set(
-        title="(a) phase plane",
+        title=f"(a) phase plane, $m$ = {phase.number(dataset.mass)} kg, $R$ = {phase.number(dataset.axial_force)} N",
         xlabel=style.label(dataset.cycle_angle, "deviation"),
         ylabel=style.label(dataset.cycle_velocity, "rate"),
     )
@@ -84,7 +86,7 @@ def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
         shading="nearest",
     )
     axes.plot(dataset.boundary_damping, stiffness, color=style.BLACK)
-    axes.set(xscale="log", yscale="log", title="(c) largest deflection; on the line 0")
+    axes.set(xscale="log", yscale="log", title="(c) largest deflection, 0 on the line: $c_c$ decides")
     axes.set(xlabel=style.label(dataset.damping), ylabel=style.label(dataset.stiffness))
     inside = (dataset.contact_damping >= damping[0]) & (dataset.contact_stiffness >= stiffness[0])
     for k in np.flatnonzero(inside.values)[: len(_COLOURS)]:
@@ -102,7 +104,8 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
         axes.plot(curve.damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
                   label=f"$k_c$ = {_power(float(curve.stiffness))} N m⁻¹")  # fmt: skip
     for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
-        axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour)
+        axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour,
+                  label="contacts of (a), each with its own $k_c$" if k == 0 else None)  # fmt: skip
     axes.set(
         xscale="log",
         yscale="log",
@@ -112,4 +115,4 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
     )
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_yticks([50, 100, 200, 500, 1000], ["50", "100", "200", "500", "1000"])
-    axes.legend()
+    axes.legend(loc="lower left", fontsize=6.5)

@@ -46,7 +46,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=words)
     printed = float(dataset.printed_critical_friction)
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
+    mass, screw, stiff = (phase.number(dataset[name]) for name in ("mass", "screw_mass", "coupling_stiffness"))
     axes.set(
+        title=f"$m$ = {mass} kg, $m_1$ = {screw} kg, $k$ = {stiff} N m rad⁻¹ (assumed)",
         xlabel=style.label(friction),
         ylabel=style.label(stiffness),
         yscale="log",
