@@ -22,6 +22,7 @@ _SAFE = 8.0  # times that error the interpolant must be away from zero
 _SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of degree 16 turns less often
 _FIRST = 64.0  # length of the first leap, in returns
 _LONGER = 4.0  # factor from one leap to the next
+_NEARER = 0.7  # part of the distance to zero that a leap may take: what f does has the scale of that distance
 _SHORTER = 0.125  # factor after a leap that was too long
 _LEAPS = 80  # of one drift, of which two dozen cross ten decades
 _SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
@@ -77,8 +78,9 @@ def drift(section: Section, place: float) -> Drift | None:
         return None
     way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
     for _ in range(_LEAPS):
-        there = here + way * length
         step = abs(come_back(section, here).excess)
+        length = min(length, max(_NEARER * section.distance(here), _FIRST * step))
+        there = here + way * length
         if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
             return Drift(here, here, End.SHRINKS)
         if come_back(section, there).events != first.events:
@@ -96,6 +98,8 @@ def drift(section: Section, place: float) -> Drift | None:
                 here, length = here + following.excess, _SHORTEST * step
                 if come_back(section, here).events != first.events:
                     return Drift(here, here, End.LEAVES)
+        elif outcome == there and way * come_back(section, there).excess <= 0:  # a zero behind the last node
+            length *= _SHORTER
         elif outcome == there:
             here, length = there, length * _LONGER
         else:

@@ -130,6 +130,11 @@ class Section:
         """Return y (..., d) of states (..., n) on the section."""
         return (states - self.origin) @ self._axes.T
 
+    def distance(self, place: float) -> float:
+        """Return how far a place on a line is from where its free coordinate is zero, in the scale of y."""
+        free = int(np.argmax(np.abs(self._axes[0])))
+        return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
+
     def come_back(self, state: np.ndarray) -> Motion | None:
         """Return the motion from a state (n) of the section until it is back, or None if it does not come back."""
         motion, events, here = None, 0, state
