@@ -4,8 +4,9 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -119,8 +120,8 @@ def simulate(
     initial: Annotated[
         list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S ...", **_ONE_VALUE)
     ] = None,
-    t_end: Annotated[float | None, Parameter(help="End time [s].")] = None,
-    samples: Annotated[int | None, Parameter(help="Number of output times, both ends included.")] = None,
+    t_end: Annotated[str | None, Parameter(help="End time [s].")] = None,
+    samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
     resume: Annotated[str | None, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -136,13 +137,15 @@ def simulate(
     Parameters
     ----------
     out:
-        netCDF file to write.
+        netCDF file to write; one that is there is replaced.
     model:
         Model of the drive: rigid (the default), threads, support or nut.
     """
     from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
     from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
 
+    outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
     given: dict[str, Any] = {"model": model, "t_end": t_end, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
     if initial:
@@ -150,7 +153,8 @@ def simulate(
     checked = as_scene(scene, given, _pairs(changes))
     motion = run(checked)
     result = summary(checked, motion)
-    write_dataset(trajectory(checked, motion), out)
+    with outputs.writing() as (part,):
+        write_dataset(trajectory(checked, motion), part)
     if as_json:
         _print_json(result)
         return
@@ -242,7 +246,7 @@ def attraction(
         list[str],
         Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **_ONE_VALUE),
     ] = ["label"],  # noqa: B006
-    threads: Annotated[int, Parameter(help="Number of threads.")] = 1,
+    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
     refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
@@ -259,7 +263,7 @@ def attraction(
     Parameters
     ----------
     out:
-        netCDF file to write.
+        netCDF file to write; one that is there is replaced.
     """
     from time import perf_counter
 
@@ -268,14 +272,16 @@ def attraction(
     from lsvib.analysis.grid import Grid
     from lsvib.datasets.attraction import attraction_map, refined_map, summary
     from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
     from lsvib.models.model import find_model
 
-    if not 1 <= threads <= 4096:
-        raise InputError(f"threads = {threads} is outside the allowed range 1 <= threads <= 4096.")
+    workers = _whole("threads", threads, 1, 4096)  # more than any machine has
     if resume not in ("contact_sign", "at_once"):
         raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
     if figure is not None and figure.suffix != ".png":
         raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+    pictures = [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")] if figure else []
+    outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
     mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
     wanted = list(dict.fromkeys(["label", *quantities]))
@@ -289,23 +295,26 @@ def attraction(
         blocks = refined.refine(mapped, starts)
         seconds, counts, dataset = perf_counter() - begin, blocks.counts(), refined_map(mapped, blocks)
     else:
-        found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
+        found = mapped.cells(starts, quantities=wanted, threads=workers, progress=_Progress())
         seconds, counts = perf_counter() - begin, refined.count(found["label"])
         dataset = attraction_map(mapped, starts, found)
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, area, seconds)
-    write_dataset(dataset, out)
-    if figure is not None:
-        from lsvib.figures.attraction import draw
-        from lsvib.figures.style import save
+    with outputs.writing() as parts:
+        write_dataset(dataset, parts[0])
+        if figure is not None:
+            from lsvib.figures.attraction import draw
+            from lsvib.figures.style import save
 
-        save(draw(dataset), figure, figure.with_suffix(".pdf"))
+            save(draw(dataset), *parts[1:])
     if as_json:
         _print_json(result)
         return
     print(f"wrote {out}")
-    for name, fraction in result["fractions"].items():
-        print(f"{name.replace('_', ' ')}: {fraction:.6g} of {result['cells']} cells")
+    for kind, cells in counts.items():
+        if cells and kind >= 0:
+            share = f"a fraction of {cells / result['cells']:.6g}"
+            print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
     print(f"unresolved: {result['unresolved']} cells")
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
@@ -348,15 +357,15 @@ def config(
         lsvib config --model threads
     """
     from lsvib.models.model import find_model
-    from lsvib.models.parameters import allowed_range
-    from lsvib.models.scene import read_yaml
+    from lsvib.models.parameters import allowed_range, names_and_values
+    from lsvib.models.scene import Scene, read_yaml
 
     start = read_yaml(scene) if scene else {}
+    for key in start:
+        if key not in Scene.model_fields:
+            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
     kind = find_model(model or start.get("model", "rigid")).drive
-    given = start.get("drive") or {}
-    if not isinstance(given, Mapping):
-        raise InputError(f"drive = {given!r} does not hold names and values, such as mass: 11.0.")
-    drive = kind.of(given).replace(**_pairs(changes))
+    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**_pairs(changes))
     fields = {
         key: {
             "value": value,
@@ -379,6 +388,20 @@ def _label(name: str) -> str:
     return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name
 
 
+def _whole(name: str, text: str, least: int, most: int) -> int:
+    """Read an option that is a whole number."""
+    from lsvib.models.numbers import NotNumber, whole
+
+    allowed = f"{least} <= {name} <= {most}"
+    try:
+        value = whole(text)
+    except NotNumber as error:
+        raise InputError(f"{name} = {text!r} {error}; the allowed range is {allowed}.") from None
+    if not least <= value <= most:
+        raise InputError(f"{name} = {text} is outside the allowed range {allowed}.")
+    return value
+
+
 def _pairs(items: list[str] | None) -> dict[str, str]:
     """Split KEY=VALUE items; the values stay text, which the models read and check."""
     pairs = {}
@@ -386,6 +409,8 @@ def _pairs(items: list[str] | None) -> dict[str, str]:
         key, equals, value = item.partition("=")
         if not equals or not key or not value:
             raise InputError(f"{item!r} is not of the form KEY=VALUE.")
+        if key in pairs:
+            raise InputError(f"{key} is given twice, as {pairs[key]} and as {value}; give it once.")
         pairs[key] = value
     return pairs
 
@@ -422,12 +447,30 @@ def main() -> None:
     """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
     try:
         app(exit_on_error=False, print_error=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None: the standard output is closed
+            sys.stdout.flush()
     except BrokenPipeError:  # the reader of our output, such as head, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _to_nowhere(sys.stdout)
+    except KeyboardInterrupt:
+        _fail("interrupted.", 130)  # as a shell reports a program that SIGINT ended
     except MemoryError:
-        print("lsvib: there is not enough memory; take fewer cells or samples.", file=sys.stderr)
-        sys.exit(2)
+        _fail("there is not enough memory; take fewer cells or samples.")
     except (CycloptsError, LsvibError) as error:
-        print(f"lsvib: {' '.join(str(error).split())}", file=sys.stderr)
-        sys.exit(2)
+        _fail(str(error))
+    except OSError as error:
+        # What we open ourselves is said in the package's own errors; so this is one of the standard streams.
+        _to_nowhere(sys.stdout)
+        _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+def _fail(text: str, code: int = 2) -> NoReturn:
+    """Say one sentence on the error stream, in one line, and end with an exit code."""
+    if sys.stderr is not None:
+        with suppress(OSError):  # nobody can be told
+            print(f"lsvib: {' '.join(text.split())}", file=sys.stderr, flush=True)
+    sys.exit(code)
+
+
+def _to_nowhere(stream: Any) -> None:
+    """Let the rest of a stream, which cannot be written, vanish, so that Python does not complain at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

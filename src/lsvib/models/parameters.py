@@ -1,24 +1,21 @@
 """The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from decimal import Decimal, localcontext
 from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.errors import InputError
+from lsvib.models.numbers import NotNumber, number, shown, whole
 
 PLACES = 50  # decimal digits in which coefficients are formed
 
 
-def _number(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise ValueError("must be a number")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_number)]
+Number = Annotated[float, BeforeValidator(number)]
+Whole = Annotated[int, BeforeValidator(whole)]
 
 
 def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: float) -> Any:
@@ -46,6 +43,11 @@ class LeadScrew(BaseModel):
     translation_damping: Number = _quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
     axial_force: Number = _quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
 
+    def __init__(self, /, **values: Any) -> None:
+        """Make a drive from its parameters; raises ``InputError`` in one sentence."""
+        with in_one_sentence(type(self)):
+            super().__init__(**values)
+
     def model_post_init(self, context: Any) -> None:
         """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
         limit = 1 / math.tan(self.lead_angle)
@@ -60,9 +62,14 @@ class LeadScrew(BaseModel):
             )
 
     @classmethod
-    def of(cls, values: Mapping[str, Any] | None = None, /, **more: Any) -> Self:
-        """Make a drive from names and values; ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]."""
-        return validated(cls, _in_radians({**(values or {}), **more}))
+    def of(cls, values: "LeadScrew | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+        """Make a drive from another drive, or from names and values, with ``more`` of them.
+
+        ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]. Raises ``InputError`` in one sentence.
+        """
+        if isinstance(values, LeadScrew):
+            return validated(cls, values.model_dump()).replace(**more)
+        return validated(cls, _in_radians({**names_and_values("drive", values), **more}))
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
@@ -126,24 +133,40 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
         return values
     if "lead_angle" in values:
         raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
-    degrees = values["lead_angle_deg"]
+    given, allowed = values["lead_angle_deg"], "0 < lead_angle_deg < 90"
     try:
-        number = math.nan if isinstance(degrees, bool) else float(degrees)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not 0 < number < 90:
-        raise InputError(f"lead_angle_deg = {degrees!r} is outside the allowed range 0 < lead_angle_deg < 90.")
+        degrees = number(given)
+    except NotNumber as error:
+        raise InputError(f"lead_angle_deg = {shown(given)} {error}; the allowed range is {allowed}.") from None
+    if not 0 < degrees < 90:
+        raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
     rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
-    return {**rest, "lead_angle": math.radians(number)}
+    return {**rest, "lead_angle": math.radians(degrees)}
+
+
+def names_and_values(name: str, given: Any) -> dict[str, Any]:
+    """Return a mapping as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+    return dict(given)
 
 
 def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
     """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
     for key in values:
         if not isinstance(key, str):
-            raise InputError(f"{key!r} is not a known key; the known keys are {', '.join(model.model_fields)}.")
-    try:
+            raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(model.model_fields)}.")
+    with in_one_sentence(model):
         return model(**values)
+
+
+@contextmanager
+def in_one_sentence(model: type[BaseModel]) -> Iterator[None]:
+    """Turn the complaints of pydantic about a model into one ``InputError``, about the first of them."""
+    try:
+        yield
     except ValidationError as error:
         raise InputError(_sentence(model, error)) from None
 
@@ -151,7 +174,7 @@ def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
 def _sentence(model: type[BaseModel], error: ValidationError) -> str:
     first = error.errors()[0]
     cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, InputError):
+    if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
         return str(cause)
     key = ".".join(str(part) for part in first["loc"])
     field = model.model_fields.get(key)
@@ -159,10 +182,12 @@ def _sentence(model: type[BaseModel], error: ValidationError) -> str:
         return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
     if first["type"] == "missing":
         return f"{key} is missing."
-    allowed = allowed_range(model, key) if field is not None else ""
+    allowed, value = allowed_range(model, key) if field is not None else "", shown(first["input"])
+    if isinstance(cause, NotNumber):
+        return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
     if allowed:
-        return f"{key} = {first['input']!r} is outside the allowed range {allowed}."
-    return f"{key} = {first['input']!r} is not acceptable: {first['msg']}."
+        return f"{key} = {value} is outside the allowed range {allowed}."
+    return f"{key} = {value} is not acceptable: {first['msg']}."
 
 
 def allowed_range(model: type[BaseModel], key: str) -> str:
