@@ -50,7 +50,12 @@ def thresholds(
     """
     from lsvib.analysis.summary import threshold_table
 
-    table = threshold_table(_pairs(changes), model)
+    pairs = _pairs(changes)
+    if model == "rigid" and "axial_force" in pairs:
+        raise InputError(
+            "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."
+        )
+    table = threshold_table(pairs, model)
     if as_json:
         _print_json(table)
         return
@@ -172,13 +177,15 @@ def figure(
     number: str,
     *,
     changes: Changes = None,
-    config: Annotated[Path, Parameter(help="Settings of the figures.")] = Path("config/config.yaml"),
+    config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
     out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
     as_json: AsJson = False,
 ) -> None:
     """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
-    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
+    The settings are those of the file config/config.yaml if there is one here, else those that come with lsvib.
+    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A parameter
+    that the figure varies itself, or does not depend on, cannot be changed.
 
     Examples of use:
 
@@ -196,31 +203,42 @@ def figure(
     from importlib import import_module
 
     from lsvib.datasets.writer import write_dataset
-    from lsvib.files import make_folder, write_json
+    from lsvib.files import Outputs, write_json
     from lsvib.models.scene import read_yaml
+    from lsvib.settings import DEFAULT, check_section, figures
 
+    here = Path("config/config.yaml")
+    config = config or (here if here.is_file() else DEFAULT)
     settings = read_yaml(config)
-    names = [name for key in ("figures", "accuracy_figures") for name in settings.get(key) or ()]
-    labels = {name: _label(name) for name in names if isinstance(settings.get(name), dict)}
+    labels = {name: _label(name) for name in figures(settings)}
     name = next((name for name, label in labels.items() if number in (name, label)), number)
+    if not labels:
+        raise InputError(f"{config} lists no figures that it has settings for, under figures or accuracy_figures.")
     if name not in labels:
         raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
+    check_section(settings, name)
     section = settings[name]
     if changes:
-        if "drive" not in section:
-            raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
-        section["drive"] = {**section["drive"], **_pairs(changes)}
+        section["drive"] = _changed_drive(number, name, section, _pairs(changes))
+    files = [
+        ("datasets", "nc", "netCDF"),
+        ("checks", "json", "JSON"),
+        ("figures", "png", "PNG"),
+        ("figures", "pdf", "PDF"),
+    ]
+    paths = [(out / folder / f"{name}.{suffix}", kind) for folder, suffix, kind in files]
+    outputs = Outputs(paths, [config], make_folders=True)
     module = import_module(f"lsvib.datasets.{name}")
     dataset = module.build(section)
     checks = module.checks(dataset)
     drawn = import_module(f"lsvib.figures.{name}").draw(dataset)
-    folders = {kind: make_folder(out / kind) for kind in ("datasets", "figures", "checks")}
-    write_dataset(dataset, folders["datasets"] / f"{name}.nc")
-    write_json([check.to_json() for check in checks], folders["checks"] / f"{name}.json")
     from lsvib.figures.style import save
 
-    picture = folders["figures"] / f"{name}.png"
-    save(drawn, picture, picture.with_suffix(".pdf"))
+    with outputs.writing() as (data, verdicts, *pictures):
+        write_dataset(dataset, data)
+        write_json([check.to_json() for check in checks], verdicts)
+        save(drawn, *pictures)
+    picture = paths[2][0]
     if as_json:
         _print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
     else:
@@ -380,6 +398,23 @@ def config(
         return
     for key, entry in fields.items():
         print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+
+
+def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
+    """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
+    from lsvib.settings import UNUSED
+
+    if "drive" not in section:
+        raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
+    for key in changes:
+        if key in UNUSED.get(name, ()):
+            raise InputError(
+                f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
+            )
+    given = section["drive"]
+    if changes.keys() & {"lead_angle", "lead_angle_deg"}:
+        given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
+    return {**given, **changes}
 
 
 def _label(name: str) -> str:

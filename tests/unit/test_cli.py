@@ -234,7 +234,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
         (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of those"),
         (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
-        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "Cannot make the folder"),
+        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
         (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
         (["simulate", *MOTION, "--out", "."], "not the name of a file"),
         (["simulate", *MOTION, "--set", "t_end=1", "--out", "x.nc"], "t_end is not a known key"),

@@ -114,9 +114,21 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("fig8_08:\n", "fig8_08:\n  typo: 1\n", "'typo' was unexpected"),
-        ("mass: {start: 0.5", "mass: {start: -0.5", "-0.5 is less than or equal to the minimum of 0"),
-        ("figures: [", "figures: [fig8_99, ", "'fig8_99' is not one of"),
+        ("fig8_08:\n", "fig8_08:\n  typo: 1\n", "fig8_08.typo is not a known key; the known keys are drive, mass, "),
+        (
+            "mass: {start: 0.5",
+            "mass: {start: -0.5",
+            "fig8_08.mass.start = -0.5 is outside the allowed range 0 < start.",
+        ),
+        (
+            "mass: {start: 0.5",
+            "mass: {start: 20.5",
+            "fig8_08.mass has start = 20.5 and stop = 20; it needs start < stop.",
+        ),
+        ("mass: {start: 0.5", "mass: {start: .nan", "fig8_08.mass.start = nan is not a finite number."),
+        ("count: 801", "count: 1", "fig8_08.mass.count = 1 is outside the allowed range 2 <= count <= 100000."),
+        ("fig8_08:\n", "fig8_08:\n  drive: {mass: 3.0}\n", "the key drive is given twice"),
+        ("figures: [", "figures: [fig8_99, ", "figures.0 = 'fig8_99' is not one of"),
     ],
 )
 def test_a_wrong_configuration_is_refused(fresh, old, new, words):
@@ -124,6 +136,8 @@ def test_a_wrong_configuration_is_refused(fresh, old, new, words):
     run = fresh()
     assert run.returncode == 1
     assert words in run.stdout
+    assert "Traceback" not in run.stdout
+    assert len(run.stdout.splitlines()) < 10
     assert not (fresh.folder / "results").exists()
 
 

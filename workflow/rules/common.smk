@@ -3,15 +3,29 @@
 import importlib.metadata
 import importlib.util
 import json
+import sys
 from functools import cache
 from pathlib import Path
 
 import grimp
 from lsvib.datasets.checks import Check, terminal_table
+from lsvib.errors import LsvibError
+from lsvib.models.scene import read_yaml
+from lsvib.settings import check
 from snakemake.exceptions import WorkflowError
-from snakemake.utils import validate
 
-validate(config, "../schemas/config.schema.yaml")
+try:
+    for file in workflow.configfiles:
+        read_yaml(file)  # refuses a key that is given twice, of which Snakemake would take the last
+    check(config)
+except LsvibError as error:
+    raise WorkflowError(f"Configuration: {error}") from None
+
+if any(letter.isspace() for letter in sys.executable):
+    raise WorkflowError(
+        f"The path of Python, {sys.executable}, holds a space, with which Snakemake cannot start jobs: "
+        "keep the virtual environment, or the whole clone, in a folder without spaces."
+    )
 
 
 wildcard_constraints:
