@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -480,6 +481,7 @@ def _print_json(value: Mapping[str, Any]) -> None:
 
 def main() -> None:
     """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
+    warnings.showwarning = _say
     try:
         app(exit_on_error=False, print_error=False)
         if sys.stdout is not None:  # None: the standard output is closed
@@ -496,6 +498,12 @@ def main() -> None:
         # What we open ourselves is said in the package's own errors; so this is one of the standard streams.
         _to_nowhere(sys.stdout)
         _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    """Show a warning as one sentence on the error stream, without the line of code that it comes from."""
+    if sys.stderr is not None:
+        print(f"lsvib: {' '.join(str(message).split())}", file=sys.stderr)
 
 
 def _fail(text: str, code: int = 2) -> NoReturn:

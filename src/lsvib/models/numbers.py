@@ -57,6 +57,8 @@ def number(value: Any) -> float:
 
 def whole(value: Any) -> int:
     """Return a value as an integer; raises ``NotNumber`` for what is no number or, like 1.5, not a whole one."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
     result = number(value)
     if not math.isfinite(result) or result != int(result):
         raise NotNumber("is not a whole number")

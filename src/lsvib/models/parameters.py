@@ -68,8 +68,8 @@ class LeadScrew(BaseModel):
         ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]. Raises ``InputError`` in one sentence.
         """
         if isinstance(values, LeadScrew):
-            return validated(cls, values.model_dump()).replace(**more)
-        return validated(cls, _in_radians({**names_and_values("drive", values), **more}))
+            return validated(cls, parameters_of(values)).replace(**more)
+        return validated(cls, _in_radians({**parameters_of(values), **more}))
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
@@ -145,19 +145,24 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def names_and_values(name: str, given: Any) -> dict[str, Any]:
-    """Return a mapping as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):
         raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+    for key in given:
+        if not isinstance(key, str):
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names, such as mass.")
     return dict(given)
+
+
+def parameters_of(drive: LeadScrew | Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
+    return drive.model_dump() if isinstance(drive, LeadScrew) else names_and_values("drive", drive)
 
 
 def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
     """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
-    for key in values:
-        if not isinstance(key, str):
-            raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(model.model_fields)}.")
     with in_one_sentence(model):
         return model(**values)
 

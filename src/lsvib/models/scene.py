@@ -3,11 +3,12 @@
 import math
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, model_validator
 
 from lsvib.errors import InputError
 from lsvib.models.model import Model, find_model
@@ -32,7 +33,7 @@ class Scene(BaseModel):
     drive: SerializeAsAny[LeadScrew]
     physics: tuple[str, ...] | None = None
     resume: Literal["contact_sign", "at_once"] = "contact_sign"
-    initial: dict[str, Number]
+    initial: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "initial"))]
     t_end: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
@@ -45,7 +46,7 @@ class Scene(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
-        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
+        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive  # of another kind: converted
         return {**values, "drive": drive if type(drive) is kind else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:
