@@ -507,10 +507,11 @@ def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:
 
 
 def _fail(text: str, code: int = 2) -> NoReturn:
-    """Say one sentence on the error stream, in one line, and end with an exit code."""
+    """Say one sentence on the error stream, in one line that can be printed, and end with an exit code."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))
     if sys.stderr is not None:
         with suppress(OSError):  # nobody can be told
-            print(f"lsvib: {' '.join(text.split())}", file=sys.stderr, flush=True)
+            print(f"lsvib: {line}", file=sys.stderr, flush=True)
     sys.exit(code)
 
 

@@ -1,4 +1,4 @@
-"""Where the compiled engine is kept: the user's cache, else a folder of the user's own for temporary files, else none."""
+"""Where the compiled engine is kept: in the cache of the user, else in a folder for temporary files, else nowhere."""
 
 import os
 import subprocess

@@ -177,7 +177,8 @@ def in_one_sentence(model: type[BaseModel]) -> Iterator[None]:
 
 
 def _sentence(model: type[BaseModel], error: ValidationError) -> str:
-    first = error.errors()[0]
+    # Of a misspelt key the misspelling is the news, not that the right one is missing.
+    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
         return str(cause)

@@ -87,8 +87,9 @@ class Scene(BaseModel):
 def read_yaml(path: str | Path) -> dict[str, Any]:
     """Read a YAML file that holds names and values.
 
-    Numbers are decimal; what YAML 1.1 would read as octal, sexagesimal or with underscores stays text. Raises
-    ``InputError`` in one sentence if the file is missing or something else, or gives a key twice.
+    Numbers are decimal, with leading zeros too; what YAML 1.1 would read as sexagesimal, hexadecimal or with
+    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
+    key twice.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
