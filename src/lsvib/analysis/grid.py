@@ -1,6 +1,7 @@
 """Grids of starts in two coordinates of a drive's state."""
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
@@ -61,8 +62,9 @@ class Axis(NamedTuple):
             ) from None
         if not 1 <= cells <= _MOST:
             raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {_MOST}.")
-        # A middle is rounded three times, each time by at most one unit in the last place of the larger end.
-        if not (stop - start) / cells >= 4 * math.ulp(max(abs(start), abs(stop))):
+        # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
+        # width itself needs all its digits, which doubles below the smallest normal one have not.
+        if not (stop - start) / cells >= max(4 * math.ulp(max(abs(start), abs(stop))), sys.float_info.min):
             raise InputError(
                 f"axis {coordinate} has {cells} cells between start = {start:.17g} and stop = {stop:.17g}, too narrow "
                 "to be told apart in double precision; take fewer cells or a longer axis."
