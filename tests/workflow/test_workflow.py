@@ -34,6 +34,7 @@ def test_a_run_makes_everything_and_says_where(finished):
     assert "Figures: results/figures" in printed
     assert "Computing fig8_03" in printed
     assert "(100%) done" in printed
+    assert "All 8 checks passed." in printed.splitlines()[-4:]
     checks = json.loads((results / "checks.json").read_text(encoding="utf-8"))
     assert {check["figure"] for check in checks} == set(FIGURES)
     assert all(check["passed"] for check in checks)
@@ -105,10 +106,42 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
     assert "is NOT <= 0.02" in run.stdout
     assert "FAIL" in run.stdout.split()
+    assert "1 job FAILED: verdict. 1 of 8 checks FAILED: fig8_08." in run.stdout.splitlines()[-8:]
     results = fresh.folder / "results"
     assert "| FAIL " in (results / "checks.md").read_text(encoding="utf-8")
     assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]
     assert not (results / "verdict.txt").exists()
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["datasets/fig8_08.nc", "checks/fig8_08.json", "figures/fig8_03.pdf", "checks.json", "checks.md", "verdict.txt"],
+)
+def test_what_was_deleted_comes_back(built, name):
+    path = built.folder / "results" / name
+    path.unlink()
+    run = built()
+    assert run.returncode == 0, run.stdout
+    assert path.is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "job"),
+    [("datasets/fig8_08.nc", "figure/fig8_08"), ("checks/fig8_08.json", "checks"), ("checks.json", "verdict")],
+)
+def test_what_is_damaged_is_named_with_its_remedy(built, name, job):
+    """Truncated to the half of it; deleting it, as the sentence says, repairs the run."""
+    path = built.folder / "results" / name
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    run = built()
+    assert run.returncode == 1
+    assert f"FAILED {job}: " in run.stdout
+    assert f"results/{name} is not a readable" in run.stdout
+    assert "; delete it, and run again what makes it." in run.stdout
+    assert "Traceback" not in run.stdout
+    assert f"1 job FAILED: {job}." in run.stdout.splitlines()[-8:]
+    path.unlink()
+    assert built().returncode == 0
 
 
 @pytest.mark.parametrize(
