@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+import sys
 import time
 import zipfile
 
@@ -171,6 +172,15 @@ def test_a_wrong_configuration_is_refused(fresh, old, new, words):
     assert words in run.stdout
     assert "Traceback" not in run.stdout
     assert len(run.stdout.splitlines()) < 10
+    assert not (fresh.folder / "results").exists()
+
+
+def test_a_python_whose_path_holds_a_space_is_refused(fresh, tmp_path):
+    (tmp_path / "my tools").symlink_to(sys.prefix)
+    fresh.command[0] = str(tmp_path / "my tools" / "bin" / "python")
+    run = fresh()
+    assert run.returncode == 1
+    assert "holds a space, with which Snakemake cannot start jobs" in run.stdout
     assert not (fresh.folder / "results").exists()
 
 

@@ -30,6 +30,8 @@ def number(value: Any) -> float:
 
     Raises ``NotNumber`` for anything else: other text (``1,5``, ``1 kg``, ``nan``), truth values, lists, NaN.
     """
+    if type(value) is float and value == value:  # nearly always, and quick
+        return value
     if isinstance(value, str):
         if not _PLAIN.fullmatch(value.strip()):
             raise NotNumber("is not a number")

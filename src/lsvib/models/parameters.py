@@ -1,8 +1,7 @@
 """The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1)."""
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from decimal import Decimal, localcontext
 from typing import Annotated, Any, Self
 
@@ -45,8 +44,10 @@ class LeadScrew(BaseModel):
 
     def __init__(self, /, **values: Any) -> None:
         """Make a drive from its parameters; raises ``InputError`` in one sentence."""
-        with in_one_sentence(type(self)):
+        try:
             super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
@@ -68,12 +69,12 @@ class LeadScrew(BaseModel):
         ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]. Raises ``InputError`` in one sentence.
         """
         if isinstance(values, LeadScrew):
-            return validated(cls, parameters_of(values)).replace(**more)
-        return validated(cls, _in_radians({**parameters_of(values), **more}))
+            return cls(**values.model_dump()).replace(**more)
+        return cls(**_in_radians({**names_and_values("drive", values), **more}))
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
-        return self.of({**self.model_dump(), **_in_radians(changes)})
+        return type(self)(**{**self.model_dump(), **_in_radians(changes)})
 
     def exact(self) -> "ExactDrive":
         """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
@@ -161,22 +162,8 @@ def parameters_of(drive: LeadScrew | Mapping[str, Any] | None) -> dict[str, Any]
     return drive.model_dump() if isinstance(drive, LeadScrew) else names_and_values("drive", drive)
 
 
-def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
-    """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
-    with in_one_sentence(model):
-        return model(**values)
-
-
-@contextmanager
-def in_one_sentence(model: type[BaseModel]) -> Iterator[None]:
-    """Turn the complaints of pydantic about a model into one ``InputError``, about the first of them."""
-    try:
-        yield
-    except ValidationError as error:
-        raise InputError(_sentence(model, error)) from None
-
-
-def _sentence(model: type[BaseModel], error: ValidationError) -> str:
+def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
+    """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
     # Of a misspelt key the misspelling is the news, not that the right one is missing.
     first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     cause = first.get("ctx", {}).get("error")

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
 from lsvib.errors import InputError
 from lsvib.models.model import Model, find_model
 from lsvib.models.numbers import NotNumber, number
-from lsvib.models.parameters import LeadScrew, Number, Whole, in_one_sentence, names_and_values, validated
+from lsvib.models.parameters import LeadScrew, Number, Whole, names_and_values, sentence_about
 
 
 class Scene(BaseModel):
@@ -40,8 +40,10 @@ class Scene(BaseModel):
 
     def __init__(self, /, **values: Any) -> None:
         """Make a scene from its keys; raises ``InputError`` in one sentence."""
-        with in_one_sentence(type(self)):
+        try:
             super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
 
     @model_validator(mode="before")
     @classmethod
@@ -81,7 +83,7 @@ class Scene(BaseModel):
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a scene from names and values; raises ``InputError`` in one sentence."""
-        return validated(cls, names_and_values("scene", values))
+        return cls(**names_and_values("scene", values))
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:
