@@ -334,6 +334,15 @@ def test_attraction_json_and_dataset(run):
     assert Path("map.pdf").is_file()
 
 
+def test_attraction_text_says_cells_and_fraction(run):
+    lines = run("attraction", *DRIVE, *GRID, "--out", "map.nc")[1].splitlines()
+    found = [line.rsplit(": ", 1)[1].split() for line in lines if "a fraction of" in line]
+    assert sum(int(words[0]) for words in found) == 1200
+    for words in found:
+        assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
+        assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
+
+
 def test_refined_attraction_is_the_full_one(run):
     grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
     full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
