@@ -34,6 +34,9 @@ rule all:
     default_target: True
     input:
         collect("results/figures/{figure}.{format}", figure=config["figures"], format=["png", "pdf"]),
+        collect("results/datasets/{figure}.nc", figure=config["figures"]),
+        collect("results/checks/{figure}.json", figure=config["figures"]),
+        "results/checks.json",
         "results/checks.md",
         "results/verdict.txt",
     message:
@@ -46,4 +49,4 @@ onsuccess:
 
 
 onerror:
-    print_results(STARTED)
+    print_results(STARTED, log)

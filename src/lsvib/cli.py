@@ -3,9 +3,11 @@
 import json
 import os
 import sys
+import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -49,7 +51,12 @@ def thresholds(
     """
     from lsvib.analysis.summary import threshold_table
 
-    table = threshold_table(_pairs(changes), model)
+    pairs = _pairs(changes)
+    if model == "rigid" and "axial_force" in pairs:
+        raise InputError(
+            "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."
+        )
+    table = threshold_table(pairs, model)
     if as_json:
         _print_json(table)
         return
@@ -119,8 +126,8 @@ def simulate(
     initial: Annotated[
         list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S ...", **_ONE_VALUE)
     ] = None,
-    t_end: Annotated[float | None, Parameter(help="End time [s].")] = None,
-    samples: Annotated[int | None, Parameter(help="Number of output times, both ends included.")] = None,
+    t_end: Annotated[str | None, Parameter(help="End time [s].")] = None,
+    samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
     resume: Annotated[str | None, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -136,13 +143,15 @@ def simulate(
     Parameters
     ----------
     out:
-        netCDF file to write.
+        netCDF file to write; one that is there is replaced.
     model:
         Model of the drive: rigid (the default), threads, support or nut.
     """
     from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
     from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
 
+    outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
     given: dict[str, Any] = {"model": model, "t_end": t_end, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
     if initial:
@@ -150,7 +159,8 @@ def simulate(
     checked = as_scene(scene, given, _pairs(changes))
     motion = run(checked)
     result = summary(checked, motion)
-    write_dataset(trajectory(checked, motion), out)
+    with outputs.writing() as (part,):
+        write_dataset(trajectory(checked, motion), part)
     if as_json:
         _print_json(result)
         return
@@ -168,13 +178,15 @@ def figure(
     number: str,
     *,
     changes: Changes = None,
-    config: Annotated[Path, Parameter(help="Settings of the figures.")] = Path("config/config.yaml"),
+    config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
     out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
     as_json: AsJson = False,
 ) -> None:
     """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
-    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced.
+    The settings are those of the file config/config.yaml if there is one here, else those that come with lsvib.
+    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A parameter
+    that the figure varies itself, or does not depend on, cannot be changed.
 
     Examples of use:
 
@@ -192,31 +204,42 @@ def figure(
     from importlib import import_module
 
     from lsvib.datasets.writer import write_dataset
-    from lsvib.files import make_folder, write_json
+    from lsvib.files import Outputs, write_json
     from lsvib.models.scene import read_yaml
+    from lsvib.settings import DEFAULT, check_section, figures
 
+    here = Path("config/config.yaml")
+    config = config or (here if here.is_file() else DEFAULT)
     settings = read_yaml(config)
-    names = [name for key in ("figures", "accuracy_figures") for name in settings.get(key) or ()]
-    labels = {name: _label(name) for name in names if isinstance(settings.get(name), dict)}
+    labels = {name: _label(name) for name in figures(settings)}
     name = next((name for name, label in labels.items() if number in (name, label)), number)
+    if not labels:
+        raise InputError(f"{config} lists no figures that it has settings for, under figures or accuracy_figures.")
     if name not in labels:
         raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
+    check_section(settings, name)
     section = settings[name]
     if changes:
-        if "drive" not in section:
-            raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
-        section["drive"] = {**section["drive"], **_pairs(changes)}
+        section["drive"] = _changed_drive(number, name, section, _pairs(changes))
+    files = [
+        ("datasets", "nc", "netCDF"),
+        ("checks", "json", "JSON"),
+        ("figures", "png", "PNG"),
+        ("figures", "pdf", "PDF"),
+    ]
+    paths = [(out / folder / f"{name}.{suffix}", kind) for folder, suffix, kind in files]
+    outputs = Outputs(paths, [config], make_folders=True)
     module = import_module(f"lsvib.datasets.{name}")
     dataset = module.build(section)
     checks = module.checks(dataset)
     drawn = import_module(f"lsvib.figures.{name}").draw(dataset)
-    folders = {kind: make_folder(out / kind) for kind in ("datasets", "figures", "checks")}
-    write_dataset(dataset, folders["datasets"] / f"{name}.nc")
-    write_json([check.to_json() for check in checks], folders["checks"] / f"{name}.json")
     from lsvib.figures.style import save
 
-    picture = folders["figures"] / f"{name}.png"
-    save(drawn, picture, picture.with_suffix(".pdf"))
+    with outputs.writing() as (data, verdicts, *pictures):
+        write_dataset(dataset, data)
+        write_json([check.to_json() for check in checks], verdicts)
+        save(drawn, *pictures)
+    picture = paths[2][0]
     if as_json:
         _print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
     else:
@@ -242,7 +265,7 @@ def attraction(
         list[str],
         Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **_ONE_VALUE),
     ] = ["label"],  # noqa: B006
-    threads: Annotated[int, Parameter(help="Number of threads.")] = 1,
+    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
     refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
@@ -259,7 +282,7 @@ def attraction(
     Parameters
     ----------
     out:
-        netCDF file to write.
+        netCDF file to write; one that is there is replaced.
     """
     from time import perf_counter
 
@@ -268,14 +291,16 @@ def attraction(
     from lsvib.analysis.grid import Grid
     from lsvib.datasets.attraction import attraction_map, refined_map, summary
     from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
     from lsvib.models.model import find_model
 
-    if not 1 <= threads <= 4096:
-        raise InputError(f"threads = {threads} is outside the allowed range 1 <= threads <= 4096.")
+    workers = _whole("threads", threads, 1, 4096)  # more than any machine has
     if resume not in ("contact_sign", "at_once"):
         raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
     if figure is not None and figure.suffix != ".png":
         raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+    pictures = [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")] if figure else []
+    outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
     mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
     wanted = list(dict.fromkeys(["label", *quantities]))
@@ -289,23 +314,26 @@ def attraction(
         blocks = refined.refine(mapped, starts)
         seconds, counts, dataset = perf_counter() - begin, blocks.counts(), refined_map(mapped, blocks)
     else:
-        found = mapped.cells(starts, quantities=wanted, threads=threads, progress=_Progress())
+        found = mapped.cells(starts, quantities=wanted, threads=workers, progress=_Progress())
         seconds, counts = perf_counter() - begin, refined.count(found["label"])
         dataset = attraction_map(mapped, starts, found)
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, area, seconds)
-    write_dataset(dataset, out)
-    if figure is not None:
-        from lsvib.figures.attraction import draw
-        from lsvib.figures.style import save
+    with outputs.writing() as parts:
+        write_dataset(dataset, parts[0])
+        if figure is not None:
+            from lsvib.figures.attraction import draw
+            from lsvib.figures.style import save
 
-        save(draw(dataset), figure, figure.with_suffix(".pdf"))
+            save(draw(dataset), *parts[1:])
     if as_json:
         _print_json(result)
         return
     print(f"wrote {out}")
-    for name, fraction in result["fractions"].items():
-        print(f"{name.replace('_', ' ')}: {fraction:.6g} of {result['cells']} cells")
+    for kind, cells in counts.items():
+        if cells and kind >= 0:
+            share = f"a fraction of {cells / result['cells']:.6g}"
+            print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
     print(f"unresolved: {result['unresolved']} cells")
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
@@ -348,15 +376,15 @@ def config(
         lsvib config --model threads
     """
     from lsvib.models.model import find_model
-    from lsvib.models.parameters import allowed_range
-    from lsvib.models.scene import read_yaml
+    from lsvib.models.parameters import allowed_range, names_and_values
+    from lsvib.models.scene import Scene, read_yaml
 
     start = read_yaml(scene) if scene else {}
+    for key in start:
+        if key not in Scene.model_fields:
+            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
     kind = find_model(model or start.get("model", "rigid")).drive
-    given = start.get("drive") or {}
-    if not isinstance(given, Mapping):
-        raise InputError(f"drive = {given!r} does not hold names and values, such as mass: 11.0.")
-    drive = kind.of(given).replace(**_pairs(changes))
+    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**_pairs(changes))
     fields = {
         key: {
             "value": value,
@@ -373,10 +401,41 @@ def config(
         print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
 
 
+def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
+    """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
+    from lsvib.settings import UNUSED
+
+    if "drive" not in section:
+        raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
+    for key in changes:
+        if key in UNUSED.get(name, ()):
+            raise InputError(
+                f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
+            )
+    given = section["drive"]
+    if changes.keys() & {"lead_angle", "lead_angle_deg"}:
+        given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
+    return {**given, **changes}
+
+
 def _label(name: str) -> str:
     """Number of a figure of the chapter by its name: 8.6 for fig8_06; other figures keep their name."""
     chapter, _, number = name.removeprefix("fig").partition("_")
     return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name
+
+
+def _whole(name: str, text: str, least: int, most: int) -> int:
+    """Read an option that is a whole number."""
+    from lsvib.models.numbers import NotNumber, whole
+
+    allowed = f"{least} <= {name} <= {most}"
+    try:
+        value = whole(text)
+    except NotNumber as error:
+        raise InputError(f"{name} = {text!r} {error}; the allowed range is {allowed}.") from None
+    if not least <= value <= most:
+        raise InputError(f"{name} = {text} is outside the allowed range {allowed}.")
+    return value
 
 
 def _pairs(items: list[str] | None) -> dict[str, str]:
@@ -386,6 +445,8 @@ def _pairs(items: list[str] | None) -> dict[str, str]:
         key, equals, value = item.partition("=")
         if not equals or not key or not value:
             raise InputError(f"{item!r} is not of the form KEY=VALUE.")
+        if key in pairs:
+            raise InputError(f"{key} is given twice, as {pairs[key]} and as {value}; give it once.")
         pairs[key] = value
     return pairs
 
@@ -420,14 +481,40 @@ def _print_json(value: Mapping[str, Any]) -> None:
 
 def main() -> None:
     """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
+    warnings.showwarning = _say
     try:
         app(exit_on_error=False, print_error=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None: the standard output is closed
+            sys.stdout.flush()
     except BrokenPipeError:  # the reader of our output, such as head, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _to_nowhere(sys.stdout)
+    except KeyboardInterrupt:
+        _fail("interrupted.", 130)  # as a shell reports a program that SIGINT ended
     except MemoryError:
-        print("lsvib: there is not enough memory; take fewer cells or samples.", file=sys.stderr)
-        sys.exit(2)
+        _fail("there is not enough memory; take fewer cells or samples.")
     except (CycloptsError, LsvibError) as error:
-        print(f"lsvib: {' '.join(str(error).split())}", file=sys.stderr)
-        sys.exit(2)
+        _fail(str(error))
+    except OSError as error:
+        # What we open ourselves is said in the package's own errors; so this is one of the standard streams.
+        _to_nowhere(sys.stdout)
+        _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    """Show a warning as one sentence on the error stream, without the line of code that it comes from."""
+    if sys.stderr is not None:
+        print(f"lsvib: {' '.join(str(message).split())}", file=sys.stderr)
+
+
+def _fail(text: str, code: int = 2) -> NoReturn:
+    """Say one sentence on the error stream, in one line that can be printed, and end with an exit code."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))
+    if sys.stderr is not None:
+        with suppress(OSError):  # nobody can be told
+            print(f"lsvib: {line}", file=sys.stderr, flush=True)
+    sys.exit(code)
+
+
+def _to_nowhere(stream: Any) -> None:
+    """Let the rest of a stream, which cannot be written, vanish, so that Python does not complain at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -210,14 +210,14 @@ def test_simulate_from_a_scene_file(run, tmp_path):
     ("arguments", "words"),
     [
         (["thresholds", "--set", "masss=1"], "masss is not a known key"),
-        (["thresholds", "--set", "mass=5kg"], "mass = '5kg' is outside the allowed range 0 < mass <= 1e+09"),
+        (["thresholds", "--set", "mass=5kg"], "mass = '5kg' is not a number; the allowed range is 0 < mass <= 1e+09"),
         (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
         (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
         (["stability", "--set", "axial_force=0"], "axial_force"),
         (["stability", "--model", "elastic"], "model = 'elastic' is not one of rigid, threads, support, nut"),
         (["thresholds", "--model", "nut", "--set", "axial_force=0"], "axial_force balances damping and friction"),
         (["thresholds", "--model", "nut", "--set", "screw_mass=1"], "screw_mass is not a known key"),
-        (["config", "--set", "mass=nan"], "mass = 'nan' is outside"),
+        (["config", "--set", "mass=nan"], "mass = 'nan' is not a number"),
         (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
         (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),
         (["simulate", *MOTION, "--out", "none/x.nc"], "none"),
@@ -234,7 +234,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
         (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of those"),
         (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
-        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "Cannot make the folder"),
+        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
         (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
         (["simulate", *MOTION, "--out", "."], "not the name of a file"),
         (["simulate", *MOTION, "--set", "t_end=1", "--out", "x.nc"], "t_end is not a known key"),
@@ -306,7 +306,7 @@ def test_installed_command_and_help():
     command = [sys.executable, "-c", "from lsvib.cli import main; main()"]
     bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
     assert (bad.returncode, bad.stdout) == (2, "")
-    assert bad.stderr == "lsvib: mass = '-1' is outside the allowed range 0 < mass <= 1e+09.\n"
+    assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 0 < mass <= 1e+09.\n"
     for name in ("thresholds", "stability", "simulate", "figure", "attraction", "config"):
         shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
         assert f"lsvib {name}" in shown
@@ -334,6 +334,15 @@ def test_attraction_json_and_dataset(run):
     assert Path("map.pdf").is_file()
 
 
+def test_attraction_text_says_cells_and_fraction(run):
+    lines = run("attraction", *DRIVE, *GRID, "--out", "map.nc")[1].splitlines()
+    found = [line.rsplit(": ", 1)[1].split() for line in lines if "a fraction of" in line]
+    assert sum(int(words[0]) for words in found) == 1200
+    for words in found:
+        assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
+        assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
+
+
 def test_refined_attraction_is_the_full_one(run):
     grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
     full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
@@ -356,9 +365,11 @@ def test_refined_attraction_is_the_full_one(run):
         (["u=-0.1:0.1:40", "u=0:1:10"], "u is given twice"),
         (["u=-0.1:0.1:40", "q=0:1:10"], "'q'"),
         (["u=0.1:0.1:40", "w=0:1:10"], "start < stop"),
-        (["u=0.1:nan:40", "w=0:1:10"], "start < stop"),
+        (["u=0.1:nan:40", "w=0:1:10"], "stop = 'nan' is not a number"),
         (["u=-0.1:0.1:0", "w=0:1:10"], "count = 0"),
-        (["u=-0.1:0.1:2.5", "w=0:1:10"], "count = 2.5"),
+        (["u=-0.1:0.1:2.5", "w=0:1:10"], "count = 2.5, which is not a whole number"),
+        (["u=-1e100:0.1:4", "w=0:1:10"], "-1e+100 < start < 1e+100"),
+        (["u=1:1.000000000000001:4", "w=0:1:10"], "too narrow to be told apart"),
         (["u=-0.1:0.1", "w=0:1:10"], "KEY=START:STOP:COUNT"),
         (["u=-0.1:x:4", "w=0:1:10"], "not a number"),
         (["u=-0.1:0.1:4", "w=0:1:10", "e=0"], "u and w"),

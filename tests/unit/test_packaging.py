@@ -53,3 +53,16 @@ def test_versions_agree():
     assert version("lsvib") == lsvib.__version__ == declared
     assert f"\nversion: {declared}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"## {declared} " in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_the_package_brings_types_settings_and_links():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        declared = tomllib.load(file)
+    assert declared["project"]["urls"]
+    package = Path(lsvib.__file__).parent
+    for folder, patterns in declared["tool"]["setuptools"]["package-data"].items():
+        root = package.parent / folder.replace(".", "/")
+        assert all(list(root.glob(pattern)) for pattern in patterns)
+    manifest = (ROOT / "MANIFEST.in").read_text(encoding="utf-8")
+    for folder in ("config", "docs", "profiles", "tests", "workflow"):
+        assert f"graft {folder}\n" in manifest

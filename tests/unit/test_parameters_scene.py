@@ -93,8 +93,12 @@ def test_lead_angle_in_degrees():
     assert LeadScrew.of(lead_angle_deg="4").lead_angle == math.radians(4)
     assert LeadScrew().replace(lead_angle_deg=4).lead_angle == math.radians(4)
     assert "both given" in complaint(LeadScrew.of, lead_angle=0.1, lead_angle_deg=5.0)
-    for value in ("steep", None, True, 0, 90, "nan"):
-        assert f"lead_angle_deg = {value!r} is outside the allowed range 0 < " in complaint(
+    for value in ("steep", None, True, "nan"):
+        assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 0 < " in complaint(
+            LeadScrew.of, lead_angle_deg=value
+        )
+    for value in (0, 90):
+        assert f"lead_angle_deg = {value} is outside the allowed range 0 < " in complaint(
             LeadScrew.of, lead_angle_deg=value
         )
     assert "outside the allowed range" in complaint(LeadScrew.of, lead_angle_deg=90.0)

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import signal
+import sys
 import time
 import zipfile
 
@@ -36,6 +37,7 @@ def test_a_run_makes_everything_and_says_where(finished):
     assert "Figures: results/figures" in printed
     assert "Computing fig8_03" in printed
     assert "(100%) done" in printed
+    assert "All 8 checks passed." in printed.splitlines()[-4:]
     checks = json.loads((results / "checks.json").read_text(encoding="utf-8"))
     assert {check["figure"] for check in checks} == set(FIGURES)
     assert all(check["passed"] for check in checks)
@@ -108,6 +110,7 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
     assert "is NOT <= 0.02" in run.stdout
     assert "FAIL" in run.stdout.split()
+    assert "1 job FAILED: verdict. 1 of 8 checks FAILED: fig8_08." in run.stdout.splitlines()[-8:]
     results = fresh.folder / "results"
     assert "| FAIL " in (results / "checks.md").read_text(encoding="utf-8")
     assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]
@@ -115,11 +118,54 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
 
 
 @pytest.mark.parametrize(
+    "name",
+    ["datasets/fig8_08.nc", "checks/fig8_08.json", "figures/fig8_03.pdf", "checks.json", "checks.md", "verdict.txt"],
+)
+def test_what_was_deleted_comes_back(built, name):
+    path = built.folder / "results" / name
+    path.unlink()
+    run = built()
+    assert run.returncode == 0, run.stdout
+    assert path.is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "job"),
+    [("datasets/fig8_08.nc", "figure/fig8_08"), ("checks/fig8_08.json", "checks"), ("checks.json", "verdict")],
+)
+def test_what_is_damaged_is_named_with_its_remedy(built, name, job):
+    """Truncated to the half of it; deleting it, as the sentence says, repairs the run."""
+    path = built.folder / "results" / name
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    run = built()
+    assert run.returncode == 1
+    assert f"FAILED {job}: " in run.stdout
+    assert f"results/{name} is not a readable" in run.stdout
+    assert "; delete it, and run again what makes it." in run.stdout
+    assert "Traceback" not in run.stdout
+    assert f"1 job FAILED: {job}." in run.stdout.splitlines()[-8:]
+    path.unlink()
+    assert built().returncode == 0
+
+
+@pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("fig8_08:\n", "fig8_08:\n  typo: 1\n", "'typo' was unexpected"),
-        ("mass: {start: 0.5", "mass: {start: -0.5", "-0.5 is less than or equal to the minimum of 0"),
-        ("figures: [", "figures: [fig8_99, ", "'fig8_99' is not one of"),
+        ("fig8_08:\n", "fig8_08:\n  typo: 1\n", "fig8_08.typo is not a known key; the known keys are drive, mass, "),
+        (
+            "mass: {start: 0.5",
+            "mass: {start: -0.5",
+            "fig8_08.mass.start = -0.5 is outside the allowed range 0 < start.",
+        ),
+        (
+            "mass: {start: 0.5",
+            "mass: {start: 20.5",
+            "fig8_08.mass has start = 20.5 and stop = 20; it needs start < stop.",
+        ),
+        ("mass: {start: 0.5", "mass: {start: .nan", "fig8_08.mass.start = nan is not a finite number."),
+        ("count: 801", "count: 1", "fig8_08.mass.count = 1 is outside the allowed range 2 <= count <= 100000."),
+        ("fig8_08:\n", "fig8_08:\n  drive: {mass: 3.0}\n", "the key drive is given twice"),
+        ("figures: [", "figures: [fig8_99, ", "figures.0 = 'fig8_99' is not one of"),
     ],
 )
 def test_a_wrong_configuration_is_refused(fresh, old, new, words):
@@ -127,6 +173,17 @@ def test_a_wrong_configuration_is_refused(fresh, old, new, words):
     run = fresh()
     assert run.returncode == 1
     assert words in run.stdout
+    assert "Traceback" not in run.stdout
+    assert len(run.stdout.splitlines()) < 10
+    assert not (fresh.folder / "results").exists()
+
+
+def test_a_python_whose_path_holds_a_space_is_refused(fresh, tmp_path):
+    (tmp_path / "my tools").symlink_to(sys.prefix)
+    fresh.command[0] = str(tmp_path / "my tools" / "bin" / "python")
+    run = fresh()
+    assert run.returncode == 1
+    assert "holds a space, with which Snakemake cannot start jobs" in run.stdout
     assert not (fresh.folder / "results").exists()
 
 

@@ -5,7 +5,9 @@ rule accuracy:
     """Draw the figures of accuracy and judge their checks; needs requirements-accuracy.txt."""
     input:
         collect("results/figures/{figure}.{format}", figure=config["accuracy_figures"], format=["png", "pdf"]),
-        collect("results/accuracy/{name}", name=["checks.md", "verdict.txt", "table.md"]),
+        collect("results/datasets/{figure}.nc", figure=config["accuracy_figures"]),
+        collect("results/checks/{figure}.json", figure=config["accuracy_figures"]),
+        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "verdict.txt", "table.md"]),
     message:
         "All figures of accuracy are drawn and all their checks passed"
 

@@ -3,15 +3,30 @@
 import importlib.metadata
 import importlib.util
 import json
+import re
+import sys
 from functools import cache
 from pathlib import Path
 
 import grimp
-from lsvib.datasets.checks import Check, terminal_table
+from lsvib.datasets.checks import failures, read_checks, terminal_table, verdict
+from lsvib.errors import LsvibError
+from lsvib.models.scene import read_yaml
+from lsvib.settings import check
 from snakemake.exceptions import WorkflowError
-from snakemake.utils import validate
 
-validate(config, "../schemas/config.schema.yaml")
+try:
+    for file in workflow.configfiles:
+        read_yaml(file)  # refuses a key that is given twice, of which Snakemake would take the last
+    check(config)
+except LsvibError as error:
+    raise WorkflowError(f"Configuration: {error}") from None
+
+if any(letter.isspace() for letter in sys.executable):
+    raise WorkflowError(
+        f"The path of Python, {sys.executable}, holds a space, with which Snakemake cannot start jobs: "
+        "keep the virtual environment, or the whole clone, in a folder without spaces."
+    )
 
 
 wildcard_constraints:
@@ -120,11 +135,36 @@ def remove_leftovers():
         part.unlink(missing_ok=True)
 
 
-def print_results(started):
-    """Print where the figures are and each table of checks that is not older than this run."""
+def print_results(started, log=None):
+    """Print what failed, each table of checks that is not older than this run, and last one line of summary.
+
+    ``log``: the logs of Snakemake, in which the jobs that failed are looked up; None if none did.
+    """
+    jobs = failed_jobs(log) if log else []
+    words = f"{len(jobs)} job{'s' * (len(jobs) > 1)} FAILED: {', '.join(name for name, _ in jobs)}."
+    summary = [words] if jobs else []
+    for name, reason in jobs:
+        print(f"\nFAILED {name}: {reason}")
     for folder in ("results", "results/accuracy"):
         records = Path(folder, "checks.json")
         if records.exists() and records.stat().st_mtime >= started:
-            checks = [(record.pop("figure"), Check.from_json(record)) for record in json.loads(records.read_text())]
-            print(f"\n{terminal_table(checks)}\n")
+            checks = read_checks(records)
+            print("\n".join(["", *failures(checks)]))
+            print(f"{terminal_table(checks)}\n")
             print(f"Figures: results/figures   datasets: results/datasets   checks: {folder}/checks.md, {records}")
+            summary.append(verdict(checks))
+    print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
+
+
+def failed_jobs(log):
+    """Return the name of each job that failed and the last line of its log."""
+    logs = [log] if isinstance(log, str) else log
+    text = "".join(Path(file).read_text(encoding="utf-8", errors="replace") for file in logs)
+    jobs = {}
+    for block in re.findall(r"^Error in \w+ .+\n(?: .*\n)*", text, re.MULTILINE):
+        file = re.search(r"^    log: (\S+)", block, re.MULTILINE)
+        lines = Path(file[1]).read_text(encoding="utf-8", errors="replace").split("\n") if file else []
+        reasons = [line for line in lines if line.strip()]
+        name = Path(file[1]).with_suffix("").relative_to("logs").as_posix() if file else block.split()[3].rstrip(":,")
+        jobs[name] = reasons[-1] if reasons else "its log is empty; Snakemake says more above"
+    return list(jobs.items())

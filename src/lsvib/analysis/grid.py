@@ -1,12 +1,15 @@
 """Grids of starts in two coordinates of a drive's state."""
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from lsvib.errors import InputError
+from lsvib.models import numbers
+from lsvib.models.parameters import names_and_values
 
 COORDINATES = {  # key of a state's coordinate: its name in automata and datasets
     "u": "angle_deviation",
@@ -43,15 +46,30 @@ class Axis(NamedTuple):
         return (self.stop - self.start) / self.count
 
     @classmethod
-    def checked(cls, coordinate: str, start: float, stop: float, count: int) -> Self:
-        """Make an axis; ``InputError`` if it is none."""
+    def checked(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
+        """Make an axis from numbers or text; ``InputError`` if it is none or has cells that coincide."""
         if coordinate not in COORDINATES:
             raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(COORDINATES)}.")
-        if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
+        start, stop = (numbers.start(f"axis {coordinate}: {name}", x) for name, x in (("start", start), ("stop", stop)))
+        if not start < stop:
             raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")
-        if not 1 <= count <= _MOST:
-            raise InputError(f"axis {coordinate} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
-        return cls(coordinate, start, stop, count)
+        try:
+            cells = numbers.whole(count)
+        except numbers.NotNumber as error:
+            raise InputError(
+                f"axis {coordinate} has count = {count if isinstance(count, str) else numbers.shown(count)}, which "
+                f"{error}; the allowed range is 1 <= count <= {_MOST}."
+            ) from None
+        if not 1 <= cells <= _MOST:
+            raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {_MOST}.")
+        # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
+        # width itself needs all its digits, which doubles below the smallest normal one have not.
+        if not (stop - start) / cells >= max(4 * math.ulp(max(abs(start), abs(stop))), sys.float_info.min):
+            raise InputError(
+                f"axis {coordinate} has {cells} cells between start = {start:.17g} and stop = {stop:.17g}, too narrow "
+                "to be told apart in double precision; take fewer cells or a longer axis."
+            )
+        return cls(coordinate, start, stop, cells)
 
 
 class Grid(NamedTuple):
@@ -68,7 +86,7 @@ class Grid(NamedTuple):
         Of the two axes, the one that comes first in a state is horizontal, whichever is written first. Raises
         ``InputError``.
         """
-        for name in values:
+        for name in names_and_values("grid", values):
             if name not in COORDINATES:
                 raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(COORDINATES)}.")
         spans = [name for name in COORDINATES if isinstance(values.get(name), Mapping)]
@@ -76,9 +94,11 @@ class Grid(NamedTuple):
             raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
         for name in spans:
             if set(values[name]) != {"start", "stop", "count"}:
-                raise InputError(f"axis {name} has the keys {', '.join(values[name])}; it needs start, stop and count.")
+                raise InputError(
+                    f"axis {name} has the keys {', '.join(map(str, values[name]))}; it needs start, stop and count."
+                )
         x, y = (Axis.checked(name, **values[name]) for name in spans)
-        return cls(x, y, {name: value for name, value in values.items() if name not in spans})
+        return cls(x, y, {name: numbers.start(f"grid: {name}", values[name]) for name in values if name not in spans})
 
     @classmethod
     def parse(cls, items: Sequence[str]) -> Self:
@@ -94,18 +114,12 @@ class Grid(NamedTuple):
                 raise InputError(f"{item!r} is neither of the form KEY=START:STOP:COUNT nor KEY=VALUE.")
             if key in fixed or key in [axis.coordinate for axis in axes]:
                 raise InputError(f"the coordinate {key} is given twice.")
-            try:
-                numbers = [float(part) for part in parts]
-            except ValueError:
-                raise InputError(f"{item!r} holds something that is not a number.") from None
-            if len(parts) == 1:
-                if key not in COORDINATES or not math.isfinite(numbers[0]):
-                    raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(COORDINATES)}.")
-                fixed[key] = numbers[0]
-                continue
-            if numbers[2] != int(numbers[2] if math.isfinite(numbers[2]) else 0):
-                raise InputError(f"axis {key} has count = {parts[2]}, which is not a whole number.")
-            axes.append(Axis.checked(key, numbers[0], numbers[1], int(numbers[2])))
+            if len(parts) == 3:
+                axes.append(Axis.checked(key, *parts))
+            elif key in COORDINATES:
+                fixed[key] = numbers.start(f"grid: {key}", text)
+            else:
+                raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(COORDINATES)}.")
         if len(axes) != 2:
             raise InputError(f"a grid needs two axes KEY=START:STOP:COUNT, not {len(axes)}.")
         return cls(*axes, fixed)

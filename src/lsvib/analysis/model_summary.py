@@ -14,6 +14,7 @@ from lsvib.analysis.spectrum import neutral_margins, spectrum
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.linear import steady_law
+from lsvib.models.numbers import shown
 from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
 
 _MODELS: dict[str, type[LeadScrew]] = {"threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
@@ -69,9 +70,9 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
 
 
 def _drive(model: str, changes: Mapping[str, Any] | None) -> Any:
-    if model not in _MODELS:
-        raise InputError(f"model = {model!r} is not one of rigid, {', '.join(_MODELS)}.")
-    return _MODELS[model].of(changes or {})
+    if not isinstance(model, str) or model not in _MODELS:
+        raise InputError(f"model = {shown(model)} is not one of rigid, {', '.join(_MODELS)}.")
+    return _MODELS[model].of(changes)
 
 
 def _threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from lsvib.analysis.stability import Stability
 from lsvib.analysis.support import critical_friction_by_eigenvalues
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
-from lsvib.models.parameters import LeadScrew, SupportDrive
+from lsvib.models.parameters import LeadScrew, SupportDrive, parameters_of
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
@@ -37,20 +37,23 @@ _ABSENT = {
 }
 
 
-def threshold_table(changes: Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, dict[str, Any]]:
+def threshold_table(
+    changes: LeadScrew | Mapping[str, Any] | None = None, model: str = "rigid"
+) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
-    For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of
-    ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
-    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the
-    chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
-    four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
-    number –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide,
-    for Ω > 0. Raises ``InputError`` for unacceptable parameters.
+    A drive in place of ``changes`` stands for itself: all its parameters count. For another ``model`` than the
+    rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of ``screw_mass`` counts for
+    the critical friction alone, the only threshold of the drive with axial support; there ``by_eigenvalues`` is the
+    same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the chapter's ``expected``
+    value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if ``changes`` leave the
+    chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –, ``reason`` if there
+    is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0. Raises
+    ``InputError`` for unacceptable parameters.
     """
+    changes = parameters_of(changes)
     if model != "rigid":
         return model_threshold_table(model, changes)
-    changes = changes or {}
     table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
     drive = LeadScrew.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
     value, reason = _value_or_reason("global_stability_force", drive)
@@ -104,8 +107,8 @@ def _value_or_reason(name: str, drive: LeadScrew) -> tuple[float | None, str | N
     return value, None if value is not None else _ABSENT[name]
 
 
-def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
-    """Linear stability of steady sliding (eqs 8.18–8.21) of a drive, Table 8.1 with ``changes``.
+def stability_table(changes: LeadScrew | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
+    """Linear stability of steady sliding (eqs 8.18–8.21) of a drive: one given as such, or Table 8.1 with ``changes``.
 
     For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_stability_table`. Returns
     ``stable`` (asymptotically), ``class`` (:class:`Stability`, lower case), ``eigenvalues`` [1/s], the ``steady_law``
@@ -113,9 +116,10 @@ def stability_table(changes: Mapping[str, Any] | None = None, model: str = "rigi
     steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of :func:`conditions`. With
     a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.
     """
+    changes = parameters_of(changes)
     if model != "rigid":
         return model_stability_table(model, changes)
-    drive = LeadScrew.of(changes or {})
+    drive = LeadScrew.of(changes)
     c = coefficients(drive)
     law = c.steady_law
     if c.net_force == 0:

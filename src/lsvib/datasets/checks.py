@@ -1,10 +1,13 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
 
 import itertools
+import json
 import math
+import os
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, Self
 
 from lsvib.errors import InputError
@@ -85,6 +88,33 @@ class Check:
             f"computed {_quantity(self.computed, self.unit)}, relative error "
             f"{_text(self.error)} {'<=' if self.passed else 'is NOT <='} {_text(self.tolerance)} [{self.source}]."
         )
+
+
+def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
+    """Read a file of checks: pairs (figure, check), the figure from the record or else from the name of the file.
+
+    Raises ``InputError``, with the remedy, if the file is missing or damaged.
+    """
+    try:
+        records = json.loads(Path(path).read_text(encoding="utf-8"))
+        return [(record.pop("figure", Path(path).stem), Check.from_json(record)) for record in records]
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except (ValueError, TypeError, AttributeError):
+        raise InputError(f"{path} is not a readable file of checks; delete it, and run again what makes it.") from None
+
+
+def verdict(checks: Sequence[tuple[str, Check]]) -> str:
+    """Return one line: how many checks, pairs (figure, check), passed, and in which figures some failed."""
+    failed = [figure for figure, check in checks if not check.passed]
+    if not failed:
+        return f"All {len(checks)} checks passed."
+    return f"{len(failed)} of {len(checks)} checks FAILED: {', '.join(dict.fromkeys(failed))}."
+
+
+def failures(checks: Sequence[tuple[str, Check]]) -> list[str]:
+    """Return one sentence for each check, pairs (figure, check), that failed."""
+    return [f"{figure}: {check.sentence()}" for figure, check in checks if not check.passed]
 
 
 def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:

@@ -12,6 +12,7 @@ from lsvib.analysis.cycles import orbit_extremes, steady_state
 from lsvib.analysis.impact import event_impulses
 from lsvib.datasets.variables import flags, quantity
 from lsvib.models.motion import Motion, follow
+from lsvib.models.parameters import LeadScrew, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
 _IMPULSES = (
@@ -21,15 +22,16 @@ _IMPULSES = (
 )
 
 
-def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
+def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
     """Simulate a scene exactly and return its trajectory.
 
-    Arguments: a :class:`Scene`, names and values of one, or the path of a YAML file; ``changes`` are keys of the scene
-    (``initial``, ``t_end``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...) that replace the
-    scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the scene's
-    outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode after, state before and
-    after, and for models that seize the impulses: normal and axial [N s], torque [N m s], zero in other events. At the
-    time of an event the samples are those after it. Raises ``InputError`` or ``EngineError`` in one sentence.
+    Arguments: a :class:`Scene`, a drive, names and values of a scene, or the path of a YAML file; ``changes`` are
+    keys of the scene (``initial``, ``t_end``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
+    that replace the scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation
+    [rad/s], the scene's outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode
+    after, state before and after, and for models that seize the impulses: normal and axial [N s], torque [N m s],
+    zero in other events. At the time of an event the samples are those after it. Raises ``InputError`` or
+    ``EngineError`` in one sentence.
 
     >>> import lsvib
     >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
@@ -42,7 +44,9 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path | None = None, /, **c
 
 
 def as_scene(
-    scene: Scene | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
+    scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None,
+    changes: Mapping[str, Any],
+    drive: Mapping[str, Any],
 ) -> Scene:
     """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
 
@@ -50,13 +54,15 @@ def as_scene(
     """
     if isinstance(scene, Scene):
         values = scene.model_dump()
+    elif isinstance(scene, LeadScrew):
+        values = {"drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
-        values = dict(scene or {})
+        values = names_and_values("scene", scene)
     values |= changes
-    given = values.get("drive") or {}
-    if drive and isinstance(given, Mapping):
+    if drive:
+        given = parameters_of(values.get("drive"))
         if drive.keys() & {"lead_angle", "lead_angle_deg"}:
             given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
         values["drive"] = {**given, **drive}

@@ -59,7 +59,10 @@ def read_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     try:
         return xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
-        raise InputError(f"{path} is not a readable netCDF file: {error}.") from error
+        text = str(error).rstrip(".")
+        raise InputError(
+            f"{path} is not a readable netCDF file ({text}); delete it, and run again what makes it."
+        ) from error
 
 
 def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton
+from lsvib.models.numbers import shown
 from lsvib.models.parameters import LeadScrew
 
 MODELS = {
@@ -60,5 +61,5 @@ def seizures_only_by_contact(model: str, resume: str) -> None:
 def find_model(name: str) -> Model:
     """Return a model by name; ``InputError`` if there is none of that name."""
     if not isinstance(name, str) or name not in MODELS:
-        raise InputError(f"model = {name!r} is not one of {', '.join(MODELS)}.")
+        raise InputError(f"model = {shown(name)} is not one of {', '.join(MODELS)}.")
     return import_module(MODELS[name]).MODEL

@@ -8,6 +8,7 @@ import numpy as np
 from lsvib.core import loop
 from lsvib.core.status import Status
 from lsvib.errors import DivergenceError, EngineError, InputError
+from lsvib.models import numbers
 from lsvib.models.automaton import Automaton
 
 _FIRST_CAPACITY = 256
@@ -71,8 +72,7 @@ def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
     """Return the mode in which a motion from ``state`` (n) starts, and the state; ``InputError`` if not finite."""
     state = np.array(state, dtype=float)
     for name, value in zip(automaton.states, state, strict=True):
-        if not abs(value) < 1e100:
-            raise InputError(f"initial {name} = {value} is outside the allowed range -1e+100 < {name} < 1e+100.")
+        numbers.start(f"initial {name}", float(value))
     branch = loop.choose_branch(automaton.tables, 0, state, np.abs(state))
     if branch < 0:
         raise EngineError(

@@ -8,17 +8,13 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.errors import InputError
+from lsvib.models.numbers import NotNumber, number, shown, whole
 
 PLACES = 50  # decimal digits in which coefficients are formed
 
 
-def _number(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise ValueError("must be a number")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_number)]
+Number = Annotated[float, BeforeValidator(number)]
+Whole = Annotated[int, BeforeValidator(whole)]
 
 
 def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: float) -> Any:
@@ -46,6 +42,13 @@ class LeadScrew(BaseModel):
     translation_damping: Number = _quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
     axial_force: Number = _quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
 
+    def __init__(self, /, **values: Any) -> None:
+        """Make a drive from its parameters; raises ``InputError`` in one sentence."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
+
     def model_post_init(self, context: Any) -> None:
         """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
         limit = 1 / math.tan(self.lead_angle)
@@ -60,13 +63,18 @@ class LeadScrew(BaseModel):
             )
 
     @classmethod
-    def of(cls, values: Mapping[str, Any] | None = None, /, **more: Any) -> Self:
-        """Make a drive from names and values; ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]."""
-        return validated(cls, _in_radians({**(values or {}), **more}))
+    def of(cls, values: "LeadScrew | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+        """Make a drive from another drive, or from names and values, with ``more`` of them.
+
+        ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad]. Raises ``InputError`` in one sentence.
+        """
+        if isinstance(values, LeadScrew):
+            return cls(**values.model_dump()).replace(**more)
+        return cls(**_in_radians({**names_and_values("drive", values), **more}))
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
-        return self.of({**self.model_dump(), **_in_radians(changes)})
+        return type(self)(**{**self.model_dump(), **_in_radians(changes)})
 
     def exact(self) -> "ExactDrive":
         """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
@@ -126,32 +134,40 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
         return values
     if "lead_angle" in values:
         raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
-    degrees = values["lead_angle_deg"]
+    given, allowed = values["lead_angle_deg"], "0 < lead_angle_deg < 90"
     try:
-        number = math.nan if isinstance(degrees, bool) else float(degrees)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not 0 < number < 90:
-        raise InputError(f"lead_angle_deg = {degrees!r} is outside the allowed range 0 < lead_angle_deg < 90.")
+        degrees = number(given)
+    except NotNumber as error:
+        raise InputError(f"lead_angle_deg = {shown(given)} {error}; the allowed range is {allowed}.") from None
+    if not 0 < degrees < 90:
+        raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
     rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
-    return {**rest, "lead_angle": math.radians(number)}
+    return {**rest, "lead_angle": math.radians(degrees)}
 
 
-def validated(model: type[BaseModel], values: Mapping[str, Any]) -> Any:
-    """Build a pydantic model; its first complaint becomes one ``InputError`` sentence with key, value and range."""
-    for key in values:
+def names_and_values(name: str, given: Any) -> dict[str, Any]:
+    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+    for key in given:
         if not isinstance(key, str):
-            raise InputError(f"{key!r} is not a known key; the known keys are {', '.join(model.model_fields)}.")
-    try:
-        return model(**values)
-    except ValidationError as error:
-        raise InputError(_sentence(model, error)) from None
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names, such as mass.")
+    return dict(given)
 
 
-def _sentence(model: type[BaseModel], error: ValidationError) -> str:
-    first = error.errors()[0]
+def parameters_of(drive: LeadScrew | Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
+    return drive.model_dump() if isinstance(drive, LeadScrew) else names_and_values("drive", drive)
+
+
+def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
+    """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
+    # Of a misspelt key the misspelling is the news, not that the right one is missing.
+    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     cause = first.get("ctx", {}).get("error")
-    if isinstance(cause, InputError):
+    if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
         return str(cause)
     key = ".".join(str(part) for part in first["loc"])
     field = model.model_fields.get(key)
@@ -159,10 +175,12 @@ def _sentence(model: type[BaseModel], error: ValidationError) -> str:
         return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
     if first["type"] == "missing":
         return f"{key} is missing."
-    allowed = allowed_range(model, key) if field is not None else ""
+    allowed, value = allowed_range(model, key) if field is not None else "", shown(first["input"])
+    if isinstance(cause, NotNumber):
+        return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
     if allowed:
-        return f"{key} = {first['input']!r} is outside the allowed range {allowed}."
-    return f"{key} = {first['input']!r} is not acceptable: {first['msg']}."
+        return f"{key} = {value} is outside the allowed range {allowed}."
+    return f"{key} = {value} is not acceptable: {first['msg']}."
 
 
 def allowed_range(model: type[BaseModel], key: str) -> str:

@@ -1,15 +1,19 @@
 """A scene: which model and which physics, from which state, for how long, and what is wanted of it."""
 
+import math
+import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
 from lsvib.errors import InputError
 from lsvib.models.model import Model, find_model
-from lsvib.models.parameters import LeadScrew, Number, validated
+from lsvib.models.numbers import NotNumber, number
+from lsvib.models.parameters import LeadScrew, Number, Whole, names_and_values, sentence_about
 
 
 class Scene(BaseModel):
@@ -29,20 +33,23 @@ class Scene(BaseModel):
     drive: SerializeAsAny[LeadScrew]
     physics: tuple[str, ...] | None = None
     resume: Literal["contact_sign", "at_once"] = "contact_sign"
-    initial: dict[str, Number]
+    initial: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "initial"))]
     t_end: Number = Field(gt=0, le=1e9)
-    samples: int = Field(default=1001, ge=2, le=100_000_000)
+    samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
+
+    def __init__(self, /, **values: Any) -> None:
+        """Make a scene from its keys; raises ``InputError`` in one sentence."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
 
     @model_validator(mode="before")
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
-        drive = values.get("drive") or {}
-        if isinstance(drive, Mapping):
-            drive = find_model(values.get("model", "rigid")).drive.of(drive)
-        elif not isinstance(drive, LeadScrew):
-            raise InputError(f"drive = {drive!r} does not hold names and values, such as mass: 11.0.")
-        return {**values, "drive": drive}
+        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive  # of another kind: converted
+        return {**values, "drive": drive if type(drive) is kind else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two keys: initial state, words of physics and outputs, no term that physics omits."""
@@ -76,17 +83,53 @@ class Scene(BaseModel):
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a scene from names and values; raises ``InputError`` in one sentence."""
-        return validated(cls, values)
+        return cls(**names_and_values("scene", values))
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:
-    """Read a YAML file that holds names and values; raises ``InputError`` if it is missing or something else."""
+    """Read a YAML file that holds names and values.
+
+    Numbers are decimal, with leading zeros too; what YAML 1.1 would read as sexagesimal, hexadecimal or with
+    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
+    key twice.
+    """
     try:
-        values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
+        values = yaml.load(text, Loader=_Loader)
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is not valid YAML: {' '.join(str(error).split())}.") from None
+    except RecursionError:
+        raise InputError(f"{path} is not valid YAML: it is nested too deeply.") from None
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, no day of the calendar, a null in the path
+        raise InputError(f"{path} is not valid YAML: {' '.join(str(error).split()).rstrip('.')}.") from None
     if not isinstance(values, dict):
         raise InputError(f"{path} does not hold names and values.")
     return values
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML without the surprises: no key twice, and numbers are decimal."""
+
+    def construct_mapping(self, node: yaml.Node, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if isinstance(key, yaml.ScalarNode):
+                if (key.tag, key.value) in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"the key {key.value} is given twice", key.start_mark
+                    )
+                seen.add((key.tag, key.value))
+        return super().construct_mapping(node, deep)
+
+    def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
+        text = self.construct_scalar(node)
+        try:
+            return int(text) if _DECIMAL.fullmatch(text) else number(text)
+        except NotNumber:
+            return _NOT_FINITE.get(text.lower().lstrip("+"), text)
+
+
+_DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")
+_NOT_FINITE = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.construct_decimal)

@@ -1,0 +1,81 @@
+"""Numbers as people write them: one spelling for the command line, files and Python, and one limit for starts."""
+
+import math
+import re
+from typing import Any
+
+from lsvib.errors import InputError
+
+# A start this far out is no state of a drive; its square is still a double, so that products of two can be formed.
+LARGEST_START = 1e100
+_PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_LONGEST = 60  # characters of a value in a sentence; the rest is cut off
+
+
+class NotNumber(InputError):
+    """A value is not a number, or not a whole one; the sentence has no name yet."""
+
+
+def shown(value: Any) -> str:
+    """Return a value as it stands in a sentence: its ``repr`` in one line, cut off where it is long."""
+    try:
+        text = " ".join(repr(value).split())
+    except (ValueError, RecursionError):  # integers of more than 4300 digits have no repr
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def number(value: Any) -> float:
+    """Return a value as a double; text is a decimal number with a point, such as ``-1.5e-3``.
+
+    Raises ``NotNumber`` for anything else: other text (``1,5``, ``1 kg``, ``nan``), truth values, lists, NaN.
+    """
+    if type(value) is float and value == value:  # nearly always, and quick
+        return value
+    if isinstance(value, str):
+        if not _PLAIN.fullmatch(value.strip()):
+            raise NotNumber("is not a number")
+        return float(value)
+    dimensions = getattr(value, "ndim", 0)
+    if (
+        isinstance(value, bool)
+        or not hasattr(type(value), "__float__")
+        or not isinstance(dimensions, int)
+        or dimensions
+    ):
+        raise NotNumber("is not a number")
+    if getattr(getattr(value, "dtype", None), "kind", "f") not in "iuf":  # numpy's truth values and complex numbers
+        raise NotNumber("is not a number")
+    try:
+        result = float(value)
+    except OverflowError:  # an integer beyond the range of doubles
+        return math.inf if value > 0 else -math.inf
+    except (TypeError, ValueError):
+        raise NotNumber("is not a number") from None
+    if math.isnan(result):
+        raise NotNumber("is not a number")
+    return result
+
+
+def whole(value: Any) -> int:
+    """Return a value as an integer; raises ``NotNumber`` for what is no number or, like 1.5, not a whole one."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    result = number(value)
+    if not math.isfinite(result) or result != int(result):
+        raise NotNumber("is not a whole number")
+    return int(result) if isinstance(value, str) and not value.strip().lstrip("+-").isdigit() else int(value)
+
+
+def start(name: str, value: Any) -> float:
+    """Return a coordinate of a start; raises ``InputError`` in one sentence, with its ``name``, if it is none."""
+    try:
+        result = number(value)
+    except NotNumber as error:
+        raise InputError(f"{name} = {shown(value)} {error}.") from None
+    if not abs(result) < LARGEST_START:
+        raise InputError(
+            f"{name} = {shown(value)} is outside the allowed range "
+            f"-{LARGEST_START:g} < {name.split()[-1]} < {LARGEST_START:g}."
+        )
+    return result
