@@ -243,6 +243,8 @@ def _between(c: Constants, section: _Section, x: float, y: float, drift: float, 
     u, w = section.state(x)
     if _vanishes(c, u, w):
         return Fate("steady_sliding", "events without end that shrink to the equilibrium", events)
+    if c.flow[1, 0] == 0 and not (section.kinds == watch.SEIZURE).any():
+        return Fate("neutral_family", "undamped, a drift towards the outermost closed orbit", events, True)
     return _named(c, section.kinds, events, "a drift that turns back")
 
 

@@ -5,7 +5,8 @@ With R̃ = R − r_m tan λ c_x Ω and all forces counted in the direction of th
 * onset: beyond it steady sliding is left from nearby, before it nearby motions come back;
 * stick: the cycle of the motion that leaves steady sliding touches θ′ = 0 beyond it, and not before it;
 * detach: the cycle from the end of rest reverses the contact before it, and not beyond it;
-* global stability (Painlevé region): before it some motion goes on for ever, beyond it all come to steady sliding.
+* global stability (Painlevé region), short of the onset: between the two some motion goes on for ever, on the other
+  side all come to steady sliding.
 
 Where there is said to be none, nothing is asked but this: steady sliding that is said to be globally stable under every
 force against the motion must be.
@@ -118,8 +119,8 @@ def _judge_global(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
     size = abs(force - _onset(drive))
     before = _at(drive, force, _ASIDE, size)  # less force against the motion
     beyond = _at(drive, force, -_ASIDE, size)
-    if not force * drive.input_speed < 0:
-        return "wrong", f"{force} N", "a force against the motion"
+    if not (force - _onset(drive)) * drive.input_speed < 0:
+        return "wrong", f"{force} N", "a force short of the onset"
     lasting = [fate(before, u, w) for u, w in (*_widest(before), *_starts(before, rng))]
     if all(found.name == "steady_sliding" for found in lasting):
         return "wrong", f"{force} N: some motion goes on at {_ASIDE:+g}", "all come to steady sliding"

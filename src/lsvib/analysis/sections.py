@@ -44,6 +44,7 @@ from lsvib.analysis.section_tables import (
 from lsvib.core import itinerary, planar
 from lsvib.core.attraction import UNKNOWN, UNRESOLVED
 from lsvib.core.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
+from lsvib.errors import EngineError
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import follow
 
@@ -332,7 +333,10 @@ class Sections:
     def _extend(self, section: Section, x: float, label: Attractor) -> None:
         """Add all that drifts to a place next to which the label is known, where a return hardly moves."""
         state = self._point(section, x * (1.0 + _BESIDE))
-        motion = follow(self.automaton, state, np.inf, mode=section.mode, max_events=_EVENTS)
+        try:
+            motion = follow(self.automaton, state, np.inf, mode=section.mode, max_events=_EVENTS)
+        except EngineError:
+            return
         size = np.abs(motion.after).max(axis=0, initial=0.0)
         for kind, time in zip(
             motion.kind[motion.mode == section.mode], motion.time[motion.mode == section.mode], strict=True
