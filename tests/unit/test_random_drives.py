@@ -9,7 +9,7 @@ import pytest
 from lsvib.accuracy import random_drives, sweeps, threshold_judge, watch, wide_judges
 from lsvib.accuracy.fate import fate
 from lsvib.accuracy.linear_judge import rates
-from lsvib.accuracy.paths import exact_path, watched_path
+from lsvib.accuracy.paths import exact_path, quick_path, watched_path
 from lsvib.accuracy.wide_drives import MODELS, wide_drive
 from lsvib.models.parameters import LeadScrew
 
@@ -60,6 +60,21 @@ def test_the_watcher_has_the_events_of_the_reference():
         alike = sweeps.agree(watched, exact, case) or sweeps.agree_but_corners(watched, exact, case)
         assert alike, (index, watched, exact)
     assert compared >= 36
+
+
+@pytest.mark.parametrize("model", ["threads", "support", "nut"])
+def test_strides_have_the_events_of_the_reference(model):
+    """Strides by propagators agree with 40 digits over the full ranges, or say that they cannot tell."""
+    compared = 0
+    for index in range(4):
+        case = wide_judges.four_cases(wide_drive(model, SEED, index, 1))[0]
+        exact = exact_path(case, case.drive, case.start)
+        strides = exact and quick_path(case, case.drive, case.start)
+        if strides is None:
+            continue
+        compared += 1
+        assert sweeps.agree(strides, exact, case), (index, strides, exact)
+    assert compared >= 3
 
 
 @pytest.mark.parametrize("model", MODELS)
