@@ -35,7 +35,7 @@ from lsvib.accuracy.wide_drives import WideDrive
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.summary import stability_table
-from lsvib.errors import LsvibError
+from lsvib.errors import InputError, LsvibError
 from lsvib.models.automaton import Automaton
 from lsvib.models.model import find_model
 from lsvib.models.motion import follow
@@ -275,13 +275,13 @@ def _same_first(path: Path, other: Path, count: int, case: Case) -> bool:
 
 
 def _stability(wide: WideDrive) -> Finding:
-    """The table's verdict and eigenvalues against those of Newton's laws with 60 digits."""
+    """The table's verdict and eigenvalues against those of Newton's laws with 120 digits."""
     try:
         table = stability_table(dict(wide.drive), wide.model)
-    except LsvibError as error:
-        return Finding(REFUSED, None, str(error))
+    except InputError as error:
+        return Finding(RIGHT if linear_judge.carries_no_force(wide) else REFUSED, None, str(error))
     exact = linear_judge.rates(wide)
-    stable = linear_judge.stable(wide, exact)
+    stable = linear_judge.stable(exact)
     found = [mp.mpc(x["real"], x["imaginary"]) for x in table["eigenvalues"]]
     gap = max(float(min(abs(x - y) for y in found) / abs(x)) for x in exact)
     if table["stable"] != stable or gap > _EIGENVALUES:
