@@ -114,6 +114,14 @@ def test_more_motions_and_stability_of_random_drives_are_right():
         assert not any(table[stage][verdict] for stage in table for verdict in wide_judges.BAD), records
 
 
+@pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
+def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
+    """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""
+    wide = wide_drive(model, 11, index, random_drives.STARTS)
+    for k, (_, ask) in enumerate(wide_judges.stages(wide, ["motion"])):
+        assert ask() == [wide_judges.Finding(wide_judges.RIGHT, k)]
+
+
 def test_the_judges_can_say_wrong(monkeypatch):
     """A program that calls everything a cycle, or has an onset that is off by 1 %, is found out."""
     wide = wide_drive("rigid", SEED, 0, 1)

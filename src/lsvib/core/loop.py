@@ -88,6 +88,10 @@ def put_on_surface(tables, guard, state, scale):
     """
     surface = tables.surfaces[tables.guard_surface[guard]]
     chosen = tables.snap[tables.guard_surface[guard]]
+    if state.size > 2:  # the one whose rounding moves the surface most: it may be many digits of another
+        for i in range(state.size):
+            if abs(surface[i]) * scale[i] > abs(surface[chosen]) * scale[chosen]:
+                chosen = i
     rest = surface[surface.size - 1]
     size = abs(rest)
     for i in range(surface.size - 1):
