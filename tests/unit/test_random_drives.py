@@ -122,6 +122,15 @@ def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
         assert ask() == [wide_judges.Finding(wide_judges.RIGHT, k)]
 
 
+@pytest.mark.parametrize(("index", "start"), [(22, 1), (38, 3)])
+def test_an_equilibrium_without_contact_force_lasts(index, start):
+    """R = 0 without drag: the equilibrium lies on N = 0, where infinitely many events seemed to accumulate."""
+    wide = wide_drive("support", 11, index, random_drives.STARTS)
+    assert not wide.starts[start].any()
+    _, ask = list(wide_judges.stages(wide, ["motion"]))[start]
+    assert ask() == [wide_judges.Finding(wide_judges.RIGHT, start)]
+
+
 def test_the_judges_can_say_wrong(monkeypatch):
     """A program that calls everything a cycle, or has an onset that is off by 1 %, is found out."""
     wide = wide_drive("rigid", SEED, 0, 1)
