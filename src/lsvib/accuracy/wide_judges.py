@@ -140,13 +140,13 @@ def _four_motion(
     except LsvibError as error:
         return [Finding(REFUSED, k, str(error))]
     path = engine_path(motion, case)
+    if not any(case.start) and linear_judge.carries_no_force(wide):  # the equilibrium, on N = 0
+        return [Finding(WRONG if path.kinds or path.end.any() else RIGHT, k)]
     other = strides_path(case, constants)
     if other is not None and sweeps.agree(path, other, case):
         drawn = balance(motion, wide.drive, wide.physics)
         if not drawn.residual > sweeps.allowed_residual(drawn.rounding):
             return [Finding(RIGHT, k)]
-    if other is None and not any(case.start) and not (path.kinds or path.end.any()):
-        return [Finding(RIGHT, k)]  # the equilibrium on N = 0, from which no judge can tell a mode
     return lambda: [_by_strides(wide, k, case, path, other)]
 
 
