@@ -31,7 +31,7 @@ from lsvib.accuracy.paths import (
 from lsvib.accuracy.paths import automaton as built
 from lsvib.accuracy.reference.rigid import Drive
 from lsvib.accuracy.sweep_families import Case, Family, Group
-from lsvib.accuracy.wide_drives import WideDrive
+from lsvib.accuracy.wide_drives import WideDrive, wide_drive
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.summary import stability_table
@@ -52,6 +52,7 @@ _EIGENVALUES = 1e-12  # relative
 _TURNS = (0.3, 3.0)  # of the slow oscillation
 _MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
 _FAMILIES = {"threads": Family.CONTACT, "support": Family.SUPPORT, "nut": Family.NUT}
+_IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
 _CONFIRMING = 12  # events that the reference must have as well
 _INSTANT = 1e-7  # of the duration
 _AT_ONCE = 1e-6  # of the duration; N turns twice within it where an undamped contact touches N = 0
@@ -101,6 +102,9 @@ def warm_up(model: str, questions: Iterable[str] = QUESTIONS) -> None:
     start = kind.initial_state(drive, {key: 0.1 for key in kind.required})
     for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start])), questions):
         ask()
+    if model in _IN_BLOCKS:
+        for _, ask in stages(wide_drive(model, *_IN_BLOCKS[model], 1), questions):
+            ask()
 
 
 def _motion(wide: WideDrive, k: int, constants: watch.Constants, automaton: Automaton) -> Finding:
