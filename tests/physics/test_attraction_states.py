@@ -41,11 +41,11 @@ def test_what_is_open_after_many_events_is_asked_of_the_return_map_in_the_mode_r
     state = mapped.kind.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
     asked = []
 
-    def remember(automaton, state, *, mode=None):
+    def remember(automaton, state, *, mode, max_events):
         asked.append((state, mode))
-        return steady_state(automaton, state, mode=mode)
+        return steady_state(automaton, state, mode=mode, max_events=max_events)
 
-    monkeypatch.setattr(attraction_states, "_ROUNDS", 1)
+    mapped._rounds = 1
     monkeypatch.setattr(attraction_states, "steady_state", remember)
     mapped.destiny(state)
     motion = follow(mapped.automaton, state, np.inf, max_events=attraction_states._CHUNK)

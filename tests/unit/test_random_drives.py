@@ -9,7 +9,7 @@ import pytest
 from lsvib.accuracy import random_drives, sweeps, threshold_judge, watch, wide_judges
 from lsvib.accuracy.fate import fate
 from lsvib.accuracy.linear_judge import rates
-from lsvib.accuracy.paths import exact_path, watched_path
+from lsvib.accuracy.paths import exact_path, quick_path, watched_path
 from lsvib.accuracy.wide_drives import MODELS, wide_drive
 from lsvib.models.parameters import LeadScrew
 
@@ -62,6 +62,21 @@ def test_the_watcher_has_the_events_of_the_reference():
     assert compared >= 36
 
 
+@pytest.mark.parametrize("model", ["threads", "support", "nut"])
+def test_strides_have_the_events_of_the_reference(model):
+    """Strides by propagators agree with 40 digits over the full ranges, or say that they cannot tell."""
+    compared = 0
+    for index in range(4):
+        case = wide_judges.four_cases(wide_drive(model, SEED, index, 1))[0]
+        exact = exact_path(case, case.drive, case.start)
+        strides = exact and quick_path(case, case.drive, case.start)
+        if strides is None:
+            continue
+        compared += 1
+        assert sweeps.agree(strides, exact, case), (index, strides, exact)
+    assert compared >= 3
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_drives_do_not_depend_on_what_else_is_drawn(model):
     """Drive and first start of an index are the same whatever the number of starts."""
@@ -97,6 +112,23 @@ def test_more_motions_and_stability_of_random_drives_are_right():
         records = [random_drives.judged(model, SEED, k, ("stability", "motion")) for k in range(count)]
         table = random_drives.summary(records)
         assert not any(table[stage][verdict] for stage in table for verdict in wide_judges.BAD), records
+
+
+@pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
+def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
+    """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""
+    wide = wide_drive(model, 11, index, random_drives.STARTS)
+    for k, (_, ask) in enumerate(wide_judges.stages(wide, ["motion"])):
+        assert ask() == [wide_judges.Finding(wide_judges.RIGHT, k)]
+
+
+@pytest.mark.parametrize(("index", "start"), [(22, 1), (38, 3)])
+def test_an_equilibrium_without_contact_force_lasts(index, start):
+    """R = 0 without drag: the equilibrium lies on N = 0, where infinitely many events seemed to accumulate."""
+    wide = wide_drive("support", 11, index, random_drives.STARTS)
+    assert not wide.starts[start].any()
+    _, ask = list(wide_judges.stages(wide, ["motion"]))[start]
+    assert ask() == [wide_judges.Finding(wide_judges.RIGHT, start)]
 
 
 def test_the_judges_can_say_wrong(monkeypatch):

@@ -1,4 +1,6 @@
-"""Rates of the motion near steady sliding, from the references' statements of Newton's laws, with 60 digits."""
+"""Rates of the motion near steady sliding, from the references' statements of Newton's laws, with 120 digits."""
+
+import math
 
 from mpmath import mp
 
@@ -6,8 +8,8 @@ from lsvib.accuracy.reference import rigid, threads
 from lsvib.accuracy.reference.two_bodies_closed import ExactDrive
 from lsvib.accuracy.wide_drives import WideDrive
 
-_DIGITS = 60
-_REAL = mp.mpf(10) ** -25  # of a rate; a real part below this is rounding, as even a double rate has 30 digits
+_DIGITS = 120
+_REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
 
 
 def rates(wide: WideDrive) -> list:
@@ -35,13 +37,16 @@ def rates(wide: WideDrive) -> list:
         return list(mp.eig(matrix, left=False, right=False))
 
 
-def stable(wide: WideDrive, found: list) -> bool:
-    """Whether all rates have a negative real part; of four undamped ones, whether none has a positive one.
-
-    That is what the tables of the program call stable, see ``lsvib.analysis.summary.stability_table``.
-    """
-    dampings = ("support_damping", "translation_damping", "axial_support_damping", "nut_damping", "contact_damping")
-    values = dict(wide.drive)
-    undamped = wide.model != "rigid" and all(values.get(key, 0) == 0 for key in dampings)
+def stable(found: list) -> bool:
+    """Whether all rates have a negative real part."""
     with mp.workdps(_DIGITS):
-        return all(mp.re(x) <= (_REAL * abs(x) if undamped else -_REAL * abs(x)) for x in found)
+        return all(mp.re(x) <= -_REAL * abs(x) for x in found)
+
+
+def carries_no_force(wide: WideDrive) -> bool:
+    """Whether axial force, drag and friction balance exactly, so that no law holds in steady sliding."""
+    d = wide.drive
+    if d.translation_damping:  # tan λ is transcendental
+        return False
+    friction = d.slide_friction if "slide_friction" in wide.physics else 0.0
+    return d.axial_force == math.copysign(friction, d.input_speed)

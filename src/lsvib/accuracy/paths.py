@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mpf
 
-from lsvib.accuracy import stepper, watch
+from lsvib.accuracy import stepper, strides, watch
+from lsvib.accuracy.ladders import FORCE, Ladders, ladders
 from lsvib.accuracy.reference import rigid as rigid_reference
 from lsvib.accuracy.reference import threads as threads_reference
 from lsvib.accuracy.reference import two_bodies_closed
@@ -122,6 +123,44 @@ def watched_path(case: Case, constants: watch.Constants, size: np.ndarray) -> Pa
     return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
 
 
+def case_ladders(case: Case, longest: float) -> Ladders:
+    """Constants of a drive with four states for :func:`strides_path`, for motions up to ``longest`` [s]."""
+    return ladders(_model(case), dict(case.drive), *_frictions(case).values(), longest)
+
+
+def strides_path(case: Case, constants: Ladders) -> Path | None:
+    """The motion of a drive with four states by strides of propagators, or None where they do not tell."""
+    times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
+    before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
+    status, count = strides.follow(
+        constants, np.array(case.start), case.duration, times, before, after, fired, end, size
+    )
+    if status not in (strides.TIME_REACHED, strides.EVENTS_FULL):
+        return None
+    kinds = []
+    for one, other, kind in zip(before[:count], after[:count], fired[:count], strict=True):
+        if isinstance(case.drive, ThreadsDrive):
+            if constants.direction[one] == 0:
+                kinds.append("release")
+            elif kind == FORCE:
+                kinds.append("contact_reversal")
+            else:
+                kinds.append("reversal" if constants.direction[other] else "stick")
+        else:
+            seconds = constants.second[other] if constants.has_second else None
+            mode = (constants.direction[other], constants.contact[other], seconds)
+            kinds.append(_token(_name(mode, _model(case)), kind == strides.SEIZURE))
+    if not isinstance(case.drive, ThreadsDrive):
+        size = np.maximum(size, _least(case))
+    return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
+
+
+def quick_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
+    """:func:`strides_path` in the place of :func:`exact_path`."""
+    moved = case._replace(drive=drive, start=start)
+    return strides_path(moved, case_ladders(moved, case.duration))
+
+
 def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
@@ -162,6 +201,12 @@ def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...], digits: 
         size = np.maximum(size, _least(case))
     times = np.array([float(event.time) for event in result.events])
     return _path(case, kinds, times, end, size, complete)
+
+
+def _model(case: Case) -> str:
+    if isinstance(case.drive, ThreadsDrive):
+        return "threads"
+    return "support" if isinstance(case.drive, SupportDrive) else "nut"
 
 
 def _frictions(case: Case) -> dict[str, bool]:

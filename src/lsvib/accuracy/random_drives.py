@@ -64,6 +64,10 @@ def judged(
             signal.setitimer(signal.ITIMER_PROF, limit)
         try:
             findings = ask()
+            if callable(findings):  # the program has answered; who judges has no limit
+                signal.setitimer(signal.ITIMER_PROF, 0)
+                longest = max(longest, time.process_time() - begin)
+                findings, begin = findings(), math.inf
         except Exception as error:  # whatever it is, it is what the judge is after
             where = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(where.filename).name}:{where.lineno}"

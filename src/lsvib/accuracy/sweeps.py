@@ -10,6 +10,7 @@ decided by digits that double precision does not have. The energy of the motion 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -84,9 +85,21 @@ class Outcome:
     path: Path | None = field(default=None, repr=False)
 
 
-def judge(case: Case, rng: np.random.Generator, thorough: bool = False, by_reference: bool = False) -> Outcome:
-    """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity."""
-    outcome = _judge(case, rng, thorough, by_reference)
+Truth = Callable[[Case, LeadScrew, tuple[float, ...]], Path | None]
+
+
+def judge(
+    case: Case,
+    rng: np.random.Generator,
+    thorough: bool = False,
+    by_reference: bool = False,
+    truth: Truth = exact_path,
+) -> Outcome:
+    """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity.
+
+    ``truth``: what stands for the reference, called as :func:`lsvib.accuracy.paths.exact_path` is.
+    """
+    outcome = _judge(case, rng, thorough, by_reference, truth)
     balanced = outcome.energy
     # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
     if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
@@ -99,7 +112,7 @@ def allowed_residual(rounding):
     return ENERGY_TOLERANCE + ENERGY_PLACES * rounding
 
 
-def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: bool) -> Outcome:
+def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: bool, truth: Truth) -> Outcome:
     try:
         model = automaton(case)
         motion = follow(model, case.start, case.duration, max_events=MOST_EVENTS)
@@ -116,7 +129,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
         if outcome.stepper_agrees and not (thorough or by_reference):
             outcome.verdict, outcome.judge = Verdict.PASSED, Judge.STEPPER
             return outcome
-    exact = exact_path(case, case.drive, case.start)
+    exact = truth(case, case.drive, case.start)
     if exact is None:
         return outcome
     if quick is not None:
@@ -126,7 +139,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
         outcome.verdict = Verdict.CORNER
         outcome.state_error = _distance(path.end, exact)
     if outcome.verdict not in _GOOD or thorough:
-        _weigh(outcome, path, exact, case, rng)
+        _weigh(outcome, path, exact, case, rng, truth)
     return outcome
 
 
@@ -164,12 +177,12 @@ def _distance(end: np.ndarray, other: Path) -> float:
     return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
 
 
-def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random.Generator) -> None:
+def _weigh(outcome: Outcome, path: Path, exact: Path, case: Case, rng: np.random.Generator, truth: Truth) -> None:
     """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
     known, moved = len(path.kinds) + 1, 0.0
     for _ in range(_PERTURBED):
         try:
-            other = exact_path(case, *_moved(case, rng))
+            other = truth(case, *_moved(case, rng))
         except InputError:  # moved out of the domain
             continue
         if other is None:

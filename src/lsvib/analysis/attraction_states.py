@@ -8,10 +8,12 @@ A cell's motion is followed on the exact engine until one of the following holds
   point that they tend to, x + q / (1 − q) Δx, is the cycle's within ``_SAME`` of the cycle's size. (A contact creeps at
   the rate k_c / c_c, so that a motion may come close to its cycle only after thousands of returns.)
 * it diverges: unbounded;
-* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``steady_state``); what that leaves open
-  is unresolved.
+* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``steady_state``), within ``_EVENTS``
+  events; what that leaves open is unresolved.
 
-Known cycles are those that a few fixed starts reach; so the result does not depend on the grid, tiles or threads.
+Known cycles are those that a few fixed starts reach, within as many events; so the result does not depend on the grid,
+tiles or threads. Modes in blocks, whose rates lie so far apart that an event may take a thousand times as long, have
+``_BLOCK_EVENTS`` in all.
 """
 
 from collections.abc import Sequence
@@ -22,6 +24,7 @@ from lsvib.analysis import cycles
 from lsvib.analysis.attraction import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.analysis.grid import COORDINATES, Grid
+from lsvib.core.blocks import BlockFlow
 from lsvib.core.status import Status
 from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.model import find_model
@@ -30,6 +33,8 @@ from lsvib.models.parameters import LeadScrew
 
 _CHUNK = 64  # events
 _ROUNDS = 16
+_EVENTS = 20_000  # beyond the rounds; some 0.1 s, so that a map of motions without an attractor comes to an end
+_BLOCK_EVENTS = 64  # of modes in blocks
 _SAME = 1e-3
 _STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
 
@@ -48,10 +53,12 @@ class StateMapper:
         self.automaton = self.kind.build(drive, physics, resume)
         self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
+        in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
+        self._rounds, self._events = (1, _BLOCK_EVENTS) if in_blocks else (_ROUNDS, _EVENTS)
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = steady_state(self.automaton, self.kind.initial_state(drive, {"u": u, "w": w}))
+            found = self._end(self.kind.initial_state(drive, {"u": u, "w": w}))
             known = [other for other in self.attractors if abs(other.period - found.period) <= 1e-6 * other.period]
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
@@ -105,7 +112,7 @@ class StateMapper:
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Label, time [s], sprags and first event of the motion from a state (n)."""
         mode, time, sprags, first = None, 0.0, 0, None
-        for _ in range(_ROUNDS):
+        for _ in range(self._rounds):
             try:
                 motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
             except EngineError as error:
@@ -122,8 +129,15 @@ class StateMapper:
                     return cycle.label, time + float(motion.time[last]), sprags + self._sprags(motion, last + 1), first
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
-        label = steady_state(self.automaton, state, mode=mode).label
+        label = self._end(state, mode).label
         return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
+
+    def _end(self, state: np.ndarray, mode: int | None = None) -> SteadyState:
+        """The attractor of a motion; unresolved where the engine does not decide or the events do not suffice."""
+        try:
+            return steady_state(self.automaton, state, mode=mode, max_events=self._events)
+        except EngineError:
+            return SteadyState(Attractor.UNRESOLVED, state)
 
     def _sprags(self, motion: Motion, count: int) -> int:
         """How often the first events of a motion sprag, or enter a mode that does."""

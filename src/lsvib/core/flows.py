@@ -49,6 +49,11 @@ def _planar_travel(flow, mode, state, stay, scale, work):
 
 
 @kernel
+def _planar_is_still(flow, mode, state):
+    return False  # the search for roots of two states sees it by itself
+
+
+@kernel
 def _modal_travel(flow, mode, state, stay, scale, work):
     modal.travel(flow, mode, state, stay, scale, work.states)
 
@@ -82,6 +87,7 @@ advance = _by_kind(planar.advance, modal.advance, blocks.advance)
 travel = _by_kind(_planar_travel, _modal_travel, _block_travel)
 workspace = _by_kind(_no_workspace, sums.room_for, _no_workspace)
 slopes_at = _by_kind(planar.slopes_at, modal.slopes_at, modal.slopes_at)
+is_still = _by_kind(_planar_is_still, modal.is_still, modal.is_still)
 search = _by_kind(_planar_search, walk.search, _block_search)
 
 

@@ -41,7 +41,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """
     first_guard = tables.guard_start[mode]
     count = tables.guard_start[mode + 1] - first_guard
-    guards, on_surface = room[:count], zeros[:count]
+    guards, on_surface, touched = room[:count], zeros[:count], False
     for k in range(count):
         guard = first_guard + k
         for i in range(state.size + 1):
@@ -51,9 +51,12 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
         if on_surface[k]:
+            touched = True
             rate, rate_size, bend, bend_size = flows.slopes_at(tables.flow, mode, state, scale, guards[k])
             if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
                 return _CROSSING, guard, 0.0
+    if touched and flows.is_still(tables.flow, mode, state):
+        return _NONE, first_guard, limit
     found, k, when = flows.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
@@ -88,6 +91,10 @@ def put_on_surface(tables, guard, state, scale):
     """
     surface = tables.surfaces[tables.guard_surface[guard]]
     chosen = tables.snap[tables.guard_surface[guard]]
+    if state.size > 2:  # the one whose rounding moves the surface most: it may be many digits of another
+        for i in range(state.size):
+            if abs(surface[i]) * scale[i] > abs(surface[chosen]) * scale[chosen]:
+                chosen = i
     rest = surface[surface.size - 1]
     size = abs(rest)
     for i in range(surface.size - 1):

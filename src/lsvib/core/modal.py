@@ -134,6 +134,19 @@ def travel(flow, mode, state, stay, scale, room):
 
 
 @inlined_kernel
+def is_still(flow, mode, state):
+    """Whether a state is an equilibrium of a mode to the last bit; where N is zero there a guard rests on zero."""
+    field, n = flow.field[mode], state.size
+    for i in range(n):
+        rate = field[i, n]
+        for j in range(n):
+            rate += field[i, j] * state[j]
+        if rate != 0.0:
+            return False
+    return True
+
+
+@inlined_kernel
 def slopes_at(flow, mode, state, scale, guard):
     """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
     n = state.size

@@ -18,6 +18,8 @@ from lsvib.models.parameters import ExactDrive
 DIRECTIONS = {1: "forward", -1: "backward"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
+# Of the larger: two numbers made of doubles that differ by less are equal, as their decimals of 50 digits are rounded.
+_CANCELLED = Decimal("1e-40")
 HELD = {1: "forward", -1: "backward", 0: "held"}
 
 
@@ -103,8 +105,13 @@ def constant(value) -> tuple:
 
 
 def plus(*rows: Row) -> tuple:
-    """Sum of rows."""
-    return tuple(sum((Decimal(x) for x in column), Decimal(0)) for column in zip(*rows, strict=True))
+    """Sum of rows; what is left of numbers that cancel but for the digits of decimals is zero."""
+    return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
+
+
+def _sum(terms: list[Decimal]) -> Decimal:
+    total = sum(terms, Decimal(0))
+    return Decimal(0) if abs(total) < _CANCELLED * max(map(abs, terms)) else total
 
 
 def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
@@ -118,5 +125,5 @@ def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
         for i in range(n):
             if i != k:
                 factor = table[i][k]
-                table[i] = [x - factor * y for x, y in zip(table[i], table[k], strict=True)]
+                table[i] = [_sum([x, -factor * y]) for x, y in zip(table[i], table[k], strict=True)]
     return [tuple(row[n:]) for row in table]
