@@ -170,7 +170,9 @@ def simulate(
     print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
     print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
     print(f"attractor: {result['attractor'].replace('_', ' ')}")
-    print(f"peak normal force: {result['peak_normal_force']:.10g} N")
+    print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
+    if result.get("peak_normal_impulse"):
+        print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
 
 
 @app.command

@@ -29,10 +29,6 @@ if any(letter.isspace() for letter in sys.executable):
     )
 
 
-wildcard_constraints:
-    figure=r"fig8_\d\d|limit_process|basin_sweep|attraction_limit|work_precision|stability_sweeps|rival_verdicts|ablation|map_precision",
-
-
 # Figures whose datasets measure run times.
 TIMED = {"work_precision", "ablation", "map_precision"}
 
