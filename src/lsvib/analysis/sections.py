@@ -52,7 +52,7 @@ _EVENTS = 256  # of an itinerary; what a motion does later is asked of its attra
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
 _WORK = 15_000_000  # events that may be followed for a drive, a few seconds
 _BISECTIONS = 60  # motions followed to find the place at which two courses part
-_SPLIT = 2_000  # events that the bookkeeping of a piece counts for, about
+_SPLIT = 5_000  # events that the bookkeeping of a piece counts for, about
 _MANY = 200  # pieces of a section after which those narrower than _NOISE, relative, are not divided: where the speed
 _NOISE = 1e-6  # passes zero by less than its rounding, neighbours differ at random over the square root of that
 _CROWDED = 24  # pieces of a section at which, and at each double of it, a drift is looked for that joins them
@@ -125,6 +125,29 @@ class Sections:
         rows = tables.surfaces[tables.guard_surface[guards]]
         values = tables.guard_sign[guards] * (rows[:, :2] @ state + rows[:, 2])
         return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
+
+    def _ends(self, section: Section) -> tuple[float, float]:
+        """The part of a section on which its mode can be entered: no other guard has fired, and its own one rises."""
+        tables, origin = self.automaton.tables, self._point(section, 0.0)
+        along = self._point(section, self.size[section.free]) - origin
+        rows = []
+        for guard in range(*tables.guard_start[section.mode : section.mode + 2]):
+            u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
+            if tables.guard_surface[guard] == section.surface:
+                flow = tables.flow[section.mode]
+                u, w, constant = -w * flow[planar.A0], u - w * flow[planar.A1], w * flow[planar.B]
+            rows.append((u, w, constant))
+        low, high = -FAR, FAR
+        for u, w, constant in rows:
+            slope, level = u * along[0] + w * along[1], u * origin[0] + w * origin[1] + constant
+            rounding = _SLIVER * (abs(u * origin[0]) + abs(w * origin[1]) + abs(constant))
+            if slope > 0:
+                low = max(low, -(level + rounding) / slope)
+            elif slope < 0:
+                high = min(high, -(level + rounding) / slope)
+            elif level < -rounding:
+                return 0.0, 0.0
+        return low * self.size[section.free], high * self.size[section.free]
 
     def _explore(self, state: np.ndarray, mode: int, learns: bool = True) -> Attractor:
         """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
@@ -241,8 +264,10 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
-        far = FAR * self.size[section.free]
-        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], (-far, far), learns=True))]
+        ends = self._ends(section)
+        if not ends[0] < ends[1]:
+            return Pieces([0.0, 0.0], [UNKNOWN])
+        runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], ends, learns=True))]
         if len(runs[0].labels) == 1:
             return runs[0]
         runs += [self._pushed(section, runs[0], push) for push in _PUSHES[1:]]
