@@ -155,7 +155,9 @@ class Sections:
             return Attractor.UNRESOLVED
         patience = _HASTE if self._in_vain < _IN_VAIN else _COST
         found = steady_state(self.automaton, state, mode=mode, max_events=_COST, patience=patience)
-        self._futile += found.label == Attractor.UNRESOLVED
+        if found.label == Attractor.UNRESOLVED:
+            self._futile += 1
+            self._work += (_WORK - self._work) // _FUTILE  # where nothing is found, less is spent
         self._in_vain += not found.passages
         self._work += _COST if patience == _COST else _LEAPS_COST
         if not learns:
