@@ -123,7 +123,8 @@ def _judge_global(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
         return "wrong", f"{force} N", "a force short of the onset"
     lasting = [fate(before, u, w) for u, w in (*_widest(before), *_starts(before, rng))]
     if all(found.name == "steady_sliding" for found in lasting):
-        return "wrong", f"{force} N: some motion goes on at {_ASIDE:+g}", "all come to steady sliding"
+        # Next to the threshold the starts of motions that go on may be few: these need not be among them.
+        return "undecided", f"{force} N: some motion goes on at {_ASIDE:+g}", "none of the starts does"
     return _all_come_to_rest(beyond, f"{force} N at {-_ASIDE:+g}", rng)
 
 
