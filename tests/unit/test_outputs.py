@@ -19,7 +19,10 @@ from lsvib.settings import DEFAULT, UNUSED, check, read_yaml
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = read_yaml(DEFAULT)
-SLOW = {"fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "attraction_limit"}
+SLOW = {
+    "fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "attraction_limit", "contact_stability",
+    "nut_stability",
+}  # fmt: skip
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 

@@ -28,7 +28,10 @@ UNUSED = {
     "fig8_12": ("support_damping",),
     "fig8_14": ("mass", "axial_force"),
     "fig8_15": ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force"),
-    "limit_process": ("support_damping", "axial_force"),
+    "limit_process": ("support_damping", "translation_damping", "axial_force"),
+    "table_rounding": ("mass", "translation_damping", "axial_force"),
+    "contact_stability": ("mass",),
+    "nut_stability": ("input_speed", "axial_force"),
 }
 _LISTS = ("figures", "accuracy_figures")
 _BOUNDS = {  # keyword of the schema: how it stands in a range, before or after the name
