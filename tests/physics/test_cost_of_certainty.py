@@ -66,7 +66,7 @@ def no_bounds(row, value, rate, out):
 
 @pytest.mark.slow
 def test_certainty_costs_less_than_twice_a_plain_search():
-    """What the design promises of certainty; measured 1.2 to 1.3 on the arcs of Fig. 8.10, k_c = c_c = 1e8."""
+    """What the design promises of certainty; measured 1.2 to 1.5 on the arcs of Fig. 8.10, k_c = c_c = 1e8."""
     flow, modes, starts, guards, zero = arcs()
     steps, roots = nodes_of(flow, modes, starts, guards, zero)
     most = max(map(len, steps))
@@ -79,7 +79,7 @@ def test_certainty_costs_less_than_twice_a_plain_search():
     parts = numba.njit(**_OPTIONS, forceinline=True)(types.FunctionType(sums.prepare.py_func.__code__, names))
 
     @numba.njit(**_OPTIONS)
-    def plain(flow, mode, state, guards, steps, work):
+    def plain(flow, mode, state, guards, steps, off_surface, work):
         count = guards.shape[0]
         parts(flow, mode, state, guards, work)
         a = 0.0
@@ -91,7 +91,7 @@ def test_certainty_costs_less_than_twice_a_plain_search():
                 sums.evaluate(flow, mode, work, guard, 1)
                 change = change or work.values[1, guard, 0] <= 0.0
             if change:
-                return walk._earliest(flow, mode, work, count, 1, a, b)
+                return walk._earliest(flow, mode, work, count, 1, a, b, off_surface, walk._fastest(flow, mode))
             a = b
         return 0, -1, a
 
@@ -104,9 +104,9 @@ def test_certainty_costs_less_than_twice_a_plain_search():
 
     @numba.njit(error_model="numpy")
     def all_plain(flow, modes, starts, guards, nodes, out):
-        work = sums.room_for(flow, 2)
+        work, off_surface = sums.room_for(flow, 2), np.zeros(2, dtype=np.bool_)
         for i in range(modes.size):
-            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], work)[2]
+            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], off_surface, work)[2]
 
     certain, simple = np.empty(modes.size), np.empty(modes.size)
     best = [np.inf, np.inf]
