@@ -29,7 +29,6 @@ _LONGER = 8  # factor from one such attempt to the next
 _MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
-_REPELS = 1e-9  # by which a multiplier must exceed 1 to count: well beyond its error, and less than any drift takes
 _CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
 
 
@@ -300,8 +299,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
     section = Section(automaton, key, points[-1], size, nearest, longest)
     if repeats.size and size.size == 2:
-        found = section.repeated()
-        return _cycle(section, found) if abs(found.multiplier) <= 1 + _REPELS else None
+        return _cycle(section, section.repeated())
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
     for returns in divisors:  # a slow cycle may seem to repeat later than it does
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
