@@ -27,6 +27,7 @@ _NEAR = 1e-6  # of the size of the motion: where motions start that leave or rea
 _ASIDE = 1e-3  # of |R̃| or, at the onset, of |R|: the distance from the threshold at which both sides are asked
 _STARTS = 24  # that come to steady sliding where it is globally stable
 _POINTS = 150  # on each side of the end of rest, where motions start that might go on for ever
+_FAINT = 1e-10  # damping ratio below which a return moves by no more than a few thousand of its own roundings
 _FORCES = np.logspace(-4, 4, 9)  # of the scale of the force, where all are asked
 
 
@@ -72,12 +73,22 @@ def _judge_onset(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
     return "right" if all(verdicts) else "wrong", f"{force} N", f"beyond, before as it should be: {verdicts}"
 
 
+def _sides(drive: LeadScrew, force: float) -> tuple[watch.Constants, watch.Constants] | None:
+    """The drive a little beyond and a little before a force that lies beyond the onset; None if it does not."""
+    ahead = force - _onset(drive)
+    if not ahead * drive.input_speed > 0:
+        return None
+    return _at(drive, force, _ASIDE, abs(ahead)), _at(drive, force, -_ASIDE, abs(ahead))
+
+
 def _judge_stick(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
-    size = abs(force - _onset(drive))
-    if not (force - _onset(drive)) * drive.input_speed > 0:
+    sides = _sides(drive, force)
+    if sides is None:
         return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
-    for aside, stops in ((_ASIDE, True), (-_ASIDE, False)):
-        c = _at(drive, force, aside, size)
+    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+        if np.all(np.abs(c.flow[:, 0]) < _FAINT * np.sqrt(c.flow[:, 1])):
+            return "undecided", f"{force} N", "a damping too faint for the return map of a watched motion"
+        stops = aside > 0
         found = fate(c, _NEAR * abs(c.contact[2] / c.contact[0]), 0.0)
         if found.name == "unknown":
             return "undecided", f"{force} N", found.reason
@@ -88,11 +99,11 @@ def _judge_stick(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
 
 
 def _judge_detach(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
-    size = abs(force - _onset(drive))
-    if not (force - _onset(drive)) * drive.input_speed > 0:
+    sides = _sides(drive, force)
+    if sides is None:
         return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
-    for aside, reverses in ((_ASIDE, False), (-_ASIDE, True)):
-        c = _at(drive, force, aside, size)
+    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+        reverses = aside < 0
         kinds = _first_slip(c)
         if kinds is None:
             return "undecided", f"{force} N", "a guard that cannot be told in double precision"
