@@ -20,7 +20,7 @@ EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
 
 
-# Loaded before the modules in question, each of which then costs a tenth of a second; what is looked for is not among them.
+# Loaded before the modules in question, each of which then costs a tenth of a second; nothing that is looked for.
 DATASETS_NEED = "numpy, xarray, netCDF4, mpmath, pydantic, numba"
 FIGURES_NEED = "numpy, xarray, netCDF4, mpmath, matplotlib, matplotlib.figure, matplotlib.backends.backend_agg"
 PROGRAM = """
