@@ -88,9 +88,36 @@ def test_a_changed_parameter_reruns_its_figure_only(built):
     assert built.plan() == {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"}
 
 
-def test_draft_configuration_reruns_both_figures(built):
-    jobs = built.plan("--configfile", "config/draft.yaml")
-    assert {"Computing fig8_03", "Computing fig8_08"} <= jobs
+@pytest.mark.slow
+def test_a_draft_is_drawn_without_pdf_and_a_full_run_brings_everything_back(built, finished):
+    """A quick look starts no process for each figure, and leaves no PDF that shows other data than its PNG."""
+    draft = built("--configfile", "config/draft.yaml")
+    assert draft.returncode == 0, draft.stdout
+    assert "Computing and drawing fig8_03\n" in draft.stdout
+    results, reference = built.folder / "results", finished[0].folder / "results"
+    assert not list(results.rglob("*.pdf"))
+    for figure in FIGURES:
+        coarse, fine = (path / "figures" / f"{figure}.png" for path in (results, reference))
+        assert coarse.read_bytes().startswith(b"\x89PNG")
+        assert coarse.stat().st_size < 0.6 * fine.stat().st_size
+    assert "Nothing to be done" in built("--configfile", "config/draft.yaml").stdout
+    assert {f"{verb} {figure}" for verb in ("Computing", "Drawing") for figure in FIGURES} <= built.plan()
+    assert built().returncode == 0
+    for figure in FIGURES:
+        for kind in ("png", "pdf"):
+            name = f"figures/{figure}.{kind}"
+            assert (results / name).read_bytes() == (reference / name).read_bytes()
+
+
+def test_a_draft_of_all_figures_is_a_few_processes(fresh):
+    """Each with several figures; the target ``accuracy`` of a draft has its own jobs."""
+    names = ", ".join(CONFIG["figures"])
+    fresh.edit("config/config.yaml", "figures: [fig8_03, fig8_08]", f"figures: [{names}]")
+    jobs = [job for job in fresh.plan("--configfile", "config/draft.yaml") if "omputing" in job or "Drawing" in job]
+    assert len(jobs) == 4
+    assert sorted(", ".join(job.removeprefix("Computing and drawing ") for job in jobs).split(", ")) == sorted(
+        CONFIG["figures"]
+    )
 
 
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):

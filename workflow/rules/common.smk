@@ -86,15 +86,16 @@ def source_files(modules):
     return sorted(str(file) for file in files)
 
 
+def figure_sources(kind, figure):
+    """Return the source files of the figure's module in ``lsvib.datasets`` or ``lsvib.figures``."""
+    unimported = UNIMPORTED.get(figure, ()) if kind == "datasets" else ()
+    roots = (f"lsvib.{kind}.{figure}", *SCRIPT_IMPORTS[kind], *unimported)
+    return source_files(frozenset().union(*map(imports, roots)))
+
+
 def sources(kind):
-    """Return an input function: the source files of the figure's module in ``lsvib.datasets`` or ``lsvib.figures``."""
-
-    def files(wildcards):
-        unimported = UNIMPORTED.get(wildcards.figure, ()) if kind == "datasets" else ()
-        roots = (f"lsvib.{kind}.{wildcards.figure}", *SCRIPT_IMPORTS[kind], *unimported)
-        return source_files(frozenset().union(*map(imports, roots)))
-
-    return files
+    """Return :func:`figure_sources` as an input function."""
+    return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
 def map_sources():
@@ -102,10 +103,14 @@ def map_sources():
     return source_files(imports("lsvib.datasets.tiles") | imports(f"lsvib.models.{MAP.get('model', 'rigid')}"))
 
 
+def needs_engine(figure):
+    """Return whether the figure's dataset reaches ``lsvib.core``."""
+    return any(module.startswith("lsvib.core.") for module in imports(f"lsvib.datasets.{figure}"))
+
+
 def engine(wildcards):
-    """Return the marker of the compiled engine if the figure's dataset reaches ``lsvib.core``, else nothing."""
-    modules = imports(f"lsvib.datasets.{wildcards.figure}")
-    return "results/engine.txt" if any(module.startswith("lsvib.core.") for module in modules) else []
+    """Return the marker of the compiled engine if the figure's dataset needs it, else nothing."""
+    return "results/engine.txt" if needs_engine(wildcards.figure) else []
 
 
 def cores(wildcards):

@@ -50,7 +50,6 @@ _STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 7.5,
     "figure.constrained_layout.use": True,
-    "savefig.dpi": 300,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -95,13 +94,18 @@ def flag_names(variable: xr.DataArray) -> dict[int, str]:
     return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
 
 
-def save(figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str]) -> None:
+def save(
+    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, resolution: float = 300
+) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
-    Raises ``LsvibError`` if a file cannot be written.
+    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. Raises ``LsvibError`` if a file cannot be
+    written.
     """
     metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
     with matplotlib.rc_context(_STYLE):
         for path, kind in ((png, "png"), (pdf, "pdf")):
+            if path is None:
+                continue
             with replacing(path) as part:
-                figure.savefig(part, format=kind, metadata=metadata[kind])
+                figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)
