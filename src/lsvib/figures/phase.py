@@ -8,7 +8,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures import style
+from lsvib.figures import arrows, style
+from lsvib.figures.style import number
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 EVEN = (1.1, 1.1, 1.1, 1.1)
@@ -26,8 +27,10 @@ def single(dataset: xr.Dataset) -> Figure:
     mark_origin(axes)
     widen(axes, case)
     draw_lines(axes, case)
+    guide(axes, case, cycle=style.BLACK)
     label_axes(axes, dataset)
     axes.set_title(f"$R$ = {number(case.axial_force)} N")
+    style.state_values(figure, dataset)
     legend(figure, [axes], 3)
     return figure
 
@@ -92,11 +95,52 @@ def mark_seizures(axes: Axes, u, w, colour: str) -> None:
 def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
     after = np.flatnonzero(jumps) + 1
-    broken = np.insert(u, after, np.nan), np.insert(w, after, np.nan)
-    axes.plot(*broken, color=colour, linewidth=width, label=name, zorder=2.2)
+    axes.plot(*_parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
     for k in after:
         jump = slice(k - 1, k + 1)
         axes.plot(u[jump], w[jump], color=colour, linewidth=1, linestyle=_DOTTED, label="seizure: jump of the rate")
+
+
+def _parted(u, w, jumps) -> tuple[np.ndarray, np.ndarray]:
+    """Return u and w with NaN at the jumps."""
+    after = np.flatnonzero(jumps) + 1
+    return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
+
+
+def guide(axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, cycle: str | None = None) -> None:
+    """Name the sides of the line N = 0 of one case, and draw an arrow of time on each motion and on the limit cycle.
+
+    To be called when the panel has its limits; the arrow of the limit cycle is left out without a colour ``cycle``.
+    N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
+    follows law −, for which N θ′ < 0, and beyond the line there is no solution: a name stands where motions slip.
+    """
+    paths: list[arrows.Line] = []
+    for index, colour in zip(range(case.sizes["start"]), colours, strict=False):
+        motion = case.isel(start=index)
+        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
+        paths.append((*_parted(u, w, (np.diff(time) == 0) & (np.diff(w) != 0)), colour))
+    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+    if np.isfinite(u).any():
+        paths.append((*_parted(u, w, cycle_jumps(case)), cycle))
+    angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
+    sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
+    paths.append((sides, np.full(2, stop), None))
+    if slope:
+        low, high = np.clip(np.sort((sides - angle) / slope), low, high)
+    if float(case.effective_inertia) > 0:
+        _name_sides(axes, angle, slope, (low, high), ("$N > 0$", "$N < 0$"), paths)
+    else:
+        _name_sides(axes, angle, slope, (max(low, stop), high), ("", "$N < 0$"), paths)
+        _name_sides(axes, angle, slope, (low, min(high, stop)), ("$N > 0$", ""), paths)
+    rates = np.array([low, high])
+    arrows.draw_arrows(axes, [*paths, (angle + slope * rates, rates, None)])
+
+
+def _name_sides(axes: Axes, angle: float, slope: float, rates, words: tuple[str, str], paths) -> None:
+    """Write words to the right and to the left of the line N = 0 between two rates, if it is in view there."""
+    low, high = rates
+    if high > low:
+        arrows.name_sides(axes, np.array([[angle + slope * low, low], [angle + slope * high, high]]), words, paths)
 
 
 def mark_origin(axes: Axes) -> None:
@@ -119,15 +163,6 @@ def widen(axes: Axes, case: xr.Dataset, margin: float = 0.06) -> None:
     for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
         room = margin * np.ptp(x)
         limits(x.min() - room, x.max() + room)
-
-
-def number(value: float) -> str:
-    """Return a number for a title: a minus sign in place of a hyphen, a power of ten where it is short."""
-    text = f"{float(value):g}".replace("-", "−")
-    if float(value) == 0 or ("e" not in text and abs(float(value)) >= 0.01):
-        return text
-    mantissa, power = f"{float(value):.3e}".split("e")
-    return f"${float(mantissa):g} \\times 10^{{{int(power)}}}$"
 
 
 def _code(variable: xr.DataArray, word: str) -> int:

@@ -1,0 +1,94 @@
+"""The line of values under a picture, and where arrows of time and words beside a line stand."""
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+
+from lsvib.figures import arrows, style
+
+
+def parameters() -> xr.Dataset:
+    """Parameters of some drives, of each origin."""
+    names = {
+        "mass": ([10.0, 11.0], "m", "kg", "assumed: not stated in the text"),
+        "axial_force": ([-50.0, -50.0], "R", "N", "printed: Fig. 8.14"),
+        "contact_stiffness": ([1e8, 1e8], "k_c", "N m-1", "assumed: not stated in the text"),
+        "support_damping": ([2e-4, 2e-4], "c", "N m s rad-1", "printed: Table 8.1"),
+        "input_speed": ([40.0, 40.0], "\\Omega", "rad s-1", "varied: an axis of this file"),
+    }
+    return xr.Dataset(
+        {
+            name: ("case", values, {"symbol": f"${symbol}$", "units": unit, "long_name": name, "origin": origin})
+            for name, (values, symbol, unit, origin) in names.items()
+        }
+    )
+
+
+def test_the_line_states_what_is_printed_and_what_is_assumed():
+    figure = style.new_figure(style.DOUBLE)
+    style.state_values(figure, parameters())
+    assert figure.get_supxlabel() == (
+        "As printed: $R$ = −50 N. Assumed: $m$ = 10, 11 kg, $k_c$ = $10^{8}$ N m⁻¹. Otherwise Table 8.1."
+    )
+
+
+@pytest.mark.parametrize("width", [1.6, 2.5, style.SINGLE])
+def test_the_line_is_broken_where_it_would_leave_the_figure(width):
+    figure = style.new_figure(width)
+    style.state_values(figure, parameters())
+    text = figure.get_supxlabel()
+    assert "\n" in text
+    assert figure._supxlabel.get_window_extent().width <= 0.98 * figure.bbox.width
+
+
+def test_many_values_of_a_parameter_become_their_range():
+    variable = xr.DataArray(np.linspace(1, 7, 7), attrs={"symbol": "$k$", "units": "N m-1", "long_name": "stiffness"})
+    assert style.amount(variable) == "$k$ = 1 to 7 N m⁻¹"
+    assert style.amount(variable[:5]) == "$k$ = 1, 2, 3, 4, 5 N m⁻¹"
+
+
+def panel():
+    axes = style.new_figure().add_subplot()
+    axes.set(xlim=(0, 10), ylim=(0, 1))
+    return axes
+
+
+def test_an_arrow_points_along_its_line_where_no_other_line_is_near():
+    axes = panel()
+    x = np.linspace(1, 9, 400)
+    crossing = np.where(x < 6, 0.5, 0.9)  # lies on the first line but for the last third
+    arrows.draw_arrows(axes, [(x[::-1], np.full(x.size, 0.5), "red"), (x, crossing, None)])
+    (arrow,) = axes.texts
+    (head, tail) = arrow.xy, arrow.xyann
+    assert head[0] < tail[0]
+    assert head[0] > 6
+    assert matplotlib.colors.same_color(arrow.arrow_patch.get_facecolor(), "red")
+
+
+def test_a_line_out_of_view_and_one_without_length_get_no_arrow():
+    axes = panel()
+    away = np.linspace(20, 30, 50)
+    arrows.draw_arrows(axes, [(away, away, "red"), (np.full(5, 3.0), np.full(5, 0.5), "red")])
+    assert not axes.texts
+
+
+def test_no_arrow_stands_on_a_jump():
+    axes = panel()
+    x = np.array([1.0, 1.6, np.nan, 1.6, 2.2])
+    y = np.array([0.1, 0.1, np.nan, 0.9, 0.9])
+    arrows.draw_arrows(axes, [(x, y, "red")])
+    (arrow,) = axes.texts
+    assert arrow.xy[1] == arrow.xyann[1]
+    assert arrow.xy[0] > arrow.xyann[0]
+
+
+def test_words_stand_on_their_sides_of_a_line_and_clear_of_others():
+    axes = panel()
+    x = np.linspace(0, 5, 300)
+    other = (x, x / 10, None)  # covers the first half of the line
+    arrows.name_sides(axes, np.array([[0.0, 0.0], [10.0, 1.0]]), ("below", "above"), [other])
+    places = {text.get_text(): text.get_position() for text in axes.texts}
+    assert places["below"][1] < places["below"][0] / 10
+    assert places["above"][1] > places["above"][0] / 10
+    assert min(place[0] for place in places.values()) > 5
