@@ -86,7 +86,7 @@ def test_no_arrow_stands_on_a_jump():
 def test_words_stand_on_their_sides_of_a_line_and_clear_of_others():
     axes = panel()
     x = np.linspace(0, 5, 300)
-    other = (x, x / 10, None)  # covers the first half of the line
+    other = (x, x / 10 + 0.5 * np.sin(40 * x), None)  # covers the panel around the first half of the line
     arrows.name_sides(axes, np.array([[0.0, 0.0], [10.0, 1.0]]), ("below", "above"), [other])
     places = {text.get_text(): text.get_position() for text in axes.texts}
     assert places["below"][1] < places["below"][0] / 10

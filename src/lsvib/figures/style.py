@@ -130,7 +130,8 @@ def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Tab
     """
     table = amounts(dataset, "printed: Table 8.1")
     known = [text for text in amounts(dataset, "printed") if text not in table]
-    words = [*_enumeration("As printed: ", known), *_enumeration("Assumed: ", amounts(dataset, "assumed")), rest]
+    words = [*_enumeration("As printed: ", known), *_enumeration("Assumed: ", amounts(dataset, "assumed"))]
+    words.append(rest if words else "All values: Table 8.1.")
     note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
     room = 0.98 * figure.bbox.width
     lines: list[str] = []
