@@ -35,8 +35,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     close = axes.inset_axes(_INSET)
     for panel in (axes, close):
         panel.pcolormesh(
-            dataset.inertia,
-            dataset.damping,
+            dataset.effective_inertia,
+            dataset.effective_damping,
             dataset.stability.T,
             cmap=colours,
             norm=norm,
@@ -46,10 +46,10 @@ def draw(dataset: xr.Dataset) -> Figure:
         _lines_and_drives(panel, dataset)
     _name_regions(axes, dataset)
     axes.set(
-        xlabel=style.label(dataset.inertia),
-        ylabel=style.label(dataset.damping),
-        xlim=(dataset.inertia[0], dataset.inertia[-1]),
-        ylim=(dataset.damping[0], dataset.damping[-1]),
+        xlabel=style.label(dataset.effective_inertia),
+        ylabel=style.label(dataset.effective_damping),
+        xlim=(dataset.effective_inertia[0], dataset.effective_inertia[-1]),
+        ylim=(dataset.effective_damping[0], dataset.effective_damping[-1]),
     )
     _close_up(axes, close, dataset)
     style.state_values(figure, dataset)
@@ -60,16 +60,18 @@ def draw(dataset: xr.Dataset) -> Figure:
 def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw the boundaries of the classes and the chapter's drives."""
     for sign in (1, -1):
-        curve = axes.plot(dataset.positive_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0)
+        curve = axes.plot(
+            dataset.node_focus_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0
+        )
     curve[0].set_label(r"$C_0^2 = 4 k \Gamma_0$")
     axes.axvline(0, color=style.BLACK, linewidth=1.0)
-    axes.plot([0, dataset.inertia[-1]], [0, 0], color=style.BLACK, linewidth=1.0)
+    axes.plot([0, dataset.effective_inertia[-1]], [0, 0], color=style.BLACK, linewidth=1.0)
     for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
         case = dataset.sel(case=index)
-        name = f"$m$ = {float(case.case_mass):g} kg, $c_x$ = {float(case.case_translation_damping):g} N s m⁻¹"
+        name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
         axes.plot(
-            case.case_inertia,
-            case.case_damping,
+            case.case_effective_inertia,
+            case.case_effective_damping,
             marker,
             color=colour,
             markeredgecolor="white",
@@ -82,8 +84,8 @@ def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _close_up(axes: Axes, close: Axes, dataset: xr.Dataset) -> None:
     """Show the surroundings of the two drives that lie closest together in the picture."""
-    drives = np.stack([dataset.case_inertia.values, dataset.case_damping.values])
-    sides = np.array([np.ptp(dataset.inertia.values), np.ptp(dataset.damping.values)])
+    drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
+    sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
     scaled = drives / sides[:, None]
     apart = np.hypot(*(scaled[:, :, None] - scaled[:, None, :]))
     pair = drives[:, np.unravel_index(np.argmin(apart + np.diag(np.full(drives.shape[1], np.inf))), apart.shape)]
@@ -102,4 +104,9 @@ def _name_regions(axes: Axes, dataset: xr.Dataset) -> None:
     for value, name in style.flag_names(dataset.stability).items():
         inside = dataset.stability == value
         if inside.mean() > 0.01:
-            axes.text(dataset.inertia.where(inside).mean(), dataset.damping.where(inside).mean(), name, ha="center")
+            axes.text(
+                dataset.effective_inertia.where(inside).mean(),
+                dataset.effective_damping.where(inside).mean(),
+                name,
+                ha="center",
+            )

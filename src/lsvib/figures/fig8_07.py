@@ -30,15 +30,23 @@ def draw(dataset: xr.Dataset) -> Figure:
         inside = (dataset.existence == names[name]).T.astype(float)
         if hatch:
             area = axes.contourf(
-                dataset.angle, dataset.velocity, inside, levels=[0.5, 1.5], colors=[colour], hatches=[hatch], zorder=0
+                dataset.grid_angle_deviation,
+                dataset.grid_velocity_deviation,
+                inside,
+                levels=[0.5, 1.5],
+                colors=[colour],
+                hatches=[hatch],
+                zorder=0,
             )
             area.set(edgecolor=_HATCH, linewidth=0)
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     phase.draw_cycle(axes, case, width=1.1)
     phase.draw_motions(axes, case)
     phase.mark_origin(axes)
-    axes.plot(float(dataset.equilibrium), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −")
-    axes.set(xlim=_ends(dataset.angle), ylim=_ends(dataset.velocity))
+    axes.plot(
+        float(dataset.equilibrium_angle), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −"
+    )
+    axes.set(xlim=_ends(dataset.grid_angle_deviation), ylim=_ends(dataset.grid_velocity_deviation))
     phase.draw_lines(axes, case)
     phase.draw_arrows(axes, case, cycle=style.BLACK)
     _name_sectors(axes, dataset)
@@ -61,7 +69,7 @@ def _name_sectors(axes: Axes, dataset: xr.Dataset) -> None:
     """Write into each sector, at its corner of the picture, the signs of θ′ and of the contact forces that solve."""
     names = style.flag_names(dataset.existence)
     for i, j in product((0, -1), repeat=2):
-        direction = 1 if float(dataset.velocity[j]) > float(dataset.stop_velocity[0]) else -1
+        direction = 1 if float(dataset.grid_velocity_deviation[j]) > float(dataset.stop_velocity[0]) else -1
         words = [rf"$\dot\theta {_relation(direction)} 0$: no $N$"]
         if names[int(dataset.existence[i, j])] == "indeterminate":  # law s holds where N θ′ has the sign s
             words = [rf"$\dot\theta {_relation(direction)} 0$: $N {_relation(-direction)} 0$ by law −"]

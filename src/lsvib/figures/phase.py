@@ -68,7 +68,12 @@ def draw_motions(
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
         seized = events(motion, "seizure").values
         if seized.any():
-            mark_seizures(axes, motion.event_angle.values[seized], motion.event_velocity_before.values[seized], colour)
+            mark_seizures(
+                axes,
+                motion.event_angle_deviation_before.values[seized],
+                motion.event_velocity_deviation_before.values[seized],
+                colour,
+            )
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
 
 
@@ -124,7 +129,7 @@ def guide(
     paths.append((sides * 1e-2, np.zeros(2), None))  # the mark of the origin
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
-    if float(case.effective_inertia) > 0:
+    if float(case.effective_inertia_plus) > 0:
         _name_sides(axes, angle, slope, (low, high), ("$N > 0$", "$N < 0$"), paths, size)
     else:
         _name_sides(axes, angle, slope, (max(low, stop), high), ("", "$N < 0$"), paths, size)
