@@ -23,7 +23,7 @@ Quantity = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
-def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: float) -> Any:
+def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
     return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
 
 
@@ -206,6 +206,11 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
 def parameters_of(drive: LeadScrew | Mapping[str, Any] | None) -> dict[str, Any]:
     """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
     return drive.model_dump() if isinstance(drive, LeadScrew) else names_and_values("drive", drive)
+
+
+def model_of(drive: Any, model: str = "rigid") -> str:
+    """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
+    return drive.model if isinstance(drive, LeadScrew) and model == "rigid" else model
 
 
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:

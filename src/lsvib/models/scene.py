@@ -120,7 +120,7 @@ class _Loader(yaml.SafeLoader):
                         None, None, f"the key {key.value} is given twice", key.start_mark
                     )
                 seen.add((key.tag, key.value))
-        return super().construct_mapping(node, deep)
+        return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
 
     def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
         text = self.construct_scalar(node)
