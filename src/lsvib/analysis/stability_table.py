@@ -20,7 +20,8 @@ def stability_table(changes: LeadScrew | Mapping[str, Any] | None = None, model:
     :func:`lsvib.analysis.model_summary.model_stability_table`. Returns ``stable`` (asymptotically), ``class``
     (:class:`Stability`, lower case), ``eigenvalues`` [1/s], the ``steady_law`` s_0, the effective coefficients of both
     laws, the steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of
-    :func:`conditions`. With a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.
+    :func:`conditions`. With a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its
+    eigenvalues.
     """
     model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
