@@ -37,14 +37,14 @@ def threshold_table(
 ) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
-    A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For another
-    ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of
+    A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For
+    another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of
     ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
-    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the
-    chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if ``changes`` leave the
-    chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –, ``reason`` if there
-    is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0. Raises
-    ``InputError`` for unacceptable parameters.
+    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``,
+    the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None
+    if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no number
+    –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω
+    > 0. Raises ``InputError`` for unacceptable parameters.
     """
     model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
