@@ -112,7 +112,7 @@ class _Drive(LeadScrew):
         """
         from lsvib.datasets.trajectory import run, trajectory
 
-        scene = self._scene(initial, duration, samples=samples, resume=resume, physics=physics, outputs=tuple(outputs))
+        scene = self._scene(initial, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
 
     def steady_state(
@@ -276,6 +276,8 @@ def map_attraction(
         raise InputError(f"resume = {numbers.shown(resume)} is not one of {', '.join(RULES)}.")
     starts = _grid(grid)
     mapped = mapper(drive, drive.model, resume=resume)
+    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
+        raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
     if refine and (wanted != ["label"] or drive.model != "rigid"):
         raise InputError("refine is for labels of the rigid drive, without other quantities.")
