@@ -134,10 +134,13 @@ class _Drive(LeadScrew):
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
         """
         from lsvib.analysis.cycles import steady_state
+        from lsvib.models.motion import enter
 
         scene = self._scene(initial, 1.0, resume=resume, physics=physics)
         automaton = scene.kind.build(self, scene.terms, scene.resume)
-        return steady_state(automaton, scene.kind.initial_state(self, scene.initial))
+        state = scene.kind.initial_state(self, scene.initial)
+        enter(automaton, state)  # refuses what is no state
+        return steady_state(automaton, state)
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.

@@ -79,7 +79,7 @@ def stability(
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.analysis.summary import stability_table
+    from lsvib.analysis.stability_table import stability_table
 
     table = stability_table(_pairs(changes), model)
     if as_json:
@@ -304,20 +304,16 @@ def config(
         lsvib config --model threads
     """
     from lsvib.api import drive_class
-    from lsvib.models.parameters import allowed_range, names_and_values
+    from lsvib.models.parameters import allowed_range, described, names_and_values
 
     start = _known_keys(scene) if scene else {}
     kind = drive_class(model or start.get("model", "rigid"))
     drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**_pairs(changes))
-    fields = {
-        key: {
-            "value": value,
-            "unit": kind.model_fields[key].json_schema_extra["unit"],
-            "symbol": kind.model_fields[key].json_schema_extra["symbol"],
-            "allowed": allowed_range(kind, key),
-        }
-        for key, value in drive
-    }
+    fields = {}
+    for key, value in drive:
+        about = described(kind, key)
+        allowed = allowed_range(kind, key)
+        fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
     if as_json:
         print_json(fields)
         return
@@ -360,7 +356,7 @@ def _label(name: str) -> str:
 
 def _pairs(items: list[str] | None) -> dict[str, str]:
     """Split KEY=VALUE items; the values stay text, which the models read and check."""
-    pairs = {}
+    pairs: dict[str, str] = {}
     for item in items or []:
         key, equals, value = item.partition("=")
         if not equals or not key or not value:

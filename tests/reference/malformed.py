@@ -359,7 +359,7 @@ PYTHON = [
     (lambda: lsvib.stability({"mass": 10**5000}), RANGE),
     (lambda: lsvib.stability([]), "drive = []"),
     (lambda: lsvib.stability(model={}), "model = {}"),
-    (lambda: lsvib.stability(SupportDrive()), UNKNOWN),
+    (lambda: lsvib.stability(SupportDrive(), model="nut"), UNKNOWN),
     (lambda: lsvib.stability({"mass": 1j}), NUMBER),
     (lambda: lsvib.RigidDrive(mass=-1), RANGE),
     (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),

@@ -234,6 +234,12 @@ def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     return f"{key} = {value} is not acceptable: {first['msg']}."
 
 
+def described(model: type[BaseModel], key: str) -> dict[str, str]:
+    """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
+    extra = model.model_fields[key].json_schema_extra
+    return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
+
+
 def allowed_range(model: type[BaseModel], key: str) -> str:
     """Return the allowed range of a parameter as text, e.g. ``0 < mass <= 1e+09``; empty if it has no bounds."""
     if key == "friction_coefficient":
