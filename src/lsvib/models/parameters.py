@@ -15,7 +15,9 @@ PLACES = 50  # decimal digits in which coefficients are formed
 
 
 def _quantity_of(value: Any) -> float:
-    return number(value) + 0.0  # -0.0 and 0.0 are one drive
+    if type(value) is float and value == value:  # nearly always, and quick
+        return value + 0.0  # -0.0 and 0.0 are one drive
+    return number(value) + 0.0
 
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -59,8 +61,10 @@ class LeadScrew(BaseModel):
 
         def __init__(self, /, **values: Any) -> None:
             """Make a drive from its parameters; raises ``InputError`` in one sentence."""
+            if "lead_angle_deg" in values:
+                values = _in_radians(values)
             try:
-                super().__init__(**_in_radians(values))
+                super().__init__(**values)
             except ValidationError as error:
                 raise InputError(sentence_about(type(self), error)) from None
 
@@ -149,8 +153,7 @@ class ExactDrive:
     """A drive in 50-digit decimal arithmetic: attributes as in :class:`LeadScrew`, plus the functions of λ."""
 
     def __init__(self, drive: LeadScrew) -> None:
-        for key, value in drive:
-            setattr(self, key, Decimal(value))
+        self.__dict__.update({key: Decimal(value) for key, value in drive.__dict__.items()})
         with localcontext(prec=PLACES + 10):
             self.sin_lead, self.cos_lead = _sine_and_cosine(self.lead_angle)
             self.tan_lead = self.sin_lead / self.cos_lead
