@@ -59,7 +59,7 @@ def test_each_check_of_the_contact_stability_can_fail():
     spoilers = [
         set_to("critical_mass_with_contact", 7.0, 1),
         scale("critical_mass_with_contact", 1.001, 2),
-        set_to("curve_critical_mass", 10.2, 2, 5),
+        set_to("curve_critical_mass_with_contact", 10.2, 2, 5),
         set_to("growth_rate", -1.0, 0, 0, -1),
         scale("growth_scale", 1.1),
         scale("elastic_growth_limit", 1.1),

@@ -104,7 +104,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **_branch_coordinates(flat),
             **drive_parameters([b.drive for b in flat], "branch", along=("axial_force", "support_damping")),
             **start_state(start, "of the cycles"),
-            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before an impact", r"$\dot\theta$")),
+            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
             "nut_damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
             "fit_from": ((), settings["fit_from"], attributes("N m-1", "least stiffness that orders are fitted to")),
         },
