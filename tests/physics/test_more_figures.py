@@ -103,7 +103,7 @@ def test_each_check_of_figure_8_3_can_fail(monkeypatch):
     spoilers = [
         set_to("stability", Stability.UNSTABLE_NODE, -1, -1),
         set_to("stability", Stability.STABLE_FOCUS, 0, 0),
-        scale("node_focus_damping", 1 + 1e-11, 0),
+        scale("node_focus_effective_damping", 1 + 1e-11, 0),
         wrong_eigenvalues,
     ]
     assert_each_check_fails_on_some("fig8_03", dataset_of("fig8_03"), spoilers)

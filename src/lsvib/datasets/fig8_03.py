@@ -38,8 +38,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 kinds,
                 {"units": "1", "long_name": "class of the steady sliding", **flags(Stability)},
             ),
-            "node_focus_damping": (
-                "node_focus_inertia",
+            "node_focus_effective_damping": (
+                "node_focus_effective_inertia",
                 _node_focus_boundary(positive, stiffness),
                 {
                     "units": "N m s rad-1",
@@ -53,7 +53,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "effective_inertia": ("effective_inertia", inertia, _inertia_attributes()),
             "effective_damping": ("effective_damping", damping, _damping_attributes()),
-            "node_focus_inertia": ("node_focus_inertia", positive, _inertia_attributes()),
+            "node_focus_effective_inertia": ("node_focus_effective_inertia", positive, _inertia_attributes()),
             **labels("case", cases, _CHANGED),
             **drive_parameters(
                 cases,
@@ -81,7 +81,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     stable = np.isin(kinds, [Stability.STABLE_NODE, Stability.STABLE_FOCUS])
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
     saddles = (kinds == Stability.SADDLE) == (inertia < 0)
-    ratio = dataset.node_focus_damping**2 / (4 * stiffness * dataset.node_focus_inertia)
+    ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
     worst = float(ratio[int(np.argmax(np.abs(ratio.values - 1)))])
     largest = _distance_from_lapack(inertia, damping, stiffness)
     return [
