@@ -7,7 +7,7 @@ Its attribute ``origin`` begins with one of five words:
 * ``printed: Table 8.1``, or another place of the chapter;
 * ``assumed: not stated in the text``; if some of several values are printed they follow after ``except``;
 * ``varied: an axis of this file``;
-* ``given: by whoever asked for this motion``, in the file of a single motion;
+* ``given: by whoever asked for this file``, of a single motion or of a map;
 * ``of no effect: the results of this file do not depend on it``, but for the sign of a product that the file names.
 
 A parameter that a file needs twice bears a qualifier in front, one of :data:`QUALIFIERS`.
@@ -23,7 +23,7 @@ from lsvib.datasets.variables import attributes
 from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
 
 ASSUMED = "assumed: not stated in the text"
-GIVEN = "given: by whoever asked for this motion"
+GIVEN = "given: by whoever asked for this file"
 VARIED = "varied: an axis of this file"
 NO_EFFECT = "of no effect: the results of this file do not depend on it"
 # In front of a parameter's name: along a sweep, a grid, a curve, growth rates or a boundary; of readings of the text;

@@ -64,7 +64,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
         coords={
             "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
-            "edge_family": ("edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", Family)),
+            "edge_family": (
+                "edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", Family)),
             "outcome": ("outcome", np.array(Verdict, dtype=np.int8), _flag("verdict", Verdict)),
             "force_threshold": (
                 "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
