@@ -2,12 +2,13 @@
 
 import json
 from collections import defaultdict
+from importlib import import_module
 
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from reference.figures import CONFIG, dataset_of
+from reference.figures import CONFIG, dataset_of, draft
 from scipy.integrate import solve_ivp
 
 from lsvib.analysis import chapter
@@ -84,6 +85,21 @@ def test_what_a_figure_does_not_depend_on_is_not_called_assumed(figure):
     for name in UNUSED[figure]:
         origin = dataset[name].attrs["origin"]
         assert origin in (VARIED, NO_EFFECT) or dataset[name].ndim or origin.startswith("printed"), (name, origin)
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_what_is_of_no_effect_has_none(figure):
+    """Rebuilt with other values of the same sign, every other variable of the file is the same to the last bit."""
+    dataset = dataset_of(figure)
+    idle = [name for name in FIELDS if name in dataset and dataset[name].attrs["origin"] == NO_EFFECT]
+    if not idle:
+        return
+    settings = draft(figure)
+    changed = {name: 1.7 * float(dataset[name]) + (not dataset[name].item()) for name in idle}
+    other = import_module(f"lsvib.datasets.{figure}").build(settings | {"drive": settings["drive"] | changed})
+    for name in idle:
+        assert float(other[name]) == changed[name]
+    xr.testing.assert_identical(other.drop_vars(idle), dataset.drop_vars(idle))
 
 
 def test_origin_says_which_values_are_printed():

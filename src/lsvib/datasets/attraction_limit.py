@@ -67,7 +67,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             **axis("contact_stiffness", stiffness),
             **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
-            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")),
+            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
             "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
             **_plane(grid),
         },

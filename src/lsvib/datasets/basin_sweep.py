@@ -63,7 +63,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         stable,
     )
     variables["global_stability_force"] = ((), global_stability_force(drive), stable)
-    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
     return xr.Dataset(
         variables,
         coords=coordinates,
@@ -180,7 +180,7 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
     named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
-    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6"))
     parameters = {
         f"case_{name}": own[name] for name in own if name in named or name in ("axial_force", "support_damping")
     }

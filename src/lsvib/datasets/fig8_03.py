@@ -59,14 +59,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 cases,
                 along=_CHANGED,
                 printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6"),
-                no_effect=("input_speed", "axial_force"),  # but for the sign of the net force
             ),
         },
         attrs={
             "title": "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
             "source": "lsvib, eigenvalues in closed form (8.18)",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.4, Fig. 8.3",
-            "comment": "R Omega > 0 at every case, so that law + is that of steady sliding",
         },
     )
 

@@ -24,7 +24,7 @@ _SOURCE = "docs/attraction.md"
 _CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
 _SINGLE = 1e-5  # distance from which on none of single precision may be
 _CHANGED = ("mass", "support_damping", "axial_force")  # in which the drives of the boxes may differ
-_PLACES = ("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")  # that state some of their values
+_PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:

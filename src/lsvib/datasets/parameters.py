@@ -58,14 +58,16 @@ def drive_parameters(
     *,
     along: Sequence[str] = (),
     printed: Sequence[str] = (),
+    assumed: Sequence[str] = (),
     no_effect: Sequence[str] = (),
     axes: Sequence[str] = (),
 ) -> Variables:
     """Return every parameter of some drives of one class as variables.
 
     Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
-    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`;
-    parameters that have ``no_effect``; those which are ``axes`` of the file and therefore are left out here.
+    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
+    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
+    those which are ``axes`` of the file and therefore are left out here.
     """
     row = [drives] if isinstance(drives, LeadScrew) else list(drives)
     result = {}
@@ -73,7 +75,7 @@ def drive_parameters(
         if name in axes:
             continue
         values = np.array([getattr(drive, name) for drive in row])
-        origin = NO_EFFECT if name in no_effect else origin_of(name, values, printed)
+        origin = NO_EFFECT if name in no_effect else ASSUMED if name in assumed else origin_of(name, values, printed)
         shared = name not in along and (values == values[0]).all()
         result[name] = ((), values[0], parameter(name, origin)) if shared else (dim, values, parameter(name, origin))
     return result
