@@ -54,7 +54,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 class _Table:
-    """Arrays over (scene, method, tolerance)."""
+    """Arrays over (scene, method, setting)."""
 
     def __init__(self, scene_names: list[str], names: list[str], longest: int) -> None:
         self.scenes, self.names = scene_names, names
