@@ -174,6 +174,10 @@ def test_simulate(run, tmp_path):
             name: unit for name, unit in UNITS.items() if name != "time"
         }
         assert data["angle_deviation"].dims == ("time",)
+        assert data.attractor.attrs["flag_meanings"].split()[1 + int(data.attractor)] == summary["attractor"]
+        assert float(data.amplitude) > 0 < float(data.period)
+        assert float(data.mass) == 11.0
+        assert "coupling_deflection" in data
         assert data.sizes["time"] == 21
         assert data["event_time"].dims == ("event",)
         assert data.sizes["event"] == len(motion.time)
