@@ -15,12 +15,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure = style.new_figure(style.DOUBLE, 3.3)
     plane, distance = figure.subplots(1, 2)
     u, w = dataset.angle_deviation, dataset.velocity_deviation
-    plane.contourf(u, w, dataset.rigid_label == 0, levels=[0.5, 1.5], colors=[style.SKY], alpha=0.5)
+    plane.contourf(u, w, dataset.rigid_attractor == 0, levels=[0.5, 1.5], colors=[style.SKY], alpha=0.5)
     plane.plot([], [], "s", color=style.SKY, alpha=0.5, markersize=7, label="steady sliding, rigid contact")
     colours = (style.VERMILION, style.BLACK)
     for index, colour in zip(range(min(_SHOWN, dataset.sizes["contact_stiffness"])), colours, strict=False):
         compliant = dataset.isel(contact_stiffness=index)
-        plane.contour(u, w, compliant.label == 0, levels=[0.5], colors=[colour], linewidths=0.9)
+        plane.contour(u, w, compliant.attractor == 0, levels=[0.5], colors=[colour], linewidths=0.9)
         plane.plot(
             [], [], color=colour, linewidth=0.9, label=f"$k_c$ = {phase.number(compliant.contact_stiffness)} N/m"
         )
