@@ -4,27 +4,27 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from lsvib.figures import phase, style
 
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
+_DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
 _LINEAR = 10.0  # growth rates below this [1/s] are drawn on a linear scale
+_SMALL = 6.5  # size of words within a panel [pt]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping."""
-    figure = style.new_figure(style.DOUBLE, 5.6)
+    figure = style.new_figure(style.DOUBLE, 6.2)
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
     _critical_mass(mass, dataset)
     for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
         _growth(axes, dataset.isel(mass=k), letter, float(dataset.rigid_critical_mass))
-    for k, value in enumerate(dataset.unstable_stiffness.values):
-        heavy.axvline(value, color=_COLOURS[k], linewidth=0.6, linestyle=":")
+    _proved(heavy, dataset)
     _least(least, dataset)
-    mass.legend(loc="upper left", fontsize=6.5)
-    heavy.legend(loc="lower right", fontsize=6.5)
-    heavy.set_ylim(-_LINEAR)
+    style.state_values(figure, dataset)
     return figure
 
 
@@ -35,10 +35,11 @@ def _power(value: float) -> str:
 
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     rigid = float(dataset.rigid_critical_mass)
-    for k, colour in zip(range(dataset.sizes["curve"]), _COLOURS, strict=False):
-        curve = dataset.isel(curve=k)
-        name = f"$k_c$ = {_power(float(curve.curve))} N m⁻¹"
-        axes.plot(curve.contact_damping, curve.critical_mass, color=colour, label=name)
+    for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
+        if k < dataset.sizes["curve"]:
+            curve = dataset.isel(curve=k)
+            name = f"$k_c$ = {_power(float(curve.curve))} N m⁻¹"
+            axes.plot(curve.contact_damping, curve.critical_mass, color=colour, linestyle=dashes, label=name)
     axes.plot(dataset.contact_damping_drawn, dataset.contact_critical_mass, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for damping, stiffness, value in zip(
@@ -48,24 +49,29 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
         words = f"{value:.2f} kg at $k_c$ = {_power(stiffness)}"
         top = value > 0.99 * rigid  # on the line of the rigid drive: written above it
         place, side = ((0, 5), "center") if top else ((4, -9), "left")
-        axes.annotate(words, (damping, value), place, textcoords="offset points", fontsize=6, ha=side)
+        axes.annotate(words, (damping, value), place, textcoords="offset points", fontsize=_SMALL, ha=side)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.text(1.5, rigid, f"rigid: {rigid:.3f} kg", fontsize=6.5, va="top", color=style.GREY)
+    axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
+                  textcoords="offset points", fontsize=_SMALL, va="top", color=style.GREY)  # fmt: skip
     axes.set(
         xscale="log",
         title="(a) critical mass; steady sliding is lost above",
         xlabel=style.label(dataset.contact_damping),
         ylabel="Critical mass $m_\\mathrm{cr}$ [kg]",
-        ylim=(0, 1.75 * rigid),
+        ylim=(0, 1.8 * rigid),
     )
+    axes.legend(loc="upper left", fontsize=_SMALL)
 
 
 def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
-    for k, colour in zip(range(dataset.sizes["damping"]), _COLOURS, strict=False):
-        curve = dataset.isel(damping=k)
-        axes.plot(curve.stiffness, curve.growth_rate, color=colour,
-                  label=f"$c_c$ = {_power(float(curve.damping))} N s m⁻¹")  # fmt: skip
+    for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
+        if k < dataset.sizes["damping"]:
+            curve = dataset.isel(damping=k)
+            name = f"$c_c$ = {_power(float(curve.damping))} N s m⁻¹"
+            axes.plot(curve.stiffness, curve.growth_rate, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
+    axes.text(0.015, 0, "unstable above, stable below", fontsize=_SMALL, va="bottom",
+              transform=axes.get_yaxis_transform()) if letter == "c" else None  # fmt: skip
     sign = ">" if float(dataset.mass) > rigid else "<"
     axes.set_yscale("symlog", linthresh=_LINEAR)
     axes.set(
@@ -76,20 +82,42 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     )
 
 
+def _proved(axes: Axes, dataset: xr.Dataset) -> None:
+    """Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds."""
+    for k, value in enumerate(dataset.unstable_stiffness.values):
+        axes.axvline(value, color=_COLOURS[k], linewidth=0.8, linestyle=":")
+    axes.set_ylim(-_LINEAR, 1e8)  # room for the legend
+    handles, names = axes.get_legend_handles_labels()
+    proved = Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=":")
+    axes.legend([*handles, proved], [*names, "beyond it unstable by Lemma 8.1, same colour"], loc="upper left",
+                fontsize=_SMALL, ncols=2)  # fmt: skip
+
+
 def _least(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.stiffness, dataset.least_damping, color=style.BLUE)
-    axes.fill_between(dataset.stiffness, dataset.least_damping, axes.get_ylim()[1] * 3, color=style.SKY, alpha=0.3)
-    axes.fill_between(dataset.stiffness, *dataset.window_of_soft_contact.values.T, color=style.SKY, alpha=0.3)
+    top = 100 * float(dataset.least_damping.max())
+    shade = {"color": style.SKY, "alpha": 0.3, "linewidth": 0}
+    axes.fill_between(dataset.stiffness, dataset.least_damping, top, **shade)
+    low, high = dataset.window_of_soft_contact.values.T
+    axes.fill_between(dataset.stiffness, low, high, **shade)
+    for end in (low, high):
+        axes.plot(dataset.stiffness, end, color=style.BLUE)
     limit = float(dataset.least_damping_of_stiff_contact)
     axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.text(float(dataset.stiffness[0]) * 2, limit, f"stiff limit: {limit:.4g} N s m⁻¹", fontsize=6.5, va="top")
-    axes.text(0.6, 0.92, "stable", transform=axes.transAxes, fontsize=7)
-    axes.text(0.05, 0.35, "stable, too", transform=axes.transAxes, fontsize=7)
+    axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
+                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=_SMALL)  # fmt: skip
+    axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
+    axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
+    if np.isfinite(low).any():
+        axes.annotate("stable, too", (dataset.stiffness.values[0] * 4, np.sqrt(low[0] * high[0]) * 4), (0.28, 0.28),
+                      textcoords=axes.transAxes, va="center",
+                      arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
     mass = phase.number(dataset.mass[1])
     axes.set(
         xscale="log",
         yscale="log",
-        title=f"(d) least contact damping, $m$ = {mass} kg",
+        title=f"(d) contact damping at which $m$ = {mass} kg is stable",
         xlabel=style.label(dataset.stiffness),
-        ylabel="Least contact damping [N s m⁻¹]",
+        ylabel=style.label(dataset.contact_damping),
+        ylim=(None, top),
     )
