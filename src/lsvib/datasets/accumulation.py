@@ -108,7 +108,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             len(heavy) > 0 and all(timely),
         ),
         Check.holds(
-            "By the sign of the contact force, the limit of a stiff contact, the same motions rest after a few seizures",
+            "By the sign of the contact force, the limit of a stiff contact, these motions rest after a few seizures",
             "rule of resuming, docs/physics.md",
             f"{' and '.join(str(n) for n in counts[heavy, 0])} seizures, at once {counts[heavy, 1].min()} or more",
             len(heavy) > 0 and bool((counts[heavy, 0] < counts[heavy, 1]).all()),

@@ -15,6 +15,7 @@ from lsvib.analysis.limit_process import fitted_order
 from lsvib.datasets import phase
 from lsvib.datasets.attraction import axis_coordinate, window_of
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters
 from lsvib.datasets.phase import attributes
 from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
@@ -59,12 +60,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     per_ray = attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's")
     return xr.Dataset(
         {
-            "rigid_label": (plane, label, phase.flag("attractor of the rigid drive", Attractor)),
-            "label": (("stiffness", *plane), np.array(labels), phase.flag("attractor with a compliant one", Attractor)),
-            "different": ("stiffness", [np.mean(other != label) for other in labels],
+            "rigid_label": (plane, label, phase.flag(f"{phase.ATTRACTOR}, of the rigid drive", Attractor)),
+            "label": (("contact_stiffness", *plane), np.array(labels), phase.flag(phase.ATTRACTOR, Attractor)),
+            "different": ("contact_stiffness", [np.mean(other != label) for other in labels],
                           attributes("1", "fraction of the cells whose attractor is not the rigid drive's")),
-            "displacement": (("stiffness", "ray"), displacement, per_ray),
-            "typical_displacement": ("stiffness", typical,
+            "displacement": (("contact_stiffness", "ray"), displacement, per_ray),
+            "typical_displacement": ("contact_stiffness", typical,
                                      attributes("1", "root mean square displacement of the boundary")),
             "boundary_angle": ("boundary_point", line[:, 0],
                                attributes("rad", "deviation on the exact boundary of the rigid drive's basin", "$u$")),
@@ -77,9 +78,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "rigid_ray_velocity": ("ray", on_rays[0, 1],
                                    attributes("rad s-1", "rate at which the label of the rigid drive changes on a ray",
                                               r"$\dot u$")),
-            "ray_angle": (("stiffness", "ray"), on_rays[1:, 0],
+            "ray_angle": (("contact_stiffness", "ray"), on_rays[1:, 0],
                           attributes("rad", "deviation at which the label changes on a ray", "$u$")),
-            "ray_velocity": (("stiffness", "ray"), on_rays[1:, 1],
+            "ray_velocity": (("contact_stiffness", "ray"), on_rays[1:, 1],
                              attributes("rad s-1", "rate at which the label changes on a ray", r"$\dot u$")),
             "on_exact_boundary": ("ray", _crossed(exact, radius, ends),
                                   attributes("1", f"the exact boundary crosses the ray there, to {_EXACT:g} of it",
@@ -88,7 +89,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "order_error": ((), error, attributes("1", "standard error of the order")),
         },
         coords={
-            "stiffness": ("stiffness", stiffness, attributes("N m-1", "stiffness of the contact", "$k_c$")),
+            **axis("contact_stiffness", stiffness),
+            **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
+            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")),
             "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
             **_plane(grid),
         },
@@ -101,8 +104,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that the slices tend to the rigid map, in first order, that no cell is left open, and the exact boundary."""
-    stiffness, typical, order = dataset.stiffness.values, dataset.typical_displacement.values, float(dataset.order)
+    """Check that the slices tend to the rigid map, in first order, no cell left open, and the exact boundary."""
+    stiffness, typical, order = (
+        dataset.contact_stiffness.values,
+        dataset.typical_displacement.values,
+        float(dataset.order),
+    )
     unresolved = int((dataset.label == Attractor.UNRESOLVED).sum())
     return [
         Check.holds(

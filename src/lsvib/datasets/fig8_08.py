@@ -11,6 +11,7 @@ from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters
 from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -35,24 +36,37 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
     return xr.Dataset(
         {
-            "real_part": (("eigenvalue", "mass"), pair.real.T, attributes("s-1", "real part", r"Re $\varepsilon$")),
-            "imaginary_part": (
+            "eigenvalue_real_part": (
+                ("eigenvalue", "mass"),
+                pair.real.T,
+                attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
+            ),
+            "eigenvalue_imaginary_part": (
                 ("eigenvalue", "mass"),
                 pair.imag.T,
-                attributes("rad s-1", "imaginary part", r"Im $\varepsilon$"),
+                attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
             ),
-            "effective_inertia": ("mass", inertia, attributes("kg m2", "effective inertia", r"$\Gamma_+$")),
+            "effective_inertia_plus": (
+                "mass",
+                inertia,
+                attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+            ),
             "loss_of_stability": (
-                "damping",
+                "swept_support_damping",
                 losses,
                 attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
             ),
         },
         coords={
-            "mass": ("mass", mass, attributes("kg", "translating mass", "$m$")),
+            **axis("mass", mass),
+            **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
-            "damping": ("damping", dampings, attributes("N m s rad-1", "support damping", "$c$")),
-            "critical_mass": ((), critical, attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+            **axis("swept_support_damping", dampings),
+            "critical_mass": (
+                (),
+                critical,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
             "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs={
@@ -66,9 +80,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical mass, and that the spectrum loses stability there and nowhere else, at any damping."""
     critical = float(dataset.critical_mass)
-    largest = dataset.real_part.max("eigenvalue")
+    largest = dataset.eigenvalue_real_part.max("eigenvalue")
     below = bool((largest.where(dataset.mass < critical, drop=True) < 0).all())
-    heavy = dataset.real_part.where(dataset.mass > critical, drop=True)
+    heavy = dataset.eigenvalue_real_part.where(dataset.mass > critical, drop=True)
     saddle = bool((heavy.prod("eigenvalue") < 0).all())
     losses = dataset.loss_of_stability.values
     worst = float(losses[np.argmax(np.abs(losses - critical))])

@@ -21,7 +21,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
     _critical_mass(mass, dataset)
     for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
-        _growth(axes, dataset.isel(mass=k), letter, float(dataset.rigid_critical_mass))
+        _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
     _proved(heavy, dataset)
     _least(least, dataset)
     style.state_values(figure, dataset)
@@ -34,16 +34,18 @@ def _power(value: float) -> str:
 
 
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
-    rigid = float(dataset.rigid_critical_mass)
+    rigid = float(dataset.critical_mass)
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
-        if k < dataset.sizes["curve"]:
-            curve = dataset.isel(curve=k)
-            name = f"$k_c$ = {_power(float(curve.curve))} N m⁻¹"
-            axes.plot(curve.contact_damping, curve.critical_mass, color=colour, linestyle=dashes, label=name)
-    axes.plot(dataset.contact_damping_drawn, dataset.contact_critical_mass, "o", color=style.PURPLE, zorder=4,
+        if k < dataset.sizes["curve_contact_stiffness"]:
+            curve = dataset.isel(curve_contact_stiffness=k)
+            name = f"$k_c$ = {_power(float(curve.curve_contact_stiffness))} N m⁻¹"
+            axes.plot(
+                curve.curve_contact_damping, curve.curve_critical_mass, color=colour, linestyle=dashes, label=name
+            )
+    axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for damping, stiffness, value in zip(
-        *(dataset[name].values for name in ("contact_damping_drawn", "contact_stiffness", "contact_critical_mass")),
+        *(dataset[name].values for name in ("contact_damping", "contact_stiffness", "critical_mass_with_contact")),
         strict=True,
     ):
         words = f"{value:.2f} kg at $k_c$ = {_power(stiffness)}"
@@ -56,7 +58,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(
         xscale="log",
         title="(a) critical mass; steady sliding is lost above",
-        xlabel=style.label(dataset.contact_damping),
+        xlabel=style.label(dataset.curve_contact_damping),
         ylabel="Critical mass $m_\\mathrm{cr}$ [kg]",
         ylim=(0, 1.8 * rigid),
     )
@@ -65,59 +67,56 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
-        if k < dataset.sizes["damping"]:
-            curve = dataset.isel(damping=k)
-            name = f"$c_c$ = {_power(float(curve.damping))} N s m⁻¹"
-            axes.plot(curve.stiffness, curve.growth_rate, color=colour, linestyle=dashes, label=name)
+        if k < dataset.sizes["growth_contact_damping"]:
+            curve = dataset.isel(growth_contact_damping=k)
+            name = f"$c_c$ = {_power(float(curve.growth_contact_damping))} N s m⁻¹"
+            axes.plot(curve.growth_contact_stiffness, curve.growth_rate, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
-    axes.text(0.015, 0, "unstable above, stable below", fontsize=_SMALL, va="bottom",
-              transform=axes.get_yaxis_transform()) if letter == "c" else None  # fmt: skip
     sign = ">" if float(dataset.mass) > rigid else "<"
     axes.set_yscale("symlog", linthresh=_LINEAR)
     axes.set(
         xscale="log",
         title=f"({letter}) growth rate, $m$ = {phase.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$",
-        xlabel=style.label(dataset.stiffness),
-        ylabel="Largest real part [s⁻¹]",
+        xlabel=style.label(dataset.growth_contact_stiffness),
+        ylabel="Largest real part [s⁻¹], stable below 0",
     )
 
 
 def _proved(axes: Axes, dataset: xr.Dataset) -> None:
     """Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds."""
-    for k, value in enumerate(dataset.unstable_stiffness.values):
+    for k, value in enumerate(dataset.unstable_contact_stiffness.values):
         axes.axvline(value, color=_COLOURS[k], linewidth=0.8, linestyle=":")
-    axes.set_ylim(-_LINEAR, 1e8)  # room for the legend
     handles, names = axes.get_legend_handles_labels()
     proved = Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=":")
-    axes.legend([*handles, proved], [*names, "beyond it unstable by Lemma 8.1, same colour"], loc="upper left",
-                fontsize=_SMALL, ncols=2)  # fmt: skip
+    axes.legend([*handles, proved], [*names, "from here unstable\nby Lemma 8.1"], loc="center left",
+                bbox_to_anchor=(0.0, 0.68), fontsize=_SMALL)  # fmt: skip
 
 
 def _least(axes: Axes, dataset: xr.Dataset) -> None:
-    axes.plot(dataset.stiffness, dataset.least_damping, color=style.BLUE)
-    top = 100 * float(dataset.least_damping.max())
+    axes.plot(dataset.growth_contact_stiffness, dataset.least_contact_damping, color=style.BLUE)
+    top = 100 * float(dataset.least_contact_damping.max())
     shade = {"color": style.SKY, "alpha": 0.3, "linewidth": 0}
-    axes.fill_between(dataset.stiffness, dataset.least_damping, top, **shade)
+    axes.fill_between(dataset.growth_contact_stiffness, dataset.least_contact_damping, top, **shade)
     low, high = dataset.window_of_soft_contact.values.T
-    axes.fill_between(dataset.stiffness, low, high, **shade)
+    axes.fill_between(dataset.growth_contact_stiffness, low, high, **shade)
     for end in (low, high):
-        axes.plot(dataset.stiffness, end, color=style.BLUE)
-    limit = float(dataset.least_damping_of_stiff_contact)
+        axes.plot(dataset.growth_contact_stiffness, end, color=style.BLUE)
+    limit = float(dataset.least_contact_damping_of_stiff_contact)
     axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=_SMALL)  # fmt: skip
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
     if np.isfinite(low).any():
-        axes.annotate("stable, too", (dataset.stiffness.values[0] * 4, np.sqrt(low[0] * high[0]) * 4), (0.28, 0.28),
-                      textcoords=axes.transAxes, va="center",
+        inside = 3 * float(dataset.growth_contact_stiffness[0]), np.sqrt(low[0] * high[0])
+        axes.annotate("stable, too", inside, (0.28, 0.26), textcoords=axes.transAxes, va="center",
                       arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
     mass = phase.number(dataset.mass[1])
     axes.set(
         xscale="log",
         yscale="log",
         title=f"(d) contact damping at which $m$ = {mass} kg is stable",
-        xlabel=style.label(dataset.stiffness),
+        xlabel=style.label(dataset.growth_contact_stiffness),
         ylabel=style.label(dataset.contact_damping),
         ylim=(None, top),
     )

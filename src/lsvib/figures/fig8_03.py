@@ -28,8 +28,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     colours = ListedColormap([_COLOURS[name] for name in names.values()])
     norm = BoundaryNorm([value - 0.5 for value in names] + [len(names) - 0.5], len(names))
     axes.pcolormesh(
-        dataset.inertia,
-        dataset.damping,
+        dataset.effective_inertia,
+        dataset.effective_damping,
         dataset.stability.T,
         cmap=colours,
         norm=norm,
@@ -37,20 +37,29 @@ def draw(dataset: xr.Dataset) -> Figure:
         rasterized=True,
     )
     for sign in (1, -1):
-        curve = axes.plot(dataset.positive_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0)
+        curve = axes.plot(
+            dataset.node_focus_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0
+        )
     curve[0].set_label(r"$C_0^2 = 4 k \Gamma_0$")
     axes.axvline(0, color=style.BLACK, linewidth=1.0)
-    axes.plot([0, dataset.inertia[-1]], [0, 0], color=style.BLACK, linewidth=1.0)
+    axes.plot([0, dataset.effective_inertia[-1]], [0, 0], color=style.BLACK, linewidth=1.0)
     _name_regions(axes, dataset)
     for index, marker in zip(dataset.case.values, "osD^v", strict=False):
         case = dataset.sel(case=index)
-        name = f"$m$ = {float(case.case_mass):g} kg, $c_x$ = {float(case.case_translation_damping):g} N s m⁻¹"
-        axes.plot(case.case_inertia, case.case_damping, marker, color=style.BLUE, markeredgecolor="white", label=name)
+        name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
+        axes.plot(
+            case.case_effective_inertia,
+            case.case_effective_damping,
+            marker,
+            color=style.BLUE,
+            markeredgecolor="white",
+            label=name,
+        )
     axes.set(
-        xlabel=style.label(dataset.inertia),
-        ylabel=style.label(dataset.damping),
-        xlim=(dataset.inertia[0], dataset.inertia[-1]),
-        ylim=(dataset.damping[0], dataset.damping[-1]),
+        xlabel=style.label(dataset.effective_inertia),
+        ylabel=style.label(dataset.effective_damping),
+        xlim=(dataset.effective_inertia[0], dataset.effective_inertia[-1]),
+        ylim=(dataset.effective_damping[0], dataset.effective_damping[-1]),
     )
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
     return figure
@@ -61,4 +70,9 @@ def _name_regions(axes: Axes, dataset: xr.Dataset) -> None:
     for value, name in style.flag_names(dataset.stability).items():
         inside = dataset.stability == value
         if inside.mean() > 0.01:
-            axes.text(dataset.inertia.where(inside).mean(), dataset.damping.where(inside).mean(), name, ha="center")
+            axes.text(
+                dataset.effective_inertia.where(inside).mean(),
+                dataset.effective_damping.where(inside).mean(),
+                name,
+                ha="center",
+            )

@@ -29,9 +29,9 @@ def draw(dataset: xr.Dataset) -> Figure:
         if name in _REGIMES:
             colour, words = _REGIMES[name]
             inside = dataset.regime == value
-            curve = dataset.force[inside], dataset.vibration_amplitude[inside]
+            curve = dataset.swept_axial_force[inside], dataset.swept_amplitude[inside]
             axes.plot(*curve, color=colour, linewidth=2.2, label=words)
-    top = 1.12 * float(dataset.vibration_amplitude.max())
+    top = 1.12 * float(dataset.swept_amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
@@ -39,9 +39,9 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
         axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
     axes.set(
-        xlabel=style.label(dataset.force),
-        ylabel=style.label(dataset.vibration_amplitude, "amplitude of $u$"),
-        xlim=(float(dataset.force[0]), float(dataset.force[-1])),
+        xlabel=style.label(dataset.swept_axial_force),
+        ylabel=style.label(dataset.swept_amplitude, "amplitude of $u$"),
+        xlim=(float(dataset.swept_axial_force[0]), float(dataset.swept_axial_force[-1])),
         ylim=(-0.02 * top, top),
     )
     insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]

@@ -24,14 +24,22 @@ def draw(dataset: xr.Dataset) -> Figure:
         inside = (dataset.existence == names[name]).T.astype(float)
         if hatch:
             area = axes.contourf(
-                dataset.angle, dataset.velocity, inside, levels=[0.5, 1.5], colors=[colour], hatches=[hatch], zorder=0
+                dataset.grid_angle_deviation,
+                dataset.grid_velocity_deviation,
+                inside,
+                levels=[0.5, 1.5],
+                colors=[colour],
+                hatches=[hatch],
+                zorder=0,
             )
             area.set(edgecolor=_HATCH, linewidth=0)
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     phase.draw_motions(axes, case, widths=phase.OVERLAID)
     phase.mark_origin(axes)
-    axes.plot(float(dataset.equilibrium), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −1")
-    axes.set(xlim=_ends(dataset.angle), ylim=_ends(dataset.velocity))
+    axes.plot(
+        float(dataset.equilibrium_angle), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −1"
+    )
+    axes.set(xlim=_ends(dataset.grid_angle_deviation), ylim=_ends(dataset.grid_velocity_deviation))
     phase.draw_lines(axes, case)
     phase.label_axes(axes, dataset)
     phase.legend(figure, [axes], 3, patches)

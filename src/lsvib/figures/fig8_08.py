@@ -17,11 +17,11 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure = style.new_figure(style.DOUBLE, 2.7)
     real, imaginary, close = figure.subplots(1, 3)
     critical, printed = float(dataset.critical_mass), float(dataset.printed_critical_mass)
-    _plot(real, dataset, dataset.mass, dataset.real_part)
-    _plot(imaginary, dataset, dataset.mass, dataset.imaginary_part)
+    _plot(real, dataset, dataset.mass, dataset.eigenvalue_real_part)
+    _plot(imaginary, dataset, dataset.mass, dataset.eigenvalue_imaginary_part)
     for axes, title, variable in (
-        (real, "(a) real parts", dataset.real_part),
-        (imaginary, "(b) imaginary parts", dataset.imaginary_part),
+        (real, "(a) real parts", dataset.eigenvalue_real_part),
+        (imaginary, "(b) imaginary parts", dataset.eigenvalue_imaginary_part),
     ):
         axes.axvline(critical, color=style.BLACK, linewidth=0.8, linestyle=":")
         axes.axvline(printed, **style.PRINTED)
@@ -34,7 +34,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         )
     real.legend(loc="upper left")
     imaginary.text(critical * 1.05, 0.9 * _LIMIT, f"$m_\\mathrm{{cr}}$ =\n{critical:.3f} kg", va="top")
-    _plot(close, dataset, (dataset.mass / critical - 1) * 1e3, dataset.real_part)
+    _plot(close, dataset, (dataset.mass / critical - 1) * 1e3, dataset.eigenvalue_real_part)
     close.axvline(0, color=style.BLACK, linewidth=0.8, linestyle=":")
     aside = (printed / critical - 1) * 1e3
     close.axvline(aside, **style.PRINTED)
@@ -44,7 +44,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     close.set(
         title="(c) real parts near $m_\\mathrm{cr}$",
         xlabel=r"$(m - m_\mathrm{cr}) / m_\mathrm{cr}$ [‰]",
-        ylabel=style.label(dataset.real_part),
+        ylabel=style.label(dataset.eigenvalue_real_part),
         xlim=(-_CLOSE, _CLOSE),
     )
     return figure

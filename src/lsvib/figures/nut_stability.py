@@ -27,12 +27,12 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
-    rigid = float(dataset.rigid_critical_mass)
-    axes.plot(dataset.nut_inertia, dataset.critical_mass, color=style.BLUE, label="boundary by (8.33)")
+    rigid = float(dataset.critical_mass)
+    axes.plot(dataset.nut_inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
     some = dataset.isel(nut_inertia=np.linspace(0, dataset.sizes["nut_inertia"] - 1, _MARKS).astype(int))
-    axes.plot(some.nut_inertia, some.critical_mass_by_eigenvalues, "o", color=style.VERMILION, label="by eigenvalues",
-              clip_on=False, zorder=3)  # fmt: skip
-    axes.fill_between(dataset.nut_inertia, dataset.critical_mass, 1.15 * rigid, color=_KINEMATIC, linewidth=0)
+    axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
+              label="by eigenvalues", clip_on=False)  # fmt: skip
+    axes.fill_between(dataset.nut_inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_KINEMATIC, linewidth=0)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=_SMALL,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
@@ -60,7 +60,7 @@ def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
               transform=axes.get_xaxis_transform())  # fmt: skip
     drawn = float(dataset.drawn_friction_coefficient)
     axes.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.text(drawn, 0.94, rf" $\mu$ = {drawn:g} of (a)", color="#505050", fontsize=_SMALL, va="top",
+    axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", fontsize=_SMALL, va="top",
               transform=axes.get_xaxis_transform())  # fmt: skip
     axes.set(
         yscale="log",

@@ -68,7 +68,12 @@ def draw_motions(
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
         seized = (motion.event_kind == _code(motion.event_kind, "seizure")).values
         if seized.any():
-            mark_seizures(axes, motion.event_angle.values[seized], motion.event_velocity_before.values[seized], colour)
+            mark_seizures(
+                axes,
+                motion.event_angle_deviation_before.values[seized],
+                motion.event_velocity_deviation_before.values[seized],
+                colour,
+            )
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
 
 

@@ -38,7 +38,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             change = 100 * np.abs(column.relative_change.values)
             axes.barh(place, change, left=width, color=colour, label=f"of {symbol}", **edge)
             width = width + change
-        residual = 100 * np.abs(dataset.residual.values)
+        residual = 100 * np.abs(dataset.print_residual.values)
         axes.plot(residual, place, "D", color=style.VERMILION, markersize=5, markeredgecolor="#FFFFFF",
                   markeredgewidth=0.6, label="size of printed less computed", clip_on=False, zorder=3)  # fmt: skip
         axes.set(title=words, xlabel="Part of the threshold [%]", xlim=(0, 1.08 * max(residual.max(), width.max())))
