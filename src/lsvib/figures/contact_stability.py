@@ -4,7 +4,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from lsvib.figures import phase, style
 
@@ -23,6 +22,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
         _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
     _proved(heavy, dataset)
+    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=_SMALL, transform=heavy.transAxes)
+    light.legend(loc="lower left", fontsize=_SMALL)
     _least(least, dataset)
     style.state_values(figure, dataset)
     return figure
@@ -50,7 +51,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     ):
         words = f"{value:.2f} kg at $k_c$ = {_power(stiffness)}"
         top = value > 0.99 * rigid  # on the line of the rigid drive: written above it
-        place, side = ((0, 5), "center") if top else ((4, -9), "left")
+        place, side = ((8, 5), "right") if top else ((4, -9), "left")
         axes.annotate(words, (damping, value), place, textcoords="offset points", fontsize=_SMALL, ha=side)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
@@ -85,11 +86,10 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
 def _proved(axes: Axes, dataset: xr.Dataset) -> None:
     """Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds."""
     for k, value in enumerate(dataset.unstable_contact_stiffness.values):
-        axes.axvline(value, color=_COLOURS[k], linewidth=0.8, linestyle=":")
-    handles, names = axes.get_legend_handles_labels()
-    proved = Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=":")
-    axes.legend([*handles, proved], [*names, "from here unstable\nby Lemma 8.1"], loc="center left",
-                bbox_to_anchor=(0.0, 0.68), fontsize=_SMALL)  # fmt: skip
+        axes.axvline(value, color=_COLOURS[k], linewidth=0.9, linestyle=":")
+    axes.set_ylim(-_LINEAR)
+    axes.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=_SMALL,
+              transform=axes.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
 
 
 def _least(axes: Axes, dataset: xr.Dataset) -> None:

@@ -36,7 +36,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=_SMALL,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
-    axes.axvline(float(dataset.screw_inertia), color=style.BLACK, linewidth=0.6, linestyle=":")
+    axes.axvline(float(dataset.screw_inertia), 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
     axes.text(float(dataset.screw_inertia), 0.06, " $I_2 = I$", fontsize=_SMALL, transform=axes.get_xaxis_transform())
     axes.set(
         xscale="log",

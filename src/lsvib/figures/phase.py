@@ -132,7 +132,7 @@ def guide(axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, cycle:
     paths.append((sides, np.full(2, stop), None))
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
-    if float(case.effective_inertia) > 0:
+    if float(case.effective_inertia_plus) > 0:
         _name_sides(axes, angle, slope, (low, high), ("$N > 0$", "$N < 0$"), paths)
     else:
         _name_sides(axes, angle, slope, (max(low, stop), high), ("", "$N < 0$"), paths)
