@@ -18,9 +18,12 @@ def draw(dataset: xr.Dataset) -> Figure:
         phase.draw_motions(axes, case)
         phase.draw_cycle(axes, case)
         phase.mark_origin(axes)
-        phase.widen(axes, case, 0.1)
+        phase.widen(axes, case)
+        left, right = axes.get_xlim()
+        axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
         phase.draw_lines(axes, case)
-        phase.guide(axes, case, cycle=style.BLACK)
+        phase.draw_arrows(axes, case, cycle=style.BLACK)
+        _name_sides(axes, index == 0)
         phase.label_axes(axes, dataset)
         axes.locator_params(axis="x", nbins=4)
         axes.set_title(f"({'ab'[index]}) $m$ = {phase.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
@@ -28,6 +31,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.state_values(figure, dataset)
     phase.legend(figure, planes, 4)
     return figure
+
+
+def _name_sides(axes: Axes, both: bool) -> None:
+    """Name the sides of the line N = 0, which is steep: beyond m_cr forward slip has N < 0 only."""
+    axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
+    axes.text(0.98, 0.75, "$N > 0$" if both else "no\nsolution", transform=axes.transAxes, ha="right", va="center")
 
 
 def _over_force(axes: Axes, dataset: xr.Dataset) -> None:

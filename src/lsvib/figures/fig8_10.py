@@ -79,7 +79,7 @@ def _force(peaks: Axes, sliding: Axes, dataset: xr.Dataset) -> None:
     peaks.set(title="(b) contact force, axis broken: kN above, N below", ylim=(0, 1.06 * _top(dataset)))
     peaks.set_ylabel("$N$ [kN]")
     sliding.set(ylim=_SLIDING, xlabel="Time $t$ [ms]", ylabel="$N$ [N]")
-    peaks.tick_params(labelbottom=False, bottom=False)
+    peaks.tick_params(labelbottom=False, bottom=False, top=False)
     sliding.tick_params(top=False)
     peaks.spines["bottom"].set_visible(False)
     sliding.spines["top"].set_visible(False)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lsvib.figures import arrows, phase, style
@@ -24,6 +25,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     phase.mark_origin(axes)
     axes.margins(0.08)
     axes.autoscale_view()
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right + 0.2 * (right - left))  # room for words beyond the lines
     for index, colour in coloured:
         phase.draw_lines(axes, dataset.sel(case=index), colour, "$N = 0$, same colour")
     _guide(axes, dataset, coloured)
@@ -33,14 +36,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _guide(axes, dataset: xr.Dataset, coloured) -> None:
+def _guide(axes: Axes, dataset: xr.Dataset, coloured) -> None:
     """An arrow of time on each cycle, and the side of each line N = 0 on which the screw slips forward."""
     lines: list[arrows.Line] = []
     for index, colour in coloured:
         case = dataset.sel(case=index)
         after = np.flatnonzero(phase.cycle_jumps(case)) + 1
-        u, w = (np.insert(x, after[after < x.size], np.nan) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+        after = after[after < case.sizes["sample"]]
+        u, w = (np.insert(case[name].values, after, np.nan) for name in ("cycle_angle", "cycle_velocity"))
         lines.append((u, w, colour))
     arrows.draw_arrows(axes, lines)
-    axes.text(0.42, 0.5, "$N < 0$ left of the line:\nslip", transform=axes.transAxes, ha="center", va="center")
-    axes.text(0.9, 0.87, "no solution\nright of it:\nseizure", transform=axes.transAxes, ha="center", va="center")
+    axes.text(0.38, 0.5, "$N < 0$ left of\neach line: slip", transform=axes.transAxes, ha="center", va="center")
+    axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")

@@ -32,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
                       label=f"$c$ = {limit * 1e6:.3g} × 10⁻⁶ N m s rad⁻¹, below which the screw rests")  # fmt: skip
         for axes, power, letter, part in ((whole, "⁻³", "abc", dataset), (close, "⁻⁶", "def", near)):
             axes.set(
-                title=f"({letter[column]}) {title}" + (", close to $c$ = 0" if axes is close else ""),
+                title=f"({letter[column]}) {title}" + (", small $c$" if axes is close else ""),
                 xlabel=f"Damping $c$ [10{power} N m s rad⁻¹]",
                 ylabel=style.label(dataset[name], word),
             )
