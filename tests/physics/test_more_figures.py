@@ -25,6 +25,8 @@ def test_each_check_of_figure_8_8_can_fail():
         scale("loss_of_stability", 1 + 1e-9, 0),
         set_to("eigenvalue_real_part", 1.0, 0, 0),
         set_to("eigenvalue_real_part", 1.0, slice(None), -1),
+        scale("eigenvalue_imaginary_part", 0.9996),  # the largest sample of a grid that has none at the peak
+        set_to("eigenvalue_imaginary_part", 1.0, 0, -1),
     ]
     assert_each_check_fails_on_some("fig8_08", dataset_of("fig8_08"), spoilers)
 

@@ -4,6 +4,7 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
+from reference.figures import assert_states_what_is_assumed, number_in
 
 from lsvib.figures import arrows, style
 
@@ -11,7 +12,7 @@ from lsvib.figures import arrows, style
 def parameters() -> xr.Dataset:
     """Parameters of some drives, of each origin."""
     names = {
-        "mass": ([10.0, 11.0], "m", "kg", "assumed: not stated in the text"),
+        "mass": ([10.0, 11.0], "m", "kg", "assumed: not stated in the text, except 10 (printed: Fig. 8.14)"),
         "axial_force": ([-50.0, -50.0], "R", "N", "printed: Fig. 8.14"),
         "contact_stiffness": ([1e8, 1e8], "k_c", "N m-1", "assumed: not stated in the text"),
         "support_damping": ([2e-4, 2e-4], "c", "N m s rad-1", "printed: Table 8.1"),
@@ -29,7 +30,7 @@ def test_the_line_states_what_is_printed_and_what_is_assumed():
     figure = style.new_figure(style.DOUBLE)
     style.state_values(figure, parameters())
     assert figure.get_supxlabel() == (
-        "As printed: $R$ = −50 N. Assumed: $m$ = 10, 11 kg, $k_c$ = $10^{8}$ N m⁻¹. Otherwise Table 8.1."
+        "As printed: $m$ = 10 kg, $R$ = −50 N. Assumed: $m$ = 11 kg, $k_c$ = $10^{8}$ N m⁻¹. Otherwise Table 8.1."
     )
 
 
@@ -86,9 +87,27 @@ def test_no_arrow_stands_on_a_jump():
 def test_words_stand_on_their_sides_of_a_line_and_clear_of_others():
     axes = panel()
     x = np.linspace(0, 5, 300)
-    other = (x, x / 10, None)  # covers the first half of the line
+    other = (x, x / 10 + 0.5 * np.sin(40 * x), None)  # covers the panel around the first half of the line
     arrows.name_sides(axes, np.array([[0.0, 0.0], [10.0, 1.0]]), ("below", "above"), [other])
     places = {text.get_text(): text.get_position() for text in axes.texts}
     assert places["below"][1] < places["below"][0] / 10
     assert places["above"][1] > places["above"][0] / 10
     assert min(place[0] for place in places.values()) > 5
+
+
+@pytest.mark.parametrize("spoiled", ["value", "symbol", "all"])
+def test_the_rule_that_figures_state_what_is_assumed_can_fail(spoiled):
+    figure, dataset = style.new_figure(style.DOUBLE), parameters()
+    style.state_values(figure, dataset)
+    assert_states_what_is_assumed(figure, dataset)
+    text = figure.get_supxlabel()
+    replaced = {"value": ("11 kg", "12 kg"), "symbol": ("$k_c$", "$k$"), "all": (text, "")}
+    figure.supxlabel(text.replace(*replaced[spoiled]))
+    with pytest.raises(AssertionError):
+        assert_states_what_is_assumed(figure, dataset)
+
+
+@pytest.mark.parametrize(("word", "value"), [("$2*10^{-4}$", 2e-4), ("$10^{8}$", 1e8), ("−50", -50.0), ("0.5.", 0.5)])
+def test_numbers_of_a_text_are_read(word, value):
+    assert number_in(word) == pytest.approx(value)
+    assert np.isnan(number_in("kg"))

@@ -2,11 +2,12 @@
 
     python -m lsvib.accuracy.random_drives --model rigid --cases 10000 --seed 1 --jobs 2 --out folder
 
-One line of JSON for each drive is written to ``folder/<model>-<seed>.jsonl``: how many findings of each verdict, and
-in full those that are not right. A run goes on where the last one with the same folder, model and seed ended; an older
-program's findings belong into another folder. Drives are judged in processes of their own: a question that takes too
-long ends its process, and so may a fault; both are findings like others, and the drive's next questions are asked
-nevertheless. The exit code is 1 if anything is wrong, crashed or late, or if too much is refused or unresolved.
+One line of JSON for each drive is written to ``folder/<model>-<seed>.jsonl``: how many findings of each verdict, and in
+full those that are not right. A run goes on where the last one with the same folder, model and seed ended; an older
+program's findings, or those of another number of starts, belong into another folder. Drives are judged in processes of
+their own: a question that takes too long ends its process, and so may a fault; both are findings like others, and the
+drive's next questions are asked nevertheless. The exit code is 1 if anything is wrong, crashed or late, or if too much
+is refused or unresolved.
 """
 
 import argparse
@@ -27,7 +28,7 @@ from lsvib.accuracy import wide_judges
 from lsvib.accuracy.wide_drives import MODELS, wide_drive
 from lsvib.accuracy.wide_judges import BAD, CRASHED, GOOD, LATE, QUESTIONS, REFUSED, UNRESOLVED, Finding
 
-STARTS = 4  # of each drive
+STARTS = 4  # of each drive, unless told otherwise
 MOST_UNRESOLVED = 1e-3  # of the questions of a kind
 _PATIENCE = 60  # times the limit, on the clock, after which a process that waits for something is stopped
 _WARM = 600.0  # [s] at least, since a process may compile before its first answer
@@ -44,16 +45,17 @@ def judged(
     limit: float = math.inf,
     skipped: Iterable[int] = (),
     tell: Callable[[int, str], None] = lambda number, name: None,
+    starts: int = STARTS,
 ) -> Record:
     """Judge one drive: its findings by stage and verdict, and in full those that are not right.
 
     ``questions``: names of the stages wanted; ``limit`` [s of CPU time]: a stage that takes longer ends the *process*,
     since a kernel that does not return cannot be stopped otherwise; ``skipped``: numbers of stages not to ask again;
-    ``tell``: called with the number and name of a stage before it is asked.
+    ``tell``: called with the number and name of a stage before it is asked; ``starts``: how many the drive has.
     """
     counts: Counter[str] = Counter()
     notable: list[Record] = []
-    wide = wide_drive(model, seed, index, STARTS)
+    wide = wide_drive(model, seed, index, starts)
     longest = 0.0
     for number, (name, ask) in enumerate(wide_judges.stages(wide, questions)):
         if number in skipped:
@@ -82,7 +84,7 @@ def judged(
     return {"index": index, "counts": dict(counts), "longest": round(longest, 3), "notable": notable}
 
 
-def _work(connection: Connection, model: str, seed: int, questions: tuple[str, ...], limit: float) -> None:
+def _work(connection: Connection, model: str, seed: int, questions: tuple[str, ...], limit: float, starts: int) -> None:
     """Judge the drives whose numbers come through a pipe, and tell of every stage before it is asked."""
     wide_judges.warm_up(model, questions)
     connection.send(("ready", None))
@@ -92,15 +94,15 @@ def _work(connection: Connection, model: str, seed: int, questions: tuple[str, .
             return
         index, skipped = task
         tell = lambda number, name: connection.send(("stage", (number, name)))  # noqa: E731
-        record = judged(model, seed, index, questions, limit, skipped, tell)
+        record = judged(model, seed, index, questions, limit, skipped, tell, starts)
         connection.send(("done", record))
 
 
 class _Worker:
     """A process that judges, and what it is doing."""
 
-    def __init__(self, model: str, seed: int, questions: tuple[str, ...], limit: float) -> None:
-        self.arguments, self.patience = (model, seed, questions, limit), max(_PATIENCE * limit, _WARM)
+    def __init__(self, model: str, seed: int, questions: tuple[str, ...], limit: float, starts: int) -> None:
+        self.arguments, self.patience = (model, seed, questions, limit, starts), max(_PATIENCE * limit, _WARM)
         self.process = None
         self.index, self.ready = -1, False
 
@@ -142,10 +144,16 @@ class _Worker:
 
 
 def run(
-    model: str, seed: int, indices: Iterable[int], jobs: int, limit: float, questions: tuple[str, ...] = QUESTIONS
+    model: str,
+    seed: int,
+    indices: Iterable[int],
+    jobs: int,
+    limit: float,
+    questions: tuple[str, ...] = QUESTIONS,
+    starts: int = STARTS,
 ) -> Iterator[Record]:
     """Judge drives in ``jobs`` processes; yields their records in the order in which they are done."""
-    workers = [_Worker(model, seed, questions, limit) for _ in range(jobs)]
+    workers = [_Worker(model, seed, questions, limit, starts) for _ in range(jobs)]
     waiting = iter(indices)
     lost: dict[int, list[Record]] = {}  # what was stopped, by drive
     busy: list[_Worker] = []
@@ -248,18 +256,19 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns its exit code."""
     parser = argparse.ArgumentParser(prog="python -m lsvib.accuracy.random_drives", description=__doc__.split("\n")[0])
     parser.add_argument("--model", choices=MODELS, default="rigid")
-    parser.add_argument("--cases", type=int, default=10_000, help=f"motions; every drive has {STARTS} starts")
+    parser.add_argument("--cases", type=int, default=10_000, help="motions")
+    parser.add_argument("--starts", type=int, default=STARTS, help="motions of each drive")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="number of processes")
     parser.add_argument("--limit", type=float, default=5.0, help="seconds of CPU time for a question")
     parser.add_argument("--questions", nargs="+", choices=QUESTIONS, default=list(QUESTIONS))
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     options = parser.parse_args(arguments)
-    if options.cases < 1 or options.jobs < 1 or not options.limit > 0 or options.seed < 0:
-        parser.error("cases and jobs must be 1 or more, seed 0 or more, and limit positive.")
+    if min(options.cases, options.starts, options.jobs) < 1 or not options.limit > 0 or options.seed < 0:
+        parser.error("cases, starts and jobs must be 1 or more, seed 0 or more, and limit positive.")
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / f"{options.model}-{options.seed}.jsonl"
-    drives = -(-options.cases // STARTS)
+    drives = -(-options.cases // options.starts)
     known = {record["index"]: record for record in _read(path)}
     records = [record for index, record in known.items() if index < drives]
     missing = [index for index in range(drives) if index not in known]
@@ -273,7 +282,7 @@ def main(arguments: list[str] | None = None) -> int:
             file.flush()
             if done % step == 0 or done == len(missing):
                 bad = sum(sum(counts[verdict] for verdict in BAD) for counts in summary(records).values())
-                rate = STARTS * done / (time.monotonic() - begin)
+                rate = options.starts * done / (time.monotonic() - begin)
                 print(f"{done} of {len(missing)} drives, {rate:.0f} cases/s, {bad} bad", file=sys.stderr, flush=True)
     table = summary(records)
     print(_report(table))
@@ -281,7 +290,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _asked(options: argparse.Namespace, missing: list[int]) -> Iterator[Record]:
-    return run(options.model, options.seed, missing, options.jobs, options.limit, tuple(options.questions))
+    questions = tuple(options.questions)
+    return run(options.model, options.seed, missing, options.jobs, options.limit, questions, options.starts)
 
 
 if __name__ == "__main__":

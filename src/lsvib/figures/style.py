@@ -55,6 +55,7 @@ _STYLE = {
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NOTE = 6.5  # size of the line under a picture [pt], legible in print
+_STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 _LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
 
@@ -100,9 +101,9 @@ def number(value: float) -> str:
     return f"${factor}10^{{{int(power)}}}$"
 
 
-def amount(variable: xr.DataArray) -> str:
-    """Return "symbol = value unit" of a parameter: its one value, a few of them, or the range of many."""
-    values = np.unique(variable.values[np.isfinite(variable.values)])
+def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
+    """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
+    values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
     if values.size > _LISTED:
         text = f"{number(values[0])} to {number(values[-1])}"
     else:
@@ -111,15 +112,24 @@ def amount(variable: xr.DataArray) -> str:
     return f"{name} = {text} {unit(variable.attrs['units']).strip('[]')}".strip()
 
 
-def origin(variable: xr.DataArray) -> str:
-    """Return where the value of a parameter comes from by its metadata: "assumed: …", "printed: …" or nothing."""
-    return str(variable.attrs.get("origin", variable.attrs.get("comment", "")))
+def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
+    """Return :func:`amount` of each parameter, as far as it is "printed" beyond Table 8.1, or "assumed", each once.
 
-
-def amounts(dataset: xr.Dataset, start: str) -> list[str]:
-    """Return :func:`amount` of each parameter whose origin begins with ``start``, each once, in the dataset's order."""
-    chosen = (dataset[name] for name in dataset.variables if origin(dataset[name]).startswith(start))
-    return list(dict.fromkeys(amount(variable) for variable in chosen))
+    The attribute ``origin`` of a parameter says which; of several values it names those that are printed and not
+    assumed after the word "except".
+    """
+    found = []
+    for variable in dataset.variables.values():
+        origin = variable.attrs.get("origin", "")
+        if not origin.startswith(("printed", "assumed")) or origin == "printed: Table 8.1":
+            continue
+        rule, _, exceptions = origin.partition(", except ")
+        values = np.unique(variable.values)
+        excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
+        chosen = values[excepted != rule.startswith(kind)]
+        if chosen.size:
+            found.append(amount(xr.DataArray(variable), chosen))
+    return list(dict.fromkeys(found))
 
 
 def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Table 8.1.") -> None:
@@ -128,9 +138,11 @@ def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Tab
     First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed, then
     ``rest``. The text is broken where it would be wider than the figure.
     """
-    table = amounts(dataset, "printed: Table 8.1")
-    known = [text for text in amounts(dataset, "printed") if text not in table]
-    words = [*_enumeration("As printed: ", known), *_enumeration("Assumed: ", amounts(dataset, "assumed")), rest]
+    words = [
+        *_enumeration("As printed: ", amounts(dataset, "printed")),
+        *_enumeration("Assumed: ", amounts(dataset, "assumed")),
+    ]
+    words.append(rest if words else "All values: Table 8.1.")
     note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
     room = 0.98 * figure.bbox.width
     lines: list[str] = []
