@@ -4,9 +4,13 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from reference.figures import assert_states_what_is_assumed, number_in
+from reference.figures import assert_states_what_is_assumed, dataset_of, draft, number_in
 
-from lsvib.figures import arrows, style
+from lsvib.analysis import painleve
+from lsvib.datasets import phase
+from lsvib.figures import arrows, fig8_07, style
+from lsvib.figures import phase as drawn
+from lsvib.models.parameters import LeadScrew
 
 
 def parameters() -> xr.Dataset:
@@ -111,3 +115,49 @@ def test_the_rule_that_figures_state_what_is_assumed_can_fail(spoiled):
 def test_numbers_of_a_text_are_read(word, value):
     assert number_in(word) == pytest.approx(value)
     assert np.isnan(number_in("kg"))
+
+
+SIDES = {
+    "contact force along the motion": {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 30.0},
+    "contact force against the motion": {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 15.0},
+    "backwards": {"mass": 1.0, "translation_damping": 1000.0, "axial_force": -30.0, "input_speed": -40.0},
+    "beyond the critical mass": {"mass": 11.0, "axial_force": 50.0},
+    "beyond the critical mass, backwards": {"mass": 11.0, "axial_force": -50.0, "input_speed": -40.0},
+}
+
+
+@pytest.mark.parametrize("words", SIDES)
+def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
+    """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
+    drive = LeadScrew.of(SIDES[words])
+    case = xr.Dataset(phase.portraits([drive], [{"u": 0.01, "w": 0.0}], 0.01, 200)).isel(case=0)
+    axes = style.new_figure().add_subplot()
+    axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
+    drawn.guide(axes, case)
+    named = {text.get_text(): text.get_position() for text in axes.texts if text.get_text()}
+    assert set(named) == {"$N > 0$", "$N < 0$"}
+    for text, (u, w) in named.items():
+        forces = painleve.contact_forces(drive, u, w)
+        direction = np.sign(drive.input_speed + w)
+        solving = [force for law, force in zip((-1, 1), forces[::-1], strict=True) if np.sign(force) * direction == law]
+        assert (solving[0] > 0) == (">" in text)
+
+
+def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
+    figure, settings = dataset_of("fig8_07"), draft("fig8_07")
+    drive = LeadScrew.of(settings["drive"])
+    axes = fig8_07.draw(figure).axes[0]
+    sectors = [text for text in axes.texts if text.get_text().startswith(r"$\dot\theta")]
+    assert len(sectors) == 4
+    for text in sectors:
+        u, w = axes.transLimits.inverted().transform(np.round(text.get_position()))
+        forces = painleve.contact_forces(drive, u, w)
+        direction = np.sign(drive.input_speed + w)
+        relation = {True: ">", False: "<"}
+        expected = rf"$\dot\theta {relation[direction > 0]} 0$: "
+        if np.sign(forces[0]) * direction == 1:
+            first, second = (relation[bool(force > 0)] for force in forces[::-1])
+            expected += f"$N {first} 0$ by law −\n($N {second} 0$ by law +)"
+        else:
+            expected += "no $N$"
+        assert text.get_text() == expected

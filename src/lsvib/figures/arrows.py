@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 _STEP = 1.5  # distance of the points that are compared [pt]
 _ROOM = 9.0  # distance of an arrow from everything else that is enough [pt]
 _OWN = 18.0  # length of a line around an arrow that does not count as another line [pt]
-_START = 20.0  # length from the start of a line on which no arrow stands, since the start has a mark [pt]
-_RIM = 5.0  # arrows keep so far from the rim [pt]
+_START = 14.0  # length from the start of a line on which no arrow stands, since the start has a mark [pt]
+_RIM = 3.0  # arrows keep so far from the rim [pt]
 _PLACES = 150  # places compared on one line
 _ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 _WORD = np.array([2.0, 0.8])  # half width and half height of a word like "N > 0", in sizes of the letters

@@ -54,7 +54,7 @@ _STYLE = {
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_NOTE = 6.5  # size of the line under a picture [pt], legible in print
+_NOTE = 7  # size of the line under a picture [pt], legible in print
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 _LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
