@@ -14,10 +14,12 @@ from lsvib.analysis.cycles import Attractor
 from lsvib.analysis.grid import COORDINATES, Axis, Grid
 from lsvib.analysis.refinement import RefinedMap, count
 from lsvib.datasets import phase
+from lsvib.datasets.parameters import drive_parameters
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import flags, quantity
 from lsvib.errors import InputError
 
+_PRINTED = ("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")  # places whose values a drive may have
 _CYCLE_SAMPLES = 400
 _LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
 _BOUNDARY_SAMPLES = 100  # of each arc
@@ -92,13 +94,13 @@ def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
 
 
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
-    """Return what is drawn around a map in the plane of u and w.
+    """Return the parameters of the drive, and what is drawn around a map in the plane of u and w.
 
     Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
     :mod:`lsvib.analysis.basin` covers the drive, the exact boundary of the basin of steady sliding and the area of the
     basin within the map.
     """
-    data: dict[str, tuple] = {}
+    data: dict[str, tuple] = drive_parameters(mapper.drive, printed=_PRINTED)
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]

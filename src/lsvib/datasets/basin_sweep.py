@@ -59,7 +59,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         np.nan if (mass := critical_mass(drive)) is None else mass,
         attributes("kg", f"mass {words}", r"$m_\mathrm{cr}$"),
     )
-    variables["critical_friction"] = (
+    variables["critical_friction_of_rigid_drive"] = (
         (),
         np.nan if (friction := critical_friction(drive)) is None else friction,
         attributes("1", f"friction coefficient {words}", r"$\mu_\mathrm{cr}$"),
@@ -118,8 +118,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "effective inertia of law + vanishes",
             "Sect. 8.7, eq. 8.20",
             f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {heaviest:.10g} kg; "
-            f"mu_cr = {float(dataset.critical_friction):.10g}, last friction coefficient {roughest:.10g}",
-            _parts(dataset, "mass", "critical_mass") and _parts(dataset, "friction_coefficient", "critical_friction"),
+            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {roughest:.10g}",
+            _parts(dataset, "mass", "critical_mass")
+            and _parts(dataset, "friction_coefficient", "critical_friction_of_rigid_drive"),
         ),
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",

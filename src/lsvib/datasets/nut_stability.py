@@ -63,7 +63,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
         },
         coords={
-            "boundary_friction_coefficient": (
+            "critical_friction_with_nut": (
                 "nut_inertia",
                 _boundary_friction(drive, inertia),
                 attributes("1", "friction coefficient from which on (8.33) holds, missing if from none", r"$\mu$"),
@@ -116,7 +116,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     rigid = float(dataset.critical_mass)
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
-    edge = dataset.boundary_friction_coefficient.values
+    edge = dataset.critical_friction_with_nut.values
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": inertia}
     left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
     side = int(np.sum(clear & (kinematic == _stable_side(dataset))))

@@ -18,7 +18,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     _plane(plane, dataset)
     _rays(rays, dataset)
     _convergence(distance, dataset)
-    style.state_values(figure, dataset)
+    ratio = float(dataset.contact_damping[0] / dataset.contact_stiffness[0])
+    style.state_values(figure, dataset, rest=f"Varied: $k_c$, with $c_c$ = {ratio:g} s · $k_c$. Otherwise Table 8.1.")
     phase.legend(figure, [plane, rays, distance], 3)
     return figure
 
@@ -47,11 +48,12 @@ def _rays(axes: Axes, dataset: xr.Dataset) -> None:
             here = np.sign(outward) == sign
             axes.plot(angle[here], np.abs(outward[here]), mark, color=colour, markerfacecolor=face, markersize=3.2,
                       label=f"$k_c$ = {stiffness} N m⁻¹" if sign == 1 else None)  # fmt: skip
-    axes.plot([], [], "o", color=style.GREY, markerfacecolor="white", markersize=3.2, label="open: inwards")
+    if (dataset.displacement < 0).any():
+        axes.plot([], [], "o", color=style.GREY, markerfacecolor="white", markersize=3.2, label="open: inwards")
     axes.set(
         yscale="log",
         title="(b) displacement along rays",
-        xlabel="Direction of the ray [°]",
+        xlabel="Direction, box as a square [°]",
         ylabel="Displacement / length",
         xlim=(0, 360),
     )

@@ -25,7 +25,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         phase.draw_arrows(axes, case, cycle=style.BLACK)
         _name_sides(axes, index == 0)
         phase.label_axes(axes, dataset)
-        axes.locator_params(axis="x", nbins=4)
+        axes.locator_params(axis="x", nbins=3)
         axes.set_title(f"({'ab'[index]}) $m$ = {phase.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
     style.state_values(figure, dataset)

@@ -1,4 +1,4 @@
-"""Figure 8.14: trajectories under a negative axial force, for both readings of the mass, and seizures that accumulate."""
+"""Figure 8.14: trajectories under a negative axial force, both readings of the mass; seizures that accumulate."""
 
 import numpy as np
 import xarray as xr
@@ -70,7 +70,7 @@ def _close_up(axes: Axes, case: xr.Dataset) -> None:
     corner, stop = float(case.corner_angle), float(case.stop_velocity)
     paths: list[arrows.Line] = []
     for index, rule in style.flag_names(case.rule).items():
-        colour, dashes, mark, words = _RULES[rule]
+        colour, dashes, mark, _ = _RULES[rule]
         part = case.sel(rule=index)
         u, w = part.slip_angle.values, part.slip_velocity.values
         width = 2.6 if rule == "contact sign" else 1.0
@@ -84,6 +84,7 @@ def _close_up(axes: Axes, case: xr.Dataset) -> None:
     phase.draw_lines(axes, case)
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
+    axes.locator_params(nbins=5)
     axes.set_title("(e) corner of (c): reverse slips, seizures")
     phase.label_axes(axes, case)
 

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 
 from lsvib.figures import phase, style
 
-# Fill, hatch, words of the legend, words in the region and their place; hatching slanted and horizontal as in the chapter.
+# Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
 _REGIONS = {
     "stable": ("#FFFFFF", None, "stable", "stable", (0.05, 1e7)),
     "flutter": ("#CFE3F3", "////", "mode coupling (flutter)", "mode\ncoupling", (0.19, 1.2e7)),

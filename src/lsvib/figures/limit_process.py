@@ -1,5 +1,7 @@
 """The limit process: deviations from the rigid drive on every branch, their orders, and the other limits."""
 
+from itertools import pairwise
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -117,7 +119,7 @@ def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
         fontsize=_SMALL,
     )
     first = _changes(dataset)
-    for start, stop in zip(first[:-1], first[1:], strict=True):
+    for start, stop in pairwise(first):
         force, damping = (phase.number(dataset[name][start]) for name in ("axial_force", "support_damping"))
         top.text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
                  fontsize=_SMALL, transform=top.get_xaxis_transform())  # fmt: skip

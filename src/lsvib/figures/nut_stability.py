@@ -53,7 +53,7 @@ def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
     kinematic = (dataset.stability == codes["kinematic"]).T
     colours = ListedColormap(["#FFFFFF", _KINEMATIC])
     axes.pcolormesh(dataset.friction_coefficient, dataset.nut_inertia, kinematic, cmap=colours, rasterized=True)
-    axes.plot(dataset.boundary_friction_coefficient, dataset.nut_inertia, color=style.BLUE)
+    axes.plot(dataset.critical_friction_with_nut, dataset.nut_inertia, color=style.BLUE)
     tangent = float(np.tan(dataset.lead_angle))
     axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
     axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", fontsize=_SMALL, ha="right", va="top",
