@@ -16,7 +16,10 @@ from lsvib.datasets.writer import read_dataset, write_dataset
 from reference.chapter import assert_listed_checks_exist
 
 CONFIG = Path(__file__).parents[2] / "config"
-STATING = [f"fig8_{number:02d}" for number in range(1, 9)]  # pictures with a line of the values that they hold for
+STATING = [  # pictures with a line of the values that they hold for
+    *(f"fig8_{number:02d}" for number in range(1, 16)),
+    *("limit_process", "basin_sweep", "attraction_limit", "contact_stability", "nut_stability"),
+]
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
 
 
