@@ -30,7 +30,7 @@ def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = 
     >>> import lsvib
     >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
     >>> int(motion.sizes["event"])
-    10
+    12
     """
     own = {key: value for key, value in changes.items() if key in Scene.model_fields}
     checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
@@ -49,7 +49,7 @@ def as_scene(
     if isinstance(scene, Scene):
         values = scene.model_dump()
     elif isinstance(scene, LeadScrew):
-        values = {"drive": scene}
+        values = {"model": scene.model, "drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
@@ -104,7 +104,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     )
 
 
-def _events(scene: Scene, motion: Motion) -> dict[str, tuple]:
+def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
     events = {
         "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
         "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(scene.kind.events)}),
