@@ -97,7 +97,7 @@ def assert_states_what_is_assumed(figure: Figure, dataset: xr.Dataset) -> None:
             continue
         values = {float(value) for value in variable.values.ravel() if f" {value:g} (printed" not in origin}
         ends = values if len(values) < 6 else {min(values), max(values)}
-        stated = assumed.partition(f"{variable.attrs['symbol']} = ")[2].partition(" $")[0]
+        stated = re.split(r", \$[^$]+\$ = ", assumed.partition(f"{variable.attrs['symbol']} = ")[2])[0]
         found = [number_in(word) for word in stated.replace(" \\times ", "*").replace(",", "").split()]
         assert all(any(value == pytest.approx(x, rel=1e-3) for x in found) for value in ends), (name, line)
 
