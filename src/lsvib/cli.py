@@ -119,7 +119,7 @@ def simulate(
     model:
         Model of the drive: rigid (the default), threads, support or nut.
     """
-    from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
+    from lsvib.datasets.trajectory import as_scene, attractor_of, motion_file, run, summary
     from lsvib.datasets.writer import write_dataset
     from lsvib.files import Outputs
 
@@ -130,9 +130,10 @@ def simulate(
         given["initial"] = _pairs(initial)
     checked = as_scene(scene, given, _pairs(changes))
     motion = run(checked)
-    result = summary(checked, motion)
+    steady = attractor_of(motion)
+    result = summary(checked, motion, steady)
     with outputs.writing() as (part,):
-        write_dataset(trajectory(checked, motion), part)
+        write_dataset(motion_file(checked, motion, steady), part, "lsvib.simulate")
     if as_json:
         print_json(result)
         return
@@ -203,7 +204,7 @@ def figure(
     from lsvib.figures.style import save
 
     with outputs.writing() as (data, verdicts, *pictures):
-        write_dataset(dataset, data)
+        write_dataset(dataset, data, f"lsvib.datasets.{name}.build")
         write_json([check.to_json() for check in checks], verdicts)
         save(drawn, *pictures)
     picture = paths[2][0]
@@ -272,7 +273,7 @@ def attraction(
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, area, found.seconds)
     with outputs.writing() as parts:
-        write_dataset(dataset, parts[0])
+        write_dataset(dataset, parts[0], "lsvib.attraction")
         if figure is not None:
             from lsvib.figures.attraction import draw
             from lsvib.figures.style import save

@@ -60,8 +60,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     per_ray = attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's")
     return xr.Dataset(
         {
-            "rigid_label": (plane, label, phase.flag(f"{phase.ATTRACTOR}, of the rigid drive", Attractor)),
-            "label": (("contact_stiffness", *plane), np.array(labels), phase.flag(phase.ATTRACTOR, Attractor)),
+            "rigid_attractor": (plane, label, phase.flag(f"{phase.ATTRACTOR}, of the rigid drive", Attractor)),
+            "attractor": (("contact_stiffness", *plane), np.array(labels), phase.flag(phase.ATTRACTOR, Attractor)),
             "different": ("contact_stiffness", [np.mean(other != label) for other in labels],
                           attributes("1", "fraction of the cells whose attractor is not the rigid drive's")),
             "displacement": (("contact_stiffness", "ray"), displacement, per_ray),
@@ -91,7 +91,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             **axis("contact_stiffness", stiffness),
             **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
-            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")),
+            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
             "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
             **_plane(grid),
         },
@@ -110,7 +110,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         dataset.typical_displacement.values,
         float(dataset.order),
     )
-    unresolved = int((dataset.label == Attractor.UNRESOLVED).sum())
+    unresolved = int((dataset.attractor == Attractor.UNRESOLVED).sum())
     return [
         Check.holds(
             "The region of attraction of the compliant contact tends to that of the rigid drive",

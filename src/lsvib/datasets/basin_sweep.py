@@ -47,6 +47,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             variables["basin_area_axial_force"] = (f"swept_{name}", areas, attributes("rad2 s-1", words))
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    variables["window_angle"] = (
+        "edge",
+        list(window[:2]),
+        attributes("rad", "left and right edge of the window", "$u$"),
+    )
+    variables["window_velocity"] = (
+        "edge",
+        list(window[2:]),
+        attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
+    )
     stable = attributes("N", phase.GLOBAL_STABILITY, "$R$")
     variables["swept_global_stability_force"] = (
         "swept_support_damping",
@@ -65,7 +75,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         attributes("1", f"friction coefficient {words}", r"$\mu_\mathrm{cr}$"),
     )
     variables["global_stability_force"] = ((), global_stability_force(drive), stable)
-    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
     return xr.Dataset(
         variables,
         coords=coordinates,
@@ -209,7 +219,7 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
     named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
-    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6"))
     parameters = {
         f"case_{name}": own[name] for name in own if name in named or name in ("axial_force", "support_damping")
     }
@@ -220,11 +230,15 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
         **_points("boundary", lines, "on the exact boundary"),
         **_points("region", regions, "on the curves around the basin within the window"),
         "resolution": ("resolution", list(resolutions), attributes("1", "starts along each edge of a grid")),
-        "case_angle": (("case", "edge"), [w[:2] for w in windows], attributes("rad", "left and right edge", "$u$")),
+        "case_angle": (
+            ("case", "edge"),
+            [w[:2] for w in windows],
+            attributes("rad", "left and right edge of the window of the case", "$u$"),
+        ),
         "case_velocity": (
             ("case", "edge"),
             [w[2:] for w in windows],
-            attributes("rad s-1", "bottom and top edge", r"$\dot u$"),
+            attributes("rad s-1", "bottom and top edge of the window of the case", r"$\dot u$"),
         ),
         "case_boundary_kind": (
             "case",

@@ -62,7 +62,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
     return xr.Dataset(
         {
-            "curve_critical_mass": (
+            "curve_critical_mass_with_contact": (
                 ("curve_contact_stiffness", "curve_contact_damping"),
                 np.where(grid < LARGEST_MASS, grid, np.nan),
                 mass_words,
@@ -154,7 +154,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     sides = [_sides(drive, *values) for values in zip(own, *_contacts(dataset), strict=True)]
-    whole, every = dataset.curve_critical_mass.values, dataset.stable_at_every_mass.values == 1
+    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
     soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
     softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
     heavy, light = (dataset.isel(mass=k) for k in (0, 1))

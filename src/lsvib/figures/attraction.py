@@ -60,19 +60,19 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
 
 def _latest(dataset: xr.Dataset, here: np.ndarray) -> str:
     """The longest time in a region, which has the palest shade."""
-    if "time" not in dataset:
+    if "settling_time" not in dataset:
         return ""
-    time = dataset.time.transpose("velocity_deviation", "angle_deviation").values[here]
-    return f", palest {np.nanmax(time):.2g} {dataset.time.attrs['units']}" if np.isfinite(time).any() else ""
+    time = dataset.settling_time.transpose("velocity_deviation", "angle_deviation").values[here]
+    return f", palest {np.nanmax(time):.2g} {dataset.settling_time.attrs['units']}" if np.isfinite(time).any() else ""
 
 
 def _shares(dataset: xr.Dataset) -> np.ndarray:
     """How much of its colour each cell gets: within a region, the longer it takes, the paler."""
     label = dataset.label.transpose("velocity_deviation", "angle_deviation").values
     share = np.full(label.shape, 0.8)
-    if "time" not in dataset:
+    if "settling_time" not in dataset:
         return share
-    time = dataset.time.transpose("velocity_deviation", "angle_deviation").values
+    time = dataset.settling_time.transpose("velocity_deviation", "angle_deviation").values
     for value in np.unique(label):
         here = (label == value) & np.isfinite(time)
         if here.any():

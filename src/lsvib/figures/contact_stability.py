@@ -41,7 +41,11 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
             curve = dataset.isel(curve_contact_stiffness=k)
             name = f"$k_c$ = {_power(float(curve.curve_contact_stiffness))} N m⁻¹"
             axes.plot(
-                curve.curve_contact_damping, curve.curve_critical_mass, color=colour, linestyle=dashes, label=name
+                curve.curve_contact_damping,
+                curve.curve_critical_mass_with_contact,
+                color=colour,
+                linestyle=dashes,
+                label=name,
             )
     axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
