@@ -34,7 +34,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     if "contact_line_angle" in dataset:
         phase.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     phase.label_axes(axes, dataset)
-    style.state_values(figure, dataset)
+    given = [
+        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
+    ]
+    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
     phase.legend(figure, [axes], 2, first)
     return figure
 
