@@ -67,6 +67,7 @@ def test_each_check_of_the_contact_stability_can_fail():
         scale("elastic_growth_limit", 1.1),
         scale("least_contact_damping", 0.1),
         scale("growth_rate", -1.0, 1, 0, 3),
+        scale("window_of_soft_contact", 1.01, 0, 1),
     ]
     assert_each_check_fails_on_some("contact_stability", dataset_of("contact_stability"), spoilers)
 
@@ -85,6 +86,7 @@ def test_each_check_of_the_nut_stability_can_fail():
         scale("critical_mass_with_nut", 1 + 1e-9, 3),
         scale("critical_mass_with_nut_by_eigenvalues", 1 + 1e-8, 3),
         set_to("critical_mass_with_nut", 20.0, -1),
+        scale("critical_friction_with_nut", 1 + 1e-9, 7),
     ]
     assert_each_check_fails_on_some("nut_stability", dataset_of("nut_stability"), spoilers)
 

@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.basin import Basin, Boundary, basin
 from lsvib.analysis.clipping import Window
+from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.curves import sampled
 from lsvib.analysis.cycles import Attractor
 from lsvib.analysis.grid import Axis, Grid
@@ -62,6 +63,17 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
         stable,
     )
+    words = "at which the effective inertia of law + vanishes, missing if at none"
+    variables["critical_mass"] = (
+        (),
+        np.nan if (mass := critical_mass(drive)) is None else mass,
+        attributes("kg", f"mass {words}", r"$m_\mathrm{cr}$"),
+    )
+    variables["critical_friction_of_rigid_drive"] = (
+        (),
+        np.nan if (friction := critical_friction(drive)) is None else friction,
+        attributes("1", f"friction coefficient {words}", r"$\mu_\mathrm{cr}$"),
+    )
     variables["global_stability_force"] = ((), global_stability_force(drive), stable)
     coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
     return xr.Dataset(
@@ -89,6 +101,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     reading = dataset.reading_fraction.values
     damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
     stable = dataset.boundary_kind_support_damping.values == Boundary.NONE
+    heaviest, roughest = (
+        float(
+            dataset[f"swept_{name}"]
+            .values[dataset[f"boundary_kind_{name}"].values == Boundary.NONE]
+            .max(initial=-np.inf)
+        )
+        for name in ("mass", "friction_coefficient")
+    )
     return [
         Check.holds(
             "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
@@ -102,6 +122,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "end of Sect. 8.7",
             f"{int(stable.sum())} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
             bool((stable == (limit > float(dataset.axial_force))).all()),
+        ),
+        Check.holds(
+            "Over mass and friction the basin is the whole plane exactly up to the critical values, where the "
+            "effective inertia of law + vanishes",
+            "Sect. 8.7, eq. 8.20",
+            f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {heaviest:.10g} kg; "
+            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {roughest:.10g}",
+            _parts(dataset, "mass", "critical_mass")
+            and _parts(dataset, "friction_coefficient", "critical_friction_of_rigid_drive"),
         ),
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
@@ -129,6 +158,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             worst <= 1,
         ),
     ]
+
+
+def _parts(dataset: xr.Dataset, name: str, critical: str) -> bool:
+    """Whether a critical value parts the drives whose basin is the whole plane from the others, and both exist."""
+    whole = dataset[f"boundary_kind_{name}"].values == Boundary.NONE
+    return bool(
+        (whole == (dataset[f"swept_{name}"].values <= float(dataset[critical]))).all()
+        and whole.any()
+        and not whole.all()
+    )
 
 
 def _swept(drive: LeadScrew, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:

@@ -12,7 +12,7 @@ from lsvib.analysis.cycles import Attractor, SteadyState, orbit_extremes, steady
 from lsvib.analysis.impact import event_impulses
 from lsvib.datasets import phase
 from lsvib.datasets.parameters import GIVEN, parameter
-from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, flags, quantity
+from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
@@ -123,8 +123,8 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
     return dataset.assign_coords(parameters).assign(
         attractor=((), np.int8(steady.label), phase.flag(phase.ATTRACTOR, Attractor)),
-        amplitude=((), steady.amplitude, phase.attributes("rad", phase.AMPLITUDE)),
-        period=((), steady.period, phase.attributes("s", phase.PERIOD, "$T$")),
+        amplitude=((), steady.amplitude, attributes("rad", phase.AMPLITUDE)),
+        period=((), steady.period, attributes("s", phase.PERIOD, "$T$")),
     )
 
 
@@ -145,7 +145,7 @@ def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, di
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
             events[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
-    return {name: ("event", values, attributes) for name, (values, attributes) in events.items()}
+    return {name: ("event", values, described) for name, (values, described) in events.items()}
 
 
 def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> dict[str, Any]:

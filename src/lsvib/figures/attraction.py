@@ -24,7 +24,7 @@ _PALEST = 0.35  # share of a colour in the palest shade
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
-    figure = style.new_figure(style.SINGLE * 1.35, 3.9)
+    figure = style.new_figure(style.SINGLE * 1.35, 4.2)
     axes = figure.add_subplot()
     first = draw_map(axes, dataset)
     draw_boundary(axes, dataset)
@@ -34,6 +34,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     if "contact_line_angle" in dataset:
         phase.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     phase.label_axes(axes, dataset)
+    given = [
+        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
+    ]
+    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
     phase.legend(figure, [axes], 2, first)
     return figure
 
