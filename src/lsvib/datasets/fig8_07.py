@@ -58,7 +58,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 phase.attributes("rad", "equilibrium of the equation of law -", "$u_0$"),
             ),
             **labels("case", [drive], ()),
-            **drive_parameters([drive], printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **drive_parameters([drive], printed=("Sect. 8.6",)),
             **phase.rule_coordinate(),
         },
         attrs={

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures import phase, style
+from lsvib.figures import arrows, phase, style
 
 _BASIN = "#DCEBF7"
 _PATCH = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
@@ -23,18 +23,23 @@ def portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) ->
     limits = [dataset[name].values[[0, -1]] for name in ("grid_contact_force", "grid_contact_force_rate")]
     for axes, letter, case in zip(panels, "ab", (dataset.isel(case=i) for i in dataset.case.values), strict=True):
         _lines(axes, case)
-        for index in dataset.start.values:
-            _motion(axes, case.isel(start=index), limits)
+        motions = [case.isel(start=index) for index in dataset.start.values]
+        colours = [_motion(axes, motion) for motion in motions]
         _equilibria(axes, case)
         axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
         damping = float(case.contact_damping_ratio)
         words = f"contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
         axes.set_title(f"({letter}) {words}", y=1.0, pad=13)  # clear of the power of ten
         axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
+        paths = [
+            (m.contact_force.values, m.contact_force_rate.values, c) for m, c in zip(motions, colours, strict=True)
+        ]
+        arrows.draw_arrows(axes, [*paths, *_manifolds(case), (np.zeros(2), limits[1], None)])
         for x, align, text in ((-0.02, "right", force_signs[0]), (0.02, "left", force_signs[1])):
             place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
             axes.text(*place, text, ha=align, va="bottom", bbox=_PATCH, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
+    style.state_values(figure, dataset)
     phase.legend(figure, panels, columns)
     return figure
 
@@ -56,8 +61,17 @@ def _lines(axes: Axes, case: xr.Dataset) -> None:
     axes.plot(x, y, color=style.BLACK, linewidth=1.0, linestyle=(0, (4, 2)), label="asymptote from the virtual saddle")
 
 
-def _motion(axes: Axes, motion: xr.Dataset, limits: list[np.ndarray]) -> None:
-    """Draw a motion with an arrow on each of its passages through the picture."""
+def _manifolds(case: xr.Dataset) -> list[arrows.Line]:
+    """Return the manifolds of the saddle in the direction of time; they are stored outwards from it."""
+    if "manifold_force" not in case:
+        return []
+    x, y = case.manifold_force.values, case.manifold_force_rate.values
+    outwards = [(x[k], y[k], style.BLACK) for k in range(_STABLE_OWN)]
+    return outwards + [(x[k, ::-1], y[k, ::-1], style.BLACK) for k in (_STABLE_OWN, _STABLE_OTHER)]
+
+
+def _motion(axes: Axes, motion: xr.Dataset) -> str:
+    """Draw a motion from its start; return its colour."""
     x, y = motion.contact_force.values, motion.contact_force_rate.values
     stays = style.flag_names(motion.start_outcome)[int(motion.start_outcome)] == "bounded"
     colour, name = (_STAY, "bounded") if stays else (_GROW, "growing without bound")
@@ -65,16 +79,7 @@ def _motion(axes: Axes, motion: xr.Dataset, limits: list[np.ndarray]) -> None:
     axes.plot(
         x[0], y[0], "o", color=colour, markerfacecolor="white", markersize=3.2, label="start", zorder=3, clip_on=False
     )
-    seen = [(z > low) & (z < high) for z, (low, high) in zip((x, y), limits, strict=True)]
-    inside = np.flatnonzero(seen[0] & seen[1])
-    length = np.cumsum(np.hypot(np.diff(x) / np.ptp(limits[0]), np.diff(y) / np.ptp(limits[1])))
-    middle = int(np.searchsorted(length, length[min(inside[-1], length.size - 1)] * 0.45))
-    axes.annotate(
-        "",
-        (x[middle + 1], y[middle + 1]),
-        (x[middle], y[middle]),
-        arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 0, "mutation_scale": 9, "shrinkA": 0},
-    )
+    return colour
 
 
 def _equilibria(axes: Axes, case: xr.Dataset) -> None:
