@@ -172,7 +172,7 @@ def flag_names(variable: xr.DataArray) -> dict[int, str]:
 
 
 def save(
-    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, resolution: float = 300
+    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, *, resolution: float = 300
 ) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
