@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction", "rule"]
 
 Progress = Callable[[int, int], None]
-RULES: tuple[Literal["contact_sign", "at_once"], ...] = (
-    "contact_sign",
-    "at_once",
-)  # of resuming after a seizure, see :mod:`lsvib.models.rigid`
+# Of resuming after a seizure, see :mod:`lsvib.models.rigid`.
+RULES: tuple[Literal["contact_sign", "at_once"], ...] = ("contact_sign", "at_once")
 _LONGEST = 1e9  # s, as of a scene
 _MOST_THREADS = 4096  # more than any machine has
 
@@ -173,8 +171,8 @@ class _Drive(LeadScrew):
         """Return the map of the attractors that motions reach from every cell of a grid.
 
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
-        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s], seizures, first_event (the
-        label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``, which changes no number;
+        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time), seizures,
+        first_event (the label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``, which changes no number;
         ``refine``, compute only what lies near boundaries (labels of the rigid drive; the dataset then holds blocks);
         ``progress``, called with the numbers of rows done and in all. Raises ``InputError``, ``EngineError``.
 

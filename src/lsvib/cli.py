@@ -301,9 +301,7 @@ def sweep(
     changes: Changes = None,
     initial: Annotated[
         list[str] | None,
-        Parameter(
-            consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S; next to steady sliding.", **_ONE_VALUE
-        ),
+        Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **_ONE_VALUE),
     ] = None,
     resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
     workers: Annotated[str, Parameter(help="Number of processes.")] = "1",

@@ -6,7 +6,7 @@ the number of processes. Nothing is simulated for some time and looked at: the r
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import product
 from multiprocessing import get_context
@@ -59,8 +59,8 @@ _VARIABLES = {
 
 def sweep(
     drive: LeadScrew,
-    over: Mapping[str, Sequence[float]],
-    initial: Mapping[str, float] | None = None,
+    over: Mapping[str, Any],
+    initial: Mapping[str, Any] | None = None,
     resume: Resume = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
@@ -110,7 +110,7 @@ def point(drive: LeadScrew, state: tuple[float, ...], resume: Resume) -> Point:
     found = steady_state(automaton, state)
     if found.label in _WITHOUT_EXTREMES:
         return Point(int(found.label), *(math.nan,) * 5)
-    if found.orbit is None:
+    if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
         return Point(int(found.label), 0.0, math.nan, math.nan, _steady_force(drive), 0.0)
     try:
         amplitude = found.amplitude
