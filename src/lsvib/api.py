@@ -171,10 +171,11 @@ class _Drive(LeadScrew):
         """Return the map of the attractors that motions reach from every cell of a grid.
 
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
-        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time), seizures,
-        first_event (the label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``, which changes no number;
-        ``refine``, compute only what lies near boundaries (labels of the rigid drive; the dataset then holds blocks);
-        ``progress``, called with the numbers of rows done and in all. Raises ``InputError``, ``EngineError``.
+        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
+        seizures, first_event (the label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``,
+        which changes no number; ``refine``, compute only what lies near boundaries (labels of the rigid drive; the
+        dataset then holds blocks); ``progress``, called with the numbers of rows done and in all. Raises
+        ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
