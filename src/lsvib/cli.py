@@ -8,7 +8,15 @@ from cyclopts import App, CycloptsError, Parameter
 
 from lsvib import __version__
 from lsvib.errors import InputError, LsvibError
-from lsvib.printing import print_json, print_map, print_motion, print_parameters, print_stability, print_thresholds
+from lsvib.printing import (
+    print_json,
+    print_map,
+    print_motion,
+    print_parameters,
+    print_stability,
+    print_sweep,
+    print_thresholds,
+)
 from lsvib.terminal import Progress, told
 
 app = App(
@@ -284,6 +292,53 @@ def attraction(
         return
     print(f"wrote {out}")
     print_map(result, counts)
+
+
+@app.command
+def sweep(
+    *,
+    over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **_ONE_VALUE)],
+    changes: Changes = None,
+    initial: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **_ONE_VALUE),
+    ] = None,
+    resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
+    workers: Annotated[str, Parameter(help="Number of processes.")] = "1",
+    out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Sweep parameters of the rigid drive: what the motion ends on, how large and how fast, and the forces.
+
+    Examples of use:
+
+        lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
+
+        lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
+    """
+    from time import perf_counter
+
+    from lsvib.api import RigidDrive, rule
+    from lsvib.datasets.sweep import evenly
+    from lsvib.datasets.sweep import summary as swept_summary
+    from lsvib.datasets.sweep import sweep as swept
+    from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
+
+    outputs = Outputs([(out, "netCDF")] if out else [])
+    axes = {name: evenly(name, text) for name, text in _pairs(over).items()}
+    start = _pairs(initial) if initial else None
+    begin = perf_counter()
+    found = swept(RigidDrive.of(_pairs(changes)), axes, start, rule(resume), workers, Progress("points"))
+    seconds = perf_counter() - begin
+    with outputs.writing() as parts:
+        for part in parts:
+            write_dataset(found, part)
+    result = swept_summary(found, seconds)
+    if as_json:
+        print_json(result)
+        return
+    print_sweep(result)
 
 
 @app.command

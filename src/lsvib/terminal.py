@@ -37,8 +37,8 @@ def told(call: Callable[[], object], also: type[Exception]) -> None:
 class Progress:
     """Tell on the error stream how far a map is: a line that is rewritten, or in a log one line for every 5 %."""
 
-    def __init__(self) -> None:
-        self.shown = -1
+    def __init__(self, what: str = "rows") -> None:
+        self.shown, self.what = -1, what
 
     def __call__(self, done: int, total: int) -> None:
         terminal = sys.stderr.isatty()
@@ -48,7 +48,9 @@ class Progress:
             return
         self.shown = step
         end = "\n" if done == total or not terminal else ""
-        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} rows", end=end, file=sys.stderr, flush=True)
+        print(
+            f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True
+        )
 
 
 def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:

@@ -120,7 +120,8 @@ def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> list
     assert all(axes.has_data() for axes in drawn.axes)
     if figure in STATING:
         assert_states_what_is_assumed(drawn, dataset)
-    legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
+    own = [axes.get_legend() for axes in drawn.axes]
+    legends = [*(legend for part in (drawn, *drawn.subfigs) for legend in part.legends), *filter(None, own)]
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert len(names) == len(set(names))
     return names

@@ -63,16 +63,19 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
         stable,
     )
-    words = "at which the effective inertia of law + vanishes, missing if at none"
     variables["critical_mass"] = (
         (),
         np.nan if (mass := critical_mass(drive)) is None else mass,
-        attributes("kg", f"mass {words}", r"$m_\mathrm{cr}$"),
+        attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
     )
     variables["critical_friction_of_rigid_drive"] = (
         (),
         np.nan if (friction := critical_friction(drive)) is None else friction,
-        attributes("1", f"friction coefficient {words}", r"$\mu_\mathrm{cr}$"),
+        attributes(
+            "1",
+            "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
+            r"$\mu_\mathrm{cr}$",
+        ),
     )
     variables["global_stability_force"] = ((), global_stability_force(drive), stable)
     coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))

@@ -13,7 +13,7 @@ _RULES = {
 _PANELS = (  # variable, title, word on the axis
     ("amplitude", "amplitude", "amplitude of $u$"),
     ("mean_deflection", "mean deflection", "mean deflection"),
-    ("mean_normal_force", "mean contact force", "mean force"),
+    ("mean_normal_force", "mean force", "mean force"),
 )
 
 

@@ -127,18 +127,16 @@ def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
 
 def _errors(axes: Axes, viscous: xr.Dataset) -> None:
     """Range over the branches of each error."""
-    for name, (colour, words, mark) in _ERRORS.items():
+    for name, (colour, _, mark) in _ERRORS.items():
         values = np.abs(viscous[name].isel(rule=0) if "rule" in viscous[name].dims else viscous[name])
         values = values / viscous.rigid_duration if name == "rest_error" else values
         values = values.where(values > 0).transpose("branch", "contact_stiffness")
         low, middle, high = (getattr(values, part)("branch", skipna=True) for part in ("min", "median", "max"))
         axes.fill_between(viscous.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
-        axes.plot(
-            viscous.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5, label=words
-        )
+        axes.plot(viscous.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
     _slope(axes, viscous)
     axes.set(title="(d) viscous limit: median, range", ylabel="Relative error")
-    axes.legend(loc="lower left", fontsize=_SMALL, handlelength=1.5, borderaxespad=0.2)
+    axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=_SMALL, transform=axes.transAxes)
 
 
 def _slope(axes: Axes, viscous: xr.Dataset) -> None:
