@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from lsvib.accuracy.reference.rigid import Result, simulate
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.models.motion import Motion, follow
-from lsvib.models.parameters import LeadScrew
-from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.bench.reference.rigid_digits import RigidTruth, simulate
+from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion, follow
 
 RULES = ("contact_sign", "at_once")
 
@@ -50,7 +50,7 @@ class Comparison:
     """An engine's motion, the reference's, and what separates them (errors relative to the size of the motion)."""
 
     motion: Motion
-    reference: Result
+    reference: RigidTruth
     state_error: float
     time_error: float  # [s]; nan if the events are not the same
     kinds: list[str]

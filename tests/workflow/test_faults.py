@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, Project, copy_of_sources
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.data.writer import read_dataset
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 

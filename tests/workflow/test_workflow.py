@@ -14,8 +14,8 @@ import pytest
 import yaml
 from conftest import ROOT
 
-from lsvib.datasets.ablation import MODULES
-from lsvib.datasets.writer import read_dataset
+from lsvib.bench.figures.ablation.dataset import MODULES
+from lsvib.data.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
 
@@ -60,22 +60,22 @@ def test_touching_a_file_does_nothing(built):
 @pytest.mark.parametrize(
     ("file", "jobs"),
     [
-        ("src/lsvib/figures/fig8_08.py", {"Drawing fig8_08"}),
-        ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
+        ("src/lsvib/figures/fig8_08/picture.py", {"Drawing fig8_08"}),
+        ("src/lsvib/figures/drawing/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
         (
-            "src/lsvib/datasets/fig8_08.py",
+            "src/lsvib/figures/fig8_08/dataset.py",
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/analysis/conditions.py",  # imported by figure 8.8 only
+            "src/lsvib/steady_sliding/conditions.py",  # imported by figure 8.8 only
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/models/friction.py",
+            "src/lsvib/drives/friction.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),
-        ("src/lsvib/core/loop.py", set()),  # neither figure reaches the engine
+        ("src/lsvib/engine/kernels/event_loop.py", set()),  # neither figure reaches the engine
     ],
 )
 def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, file, jobs):
@@ -133,7 +133,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/analysis/chapter.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/drives/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout

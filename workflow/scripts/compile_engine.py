@@ -4,11 +4,11 @@ import hashlib
 import sys
 from pathlib import Path
 
-from lsvib.analysis.attraction import QUANTITIES, mapper
-from lsvib.analysis.grid import Grid
-from lsvib.core.warm import compile_engine
+from lsvib.basins.grid import Grid
+from lsvib.basins.mapper import QUANTITIES, mapper
+from lsvib.drives.parameters import LeadScrew
+from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.files import write_text
-from lsvib.models.parameters import LeadScrew
 
 sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
