@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from lsvib import numbers
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 from lsvib.results import StabilityReport, Threshold
 
@@ -34,7 +34,7 @@ _LONGEST = 1e9  # s, as of a scene
 _MOST_THREADS = 4096  # more than any machine has
 
 
-class _Drive(LeadScrew):
+class _Drive(RigidParameters):
     """What can be asked of a drive of any model."""
 
     @property
@@ -287,7 +287,7 @@ class AttractionMap:
 
 
 def map_attraction(
-    drive: LeadScrew,
+    drive: RigidParameters,
     grid: "Grid | Mapping[str, Any]",
     quantities: Sequence[str] = ("label",),
     resume: str = "contact_sign",

@@ -320,10 +320,10 @@ def sweep(
     from time import perf_counter
 
     from lsvib.api import RigidDrive, rule
-    from lsvib.data.writer import write_dataset
     from lsvib.data.sweep import evenly
     from lsvib.data.sweep import summary as swept_summary
     from lsvib.data.sweep import sweep as swept
+    from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])

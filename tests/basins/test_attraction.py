@@ -12,19 +12,19 @@ from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import QUANTITIES, mapper
 from lsvib.basins.refinement import refine
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.motion import follow
 
-PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 # Drive, box (u [rad], w [rad/s]), duration and watch [s] of the reference. The watch is longer than two periods of the
 # cycle; in the duration steady sliding, with α = 40 1/s and more, shrinks by e^{-12}, and cycles are reached.
 SCENES = {
     "small basin": (PARADOX, 0.1, 60.0, 0.3, 0.1),
     "large basin": (PARADOX.replace(axial_force=-30.0), 0.1, 60.0, 0.3, 0.1),
     "two cycles' worth of boundaries": (PARADOX.replace(support_damping=3e-3), 0.15, 90.0, 0.3, 0.1),
-    "stick-slip": (LeadScrew.of(mass=1.0, translation_damping=1e3, axial_force=40.0), 0.1, 60.0, 0.3, 0.06),
-    "pure slip": (LeadScrew.of(mass=1.0, translation_damping=1e3, axial_force=25.0), 0.1, 60.0, 0.3, 0.06),
+    "stick-slip": (RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0), 0.1, 60.0, 0.3, 0.06),
+    "pure slip": (RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=25.0), 0.1, 60.0, 0.3, 0.06),
 }
 
 

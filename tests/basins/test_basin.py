@@ -17,8 +17,8 @@ from lsvib.basins.curves import Arc, state_on
 from lsvib.basins.exact_basin import Boundary, basin
 from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.errors import InputError
 
 DIGITS = 40
@@ -69,8 +69,8 @@ MORE = {
 }
 
 
-def drive_of(scene: str) -> LeadScrew:
-    return LeadScrew.of({**SCENES, **MORE}[scene][1])
+def drive_of(scene: str) -> RigidParameters:
+    return RigidParameters.of({**SCENES, **MORE}[scene][1])
 
 
 def starts(found, count: int, seed: int) -> list[np.ndarray]:
@@ -92,7 +92,7 @@ def starts(found, count: int, seed: int) -> list[np.ndarray]:
 
 def wrong_labels(scene: str, rule: str, count: int, seed: int) -> list:
     found = basin(drive_of(scene))
-    automaton = rigid_drive(drive_of(scene), resume=rule)
+    automaton = rigid_automaton(drive_of(scene), resume=rule)
     labels = [(x, steady_state(automaton, x).label) for x in starts(found, count, seed)]
     assert Attractor.UNRESOLVED not in {label for _, label in labels}
     return [x for x, label in labels if found.contains(x) != (label == Attractor.STEADY_SLIDING)]
@@ -179,7 +179,7 @@ def test_area_is_that_of_a_grid_to_first_order():
     line = found.line(WINDOW)
     low, high = line.min(axis=0), line.max(axis=0)
     window = Window(low[0], high[0], low[1], high[1])
-    automaton = rigid_drive(drive_of("repelling cycle of slip"))
+    automaton = rigid_automaton(drive_of("repelling cycle of slip"))
     exact = found.area() / window.area
     assert 0.5 < exact < 0.9
     for n in (24, 48):
@@ -240,4 +240,4 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
 )
 def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):
     with pytest.raises(InputError, match=words):
-        basin(LeadScrew.of(changes))
+        basin(RigidParameters.of(changes))

@@ -7,11 +7,11 @@ import pytest
 
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import residual
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
-from lsvib.drives.rigid import rigid_drive
-from lsvib.drives.second_body.nut import nut_drive
-from lsvib.drives.second_body.support import support_drive
-from lsvib.drives.threads import threads_drive
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.second_body.nut import nut_automaton
+from lsvib.drives.second_body.support import support_automaton
+from lsvib.drives.threads import threads_automaton
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import follow
@@ -21,24 +21,24 @@ PARADOX = {"mass": 15.0, "axial_force": 100.0}
 SOFT = {"contact_stiffness": 1e7, "contact_damping": 1e4}
 START = (0.1, 0.0, 0.0, 0.0)
 SCENES = {
-    "stick-slip": (LeadScrew, rigid_drive, LOADED, ()),
-    "sprag-slip": (LeadScrew, rigid_drive, PARADOX, ()),
-    "compliant threads": (ThreadsParameters, threads_drive, {**PARADOX, **SOFT}, ()),
-    "support": (SupportParameters, support_drive, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
+    "stick-slip": (RigidParameters, rigid_automaton, LOADED, ()),
+    "sprag-slip": (RigidParameters, rigid_automaton, PARADOX, ()),
+    "compliant threads": (ThreadsParameters, threads_automaton, {**PARADOX, **SOFT}, ()),
+    "support": (SupportParameters, support_automaton, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
     "support, rubbing": (
         SupportParameters,
-        support_drive,
+        support_automaton,
         {**LOADED, "screw_mass": 3.0, "slide_friction": 8.0, "bearing_friction": 0.02},
         ("slide_friction", "bearing_friction"),
     ),
-    "support, seizing": (SupportParameters, support_drive, {**PARADOX, "screw_mass": 50.0}, ()),
+    "support, seizing": (SupportParameters, support_automaton, {**PARADOX, "screw_mass": 50.0}, ()),
     "nut, rubbing": (
         NutParameters,
-        nut_drive,
+        nut_automaton,
         {**LOADED, "slide_friction": 8.0, "bearing_friction": 0.02},
         ("slide_friction", "bearing_friction"),
     ),
-    "nut, seizing": (NutParameters, nut_drive, {**PARADOX, "mass": 11.0}, ()),
+    "nut, seizing": (NutParameters, nut_automaton, {**PARADOX, "mass": 11.0}, ()),
 }  # fmt: skip
 
 
@@ -71,8 +71,8 @@ def test_wrong_parameter_is_seen(name):
 @pytest.mark.parametrize("column", [flow_planar.A0, flow_planar.A1, flow_planar.B])
 def test_wrong_field_is_seen(column):
     """The flow of a mode with a coefficient that is off by 1e-6; those of its closed form are tied to A0 and A1."""
-    drive = LeadScrew.of(LOADED)
-    automaton = rigid_drive(drive)
+    drive = RigidParameters.of(LOADED)
+    automaton = rigid_automaton(drive)
     flow = automaton.tables.flow.copy()
     row = flow[1]
     a0, a1, b = row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.B]
@@ -95,8 +95,8 @@ def test_loss_in_seizures_is_counted(name):
 
 def test_missed_reversal_is_seen():
     """A motion that stays under the old law after N = 0 has friction that drives it."""
-    drive = LeadScrew.of(LOADED)
-    automaton = rigid_drive(drive)
+    drive = RigidParameters.of(LOADED)
+    automaton = rigid_automaton(drive)
     motion = follow(automaton, (0.1, 0.0), 0.05)
     guards = automaton.tables.guard_start
     signs = automaton.tables.guard_sign.copy()

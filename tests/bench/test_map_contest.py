@@ -11,11 +11,11 @@ from lsvib.basins.mapper import mapper
 from lsvib.bench.maps.map_methods import METHODS, MapMethod, Rule
 from lsvib.bench.maps.map_race import Box, MapOutcome, beside_boundary, contest, strip_share, wrong_share
 from lsvib.cycles.attractors import Attractor
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 
-NEAR = Box(LeadScrew.of(mass=11.0, support_damping=1e-3, axial_force=-10.0), Window(-0.05, 0.05, -15.0, 15.0))
-LATE = Box(LeadScrew.of(mass=11.0, support_damping=3e-3, axial_force=-12.3), Window(-0.3, 0.3, -150.0, 150.0))
+NEAR = Box(RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0), Window(-0.05, 0.05, -15.0, 15.0))
+LATE = Box(RigidParameters.of(mass=11.0, support_damping=3e-3, axial_force=-12.3), Window(-0.3, 0.3, -150.0, 150.0))
 DISTANCES = np.array([1e-9, 1e-6, 1e-3])
 
 

@@ -13,7 +13,7 @@ from lsvib.bench.second_opinions.fate import fate
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.paths import exact_path, quick_path, watched_path
 from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 SEED = 7
 CHAPTER = {  # what the chapter's drives do, by the figures
@@ -37,7 +37,7 @@ WITHOUT_EDGES = {  # drives whose fate only patience shows: the return map drift
 def test_the_fates_of_the_chapters_drives(name):
     """The judge of fates sees in the chapter's drives what its figures show."""
     changes, start = CHAPTER[name]
-    assert fate(watch.constants(dict(LeadScrew.of(changes))), *start).name == name
+    assert fate(watch.constants(dict(RigidParameters.of(changes))), *start).name == name
 
 
 @pytest.mark.parametrize("key", WITHOUT_EDGES)
@@ -90,7 +90,7 @@ def test_drives_do_not_depend_on_what_else_is_drawn(model):
 def test_rates_of_rigid_threads_near_those_of_the_rigid_drive():
     """Very stiff and hardly damped threads have the two rates of the rigid drive among their four."""
     drive = {"mass": 5.0, "translation_damping": 100.0, "support_damping": 1e-3}
-    rigid = wide_drive("rigid", SEED, 0, 1)._replace(drive=LeadScrew.of(drive))
+    rigid = wide_drive("rigid", SEED, 0, 1)._replace(drive=RigidParameters.of(drive))
     threads = wide_drive("threads", SEED, 0, 1)
     stiff = type(threads.drive).of({**drive, "contact_stiffness": 1e15, "contact_damping": 0.0})
     slow = sorted(rates(threads._replace(drive=stiff)), key=abs)[:2]
@@ -140,7 +140,7 @@ def test_the_judges_can_say_wrong(monkeypatch):
     other = "other_cycle" if truth.name == "steady_sliding" else "steady_sliding"
     assert judges.compared(wide, 0, truth, other).verdict == judges.WRONG
     assert judges.compared(wide, 0, truth, "unbounded").verdict == judges.WRONG
-    drive = LeadScrew.of(translation_damping=1e3)
+    drive = RigidParameters.of(translation_damping=1e3)
     rng = np.random.default_rng(0)
     assert {verdict for _, verdict, *_ in threshold_judge.objections(drive, rng)} == {"right"}
     right = threshold_judge.thresholds.onset_force
@@ -194,7 +194,7 @@ def test_a_run_goes_on_where_it_was_stopped_and_ends_what_does_not_return(tmp_pa
 
 def test_nothing_is_unbounded_by_energy():
     """The bound of the module ``fate``: far out, a turn of the undamped drive loses energy by the threads alone."""
-    drive = LeadScrew.of(support_damping=0.0, translation_damping=0.0, mass=5.0)
+    drive = RigidParameters.of(support_damping=0.0, translation_damping=0.0, mass=5.0)
     c = watch.constants(dict(drive))
     times, kinds, modes = np.empty(9), np.empty(9, dtype=np.int64), np.empty(9, dtype=np.int64)
     states = np.empty((9, 2))

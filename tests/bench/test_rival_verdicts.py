@@ -14,7 +14,7 @@ from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases, threshold
 from lsvib.data.writer import read_dataset, write_dataset
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 TRUTH = case_judge.Path(
     kinds=["contact_reversal", "stick", "release", "contact_reversal"],
@@ -38,7 +38,7 @@ def run(**changes) -> Run:
 
 def question(**changes):
     """The stick–slip motion of the chapter, 0.05 s long."""
-    drive = LeadScrew.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0} | changes)
+    drive = RigidParameters.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0} | changes)
     verdict, found = pose(Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, (0.05, 0.0), 0.05), np.random.default_rng(0))
     assert verdict is case_judge.CaseVerdict.PASSED
     return found
@@ -101,7 +101,7 @@ def test_a_stiff_drive_is_given_up_before_it_is_run():
 
 
 def test_a_motion_with_too_many_events_is_cut():
-    drive = LeadScrew.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+    drive = RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
     long = Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, (0.05, 0.0), 1.0)
     _, found = pose(long, np.random.default_rng(0))
     assert found.case.duration < 1.0

@@ -11,12 +11,12 @@ from lsvib.basins.kernels import labelling
 from lsvib.basins.mapper import mapper
 from lsvib.bench.maps import single_precision
 from lsvib.bench.maps.single_precision import double_arithmetic, in_single, twin
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import flow_planar
 
 EPS = np.finfo(np.float32).eps
-PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 def test_its_constants_are_single():
@@ -32,7 +32,7 @@ def test_its_constants_are_single():
 
 
 def test_tables_keep_their_integers():
-    tables = rigid_drive(PARADOX).tables
+    tables = rigid_automaton(PARADOX).tables
     single = in_single(tables)
     assert single.flow.dtype == np.float32
     assert single.guard_start.dtype == tables.guard_start.dtype

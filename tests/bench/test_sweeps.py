@@ -13,13 +13,13 @@ from lsvib.bench.sweeps.cases import THRESHOLDS, cases
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import Path
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
 
 
 def case(start, duration, **drive) -> Case:
-    return Case(CaseFamily.RANDOM, Group.ONLY, 0.0, LeadScrew.of(drive), start, duration)
+    return Case(CaseFamily.RANDOM, Group.ONLY, 0.0, RigidParameters.of(drive), start, duration)
 
 
 FAULTS = {  # what the sweeps found in the engine, now mended
@@ -121,7 +121,7 @@ def test_attractors_beside_a_threshold(group, side):
     "changes", [{"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axial_force": 100.0}]
 )
 def test_a_thousand_periods(changes):
-    run = long_run(LeadScrew.of(changes), 1000)
+    run = long_run(RigidParameters.of(changes), 1000)
     assert run.events > 2000
     assert run.clock_error <= EXACT
     assert run.state_error <= EXACT

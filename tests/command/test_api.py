@@ -22,8 +22,8 @@ from lsvib import api
 from lsvib.cycles.attractors import steady_state
 from lsvib.drives import rigid
 from lsvib.drives.once import forget
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.figures.fig8_09 import dataset as fig8_09
 from lsvib.settings import DEFAULT, read_yaml
 
@@ -121,8 +121,8 @@ def test_drives_are_values():
 
 
 def test_a_drive_is_its_model_and_its_values():
-    assert lsvib.RigidDrive(mass=9) == LeadScrew(mass=9)
-    assert hash(lsvib.RigidDrive(mass=9)) == hash(LeadScrew(mass=9.0))
+    assert lsvib.RigidDrive(mass=9) == RigidParameters(mass=9)
+    assert hash(lsvib.RigidDrive(mass=9)) == hash(RigidParameters(mass=9.0))
     assert lsvib.RigidDrive() != lsvib.ThreadsDrive()
     assert lsvib.SupportDrive() != lsvib.NutDrive()
     assert lsvib.RigidDrive() != {}
@@ -251,10 +251,10 @@ def test_figure_8_9_builds_each_automaton_once(monkeypatch):
     assert len(made) == 5  # and one for each of the two other forces
     fig8_09.build(settings)
     assert len(made) == 5
-    light, heavy = LeadScrew(), LeadScrew(mass=11.0)
-    assert rigid_drive(light) is rigid_drive(light, resume="at_once")
-    assert rigid_drive(heavy) is not rigid_drive(heavy, resume="at_once")
-    assert rigid_drive(heavy) is rigid_drive(lsvib.RigidDrive(mass=11.0), resume="contact_sign")
+    light, heavy = RigidParameters(), RigidParameters(mass=11.0)
+    assert rigid_automaton(light) is rigid_automaton(light, resume="at_once")
+    assert rigid_automaton(heavy) is not rigid_automaton(heavy, resume="at_once")
+    assert rigid_automaton(heavy) is rigid_automaton(lsvib.RigidDrive(mass=11.0), resume="contact_sign")
 
 
 def test_examples_of_docstrings_and_documentation():

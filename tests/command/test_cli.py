@@ -12,8 +12,8 @@ import yaml
 
 import lsvib
 from lsvib import cli
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
 
 # Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
@@ -139,7 +139,7 @@ def test_text_output(run):
     assert len(out.splitlines()) == 6
     assert out.count("pass") == 5
     assert "unstable" in run("stability", "--set", "mass=11")[1]
-    assert len(run("config")[1].splitlines()) == len(LeadScrew.model_fields)
+    assert len(run("config")[1].splitlines()) == len(RigidParameters.model_fields)
 
 
 def test_stability_json(run):
@@ -153,7 +153,7 @@ def test_stability_json(run):
 
 def test_config_json(run):
     table = json.loads(run("config", "--set", "lead_angle_deg=4", "--json")[1])
-    assert list(table) == list(LeadScrew.model_fields)
+    assert list(table) == list(RigidParameters.model_fields)
     assert table["lead_angle"]["value"] == np.radians(4)
     assert table["mass"] == {"value": 1.0, "unit": "kg", "symbol": "m", "allowed": "0 < mass <= 1e+09"}
 
@@ -163,7 +163,9 @@ def test_simulate(run, tmp_path):
     assert (code, error) == (0, "")
     summary = json.loads(out)
     assert {"final_state", "events", "attractor", "peak_normal_force", "status"} <= set(summary)
-    motion = follow(rigid_drive(LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
+    motion = follow(
+        rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
+    )
     assert [summary["final_state"][key] for key in ("u", "w")] == motion.end_state.tolist()
     assert summary["attractor"] == "sprag_slip_cycle"
     assert summary["status"] == "time_reached"
@@ -196,7 +198,9 @@ def test_simulate_from_python_is_the_same():
     data = lsvib.simulate(
         mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1, samples=21
     )
-    motion = follow(rigid_drive(LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
+    motion = follow(
+        rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
+    )
     np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
 
 

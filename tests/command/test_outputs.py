@@ -12,7 +12,7 @@ from test_cli import MOTION, run  # noqa: F401
 
 import lsvib
 from lsvib.basins.grid import Axis
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import Outputs, target_of
 from lsvib.settings import DEFAULT, UNUSED, check, read_yaml
@@ -121,7 +121,7 @@ def test_a_figure_depends_on_every_parameter_that_may_be_set(figure):
     module = import_module(dataset_module(figure))
     original = numbers_of(module.build(section))
     unused = []
-    for key, default in LeadScrew():
+    for key, default in RigidParameters():
         value = section["drive"].get(key, default)
         signs = (-value,) if key in ("input_speed", "axial_force") else ()
         for other in (1.001 * value, 2 * value, 0.5 * value, *signs) if value else (1e-3, 100.0, 1e4):
@@ -149,7 +149,7 @@ def numbers_of(dataset):
 
 def test_drives_and_dictionaries_are_accepted_alike():
     values, start = {"mass": 11.0, "axial_force": -10.0}, {"initial": {"u": 0.1, "w": 0.0}, "t_end": 0.1}
-    drive = LeadScrew.of(values)
+    drive = RigidParameters.of(values)
     assert lsvib.stability(drive) == lsvib.stability(values)
     assert lsvib.thresholds(drive, model="threads") == lsvib.thresholds(values, model="threads")
     complete = dict(drive)
@@ -159,7 +159,7 @@ def test_drives_and_dictionaries_are_accepted_alike():
         lsvib.simulate(drive, **start),
         lsvib.simulate(drive=drive, **start),
         lsvib.simulate(drive=values, **start),
-        lsvib.simulate(LeadScrew(), **values, **start),
+        lsvib.simulate(RigidParameters(), **values, **start),
         lsvib.simulate({"drive": drive}, **start),
     ):
         assert motion.identical(expected)

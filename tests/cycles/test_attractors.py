@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 
 from lsvib.cycles.attractors import Attractor, arc_integrals, orbit_extremes, steady_state
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import follow
 from lsvib.steady_sliding.thresholds import onset_force
 
-NEGATIVE_DAMPING = LeadScrew.of(mass=1.0, translation_damping=1e3)
-PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+NEGATIVE_DAMPING = RigidParameters.of(mass=1.0, translation_damping=1e3)
+PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 def attractor(drive, start=(0.05, 5.0), **options):
-    return steady_state(rigid_drive(drive, **options), start)
+    return steady_state(rigid_automaton(drive, **options), start)
 
 
 def liouville(cycle) -> float:
@@ -77,7 +77,7 @@ def test_sprag_slip_of_both_kinds():
 def test_the_multiplier_is_the_rate_of_convergence():
     """Successive returns of a motion near the sprag–slip cycle approach it by the multiplier at every turn."""
     cycle = attractor(PARADOX, (0.1, 0.0))
-    motion = follow(rigid_drive(PARADOX), cycle.state * (1 + 1e-4), 0.2)
+    motion = follow(rigid_automaton(PARADOX), cycle.state * (1 + 1e-4), 0.2)
     key = (cycle.orbit.kind[-1], cycle.orbit.mode[-1])
     points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])][:, 0]
     assert len(points) >= 4
@@ -86,7 +86,7 @@ def test_the_multiplier_is_the_rate_of_convergence():
 
 
 @pytest.mark.parametrize(
-    "drive", [LeadScrew(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
+    "drive", [RigidParameters(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
 )
 def test_steady_sliding_attracts(drive):
     found = attractor(drive)
@@ -105,11 +105,11 @@ def test_steady_sliding_itself_stays(force):
 
 def test_undamped_slip_is_one_of_a_neutral_family():
     """c = c_x = 0 within N > 0 and θ′ > 0: an ellipse, period 2π √(Γ₊/k), multiplier 1."""
-    drive = LeadScrew.of(support_damping=0.0)
+    drive = RigidParameters.of(support_damping=0.0)
     found = attractor(drive, (0.01, 5.0))
     assert found.label == Attractor.NEUTRAL_FAMILY
     assert found.multiplier == 1.0
-    row = rigid_drive(drive).tables.flow[found.orbit.start_mode]
+    row = rigid_automaton(drive).tables.flow[found.orbit.start_mode]
     assert found.period == pytest.approx(2 * math.pi / row[flow_planar.BETA], rel=4 * flow_planar.EPS)
     assert found.amplitude == pytest.approx(math.hypot(0.01, 5.0 / row[flow_planar.BETA]), rel=1e-14)
 
@@ -117,21 +117,21 @@ def test_undamped_slip_is_one_of_a_neutral_family():
 @pytest.mark.parametrize(("mass", "translation_damping"), [(8.0, 3000.0), (10.0, 1000.0)])
 def test_unbounded(mass, translation_damping):
     """Without rest, slip grows for ever where law + feeds in more than law − takes out (Γ₊ small, C₊ negative)."""
-    drive = LeadScrew.of(mass=mass, translation_damping=translation_damping, axial_force=1000.0)
+    drive = RigidParameters.of(mass=mass, translation_damping=translation_damping, axial_force=1000.0)
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 
 @pytest.mark.parametrize(("mass", "translation_damping"), [(5.0, 10_000.0), (10.0, 3000.0)])
 def test_unbounded_without_an_event(mass, translation_damping):
     """C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again."""
-    drive = LeadScrew.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
+    drive = RigidParameters.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 
 @pytest.mark.parametrize("start", [(0.05, 5.0), (0.0, -40.0), (-0.2, 100.0)])
 def test_without_net_force(start):
     """R̃ = 0 (R = c_x = 0): the contact carries no steady force, and the damped drive comes to its equilibrium u = 0."""
-    found = attractor(LeadScrew.of(axial_force=0.0), start)
+    found = attractor(RigidParameters.of(axial_force=0.0), start)
     assert found.label == Attractor.STEADY_SLIDING
     assert abs(found.state[0]) <= 1e-15
 

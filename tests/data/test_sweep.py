@@ -12,8 +12,8 @@ import lsvib
 from lsvib import api
 from lsvib.cycles.attractors import orbit_extremes
 from lsvib.cycles.impulses import event_impulses
-from lsvib.engine.motion import follow
 from lsvib.data import sweep as sweeping
+from lsvib.engine.motion import follow
 
 BASE = lsvib.RigidDrive(translation_damping=1000)
 START = {"u": 1e-3, "w": 0.0}

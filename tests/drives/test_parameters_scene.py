@@ -5,7 +5,7 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.errors import InputError
 
@@ -35,7 +35,7 @@ def complaint(function, *arguments, **options) -> str:
 
 
 def test_defaults_are_table_8_1():
-    assert dict(LeadScrew()) == {
+    assert dict(RigidParameters()) == {
         "pitch_radius": 5.18e-3,
         "lead_angle": math.radians(5.57),
         "screw_inertia": 3.12e-6,
@@ -47,77 +47,77 @@ def test_defaults_are_table_8_1():
         "translation_damping": 0.0,
         "axial_force": 50.0,
     }
-    assert set(BOUNDS) == set(LeadScrew.model_fields)
+    assert set(BOUNDS) == set(RigidParameters.model_fields)
 
 
 @pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize("key", BOUNDS)
 def test_value_out_of_range(key, side):
     value = BOUNDS[key][side]
-    sentence = complaint(LeadScrew.of, {key: value})
+    sentence = complaint(RigidParameters.of, {key: value})
     assert sentence.startswith((f"{key} = {value!r} is outside", f"{key} = {value:g} is outside"))
     assert BOUNDS[key][2] in sentence
-    complaint(LeadScrew().replace, **{key: value})
+    complaint(RigidParameters().replace, **{key: value})
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "5mm", "", None, [1.0], {"a": 1}, True, "nan", 1j])
 @pytest.mark.parametrize("key", BOUNDS)
 def test_value_that_is_no_number(key, value):
-    sentence = complaint(LeadScrew.of, {key: value})
+    sentence = complaint(RigidParameters.of, {key: value})
     assert sentence.startswith(f"{key} = {value!r} ")
     assert BOUNDS[key][2] in sentence
 
 
 def test_text_that_is_a_number_is_read():
-    assert LeadScrew.of(mass="11", axial_force="-1e1") == LeadScrew.of(mass=11.0, axial_force=-10.0)
+    assert RigidParameters.of(mass="11", axial_force="-1e1") == RigidParameters.of(mass=11.0, axial_force=-10.0)
 
 
 def test_unknown_key_names_the_known_ones():
-    sentence = complaint(LeadScrew.of, {"masss": 1.0})
+    sentence = complaint(RigidParameters.of, {"masss": 1.0})
     assert sentence.startswith("masss is not a known key; the known keys are pitch_radius, ")
     assert all(key in sentence for key in BOUNDS)
 
 
 def test_friction_is_limited_by_the_lead_angle():
-    assert "cot(lead_angle) = 10.2541" in complaint(LeadScrew.of, friction_coefficient=10.26)
-    assert LeadScrew.of(friction_coefficient=10.25).friction_coefficient == 10.25
-    assert "friction_coefficient = 2" in complaint(LeadScrew.of, friction_coefficient=2.0, lead_angle=0.5)
+    assert "cot(lead_angle) = 10.2541" in complaint(RigidParameters.of, friction_coefficient=10.26)
+    assert RigidParameters.of(friction_coefficient=10.25).friction_coefficient == 10.25
+    assert "friction_coefficient = 2" in complaint(RigidParameters.of, friction_coefficient=2.0, lead_angle=0.5)
 
 
 def test_a_drive_must_turn():
-    assert "input_speed = 0 is outside" in complaint(LeadScrew.of, input_speed=0)
+    assert "input_speed = 0 is outside" in complaint(RigidParameters.of, input_speed=0)
 
 
 def test_lead_angle_in_degrees():
-    assert LeadScrew.of(lead_angle_deg=5.57) == LeadScrew()
-    assert LeadScrew.of(lead_angle_deg="4").lead_angle == math.radians(4)
-    assert LeadScrew().replace(lead_angle_deg=4).lead_angle == math.radians(4)
-    assert "both given" in complaint(LeadScrew.of, lead_angle=0.1, lead_angle_deg=5.0)
+    assert RigidParameters.of(lead_angle_deg=5.57) == RigidParameters()
+    assert RigidParameters.of(lead_angle_deg="4").lead_angle == math.radians(4)
+    assert RigidParameters().replace(lead_angle_deg=4).lead_angle == math.radians(4)
+    assert "both given" in complaint(RigidParameters.of, lead_angle=0.1, lead_angle_deg=5.0)
     for value in ("steep", None, True, "nan"):
         assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 0 < " in complaint(
-            LeadScrew.of, lead_angle_deg=value
+            RigidParameters.of, lead_angle_deg=value
         )
     for value in (0, 90):
         assert f"lead_angle_deg = {value} is outside the allowed range 0 < " in complaint(
-            LeadScrew.of, lead_angle_deg=value
+            RigidParameters.of, lead_angle_deg=value
         )
-    assert "outside the allowed range" in complaint(LeadScrew.of, lead_angle_deg=90.0)
+    assert "outside the allowed range" in complaint(RigidParameters.of, lead_angle_deg=90.0)
 
 
 def test_drives_and_scenes_are_immutable():
-    drive, scene = LeadScrew(), Scene.of(SCENE)
+    drive, scene = RigidParameters(), Scene.of(SCENE)
     with pytest.raises(ValidationError):
         drive.mass = 2.0
     with pytest.raises(ValidationError):
         scene.t_end = 2.0
     assert drive.replace(mass=2.0).mass == 2.0
     assert drive.mass == 1.0
-    assert hash(drive) == hash(LeadScrew())
+    assert hash(drive) == hash(RigidParameters())
 
 
 def test_exact_values_are_the_doubles():
-    exact = LeadScrew().exact()
-    assert float(exact.tan_lead) == math.tan(LeadScrew().lead_angle)
+    exact = RigidParameters().exact()
+    assert float(exact.tan_lead) == math.tan(RigidParameters().lead_angle)
     assert abs(exact.sin_lead**2 + exact.cos_lead**2 - 1) < 1e-27  # in the 28 digits of the default context
 
 
@@ -172,7 +172,7 @@ def test_scene_from_yaml(tmp_path):
         encoding="utf-8",
     )
     scene = Scene.of(read_yaml(path))
-    assert scene.drive == LeadScrew.of(mass=11.0, support_damping=1e-3)
+    assert scene.drive == RigidParameters.of(mass=11.0, support_damping=1e-3)
     assert (scene.t_end, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
     path.write_text("drive: {mass: 1e-3}\ninitial: {u: 0.1, w: 0}\nt_end: 1\n")  # YAML 1.1 reads 1e-3 as text
     assert Scene.of(read_yaml(path)).drive.mass == 1e-3

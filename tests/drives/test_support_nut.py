@@ -14,17 +14,17 @@ import pytest
 import lsvib
 from lsvib.bench.reference import two_bodies_digits
 from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive, simulate
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters
-from lsvib.drives.rigid import rigid_drive
-from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_drive
-from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_drive
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
+from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
 from lsvib.engine.kernels import dispatch, flow_planar
 from lsvib.engine.kernels.status import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
 from lsvib.steady_sliding import linearised
 
-KINDS = {"support": (SupportParameters, support_drive, SupportMode), "nut": (NutParameters, nut_drive, NutMode)}
+KINDS = {"support": (SupportParameters, support_automaton, SupportMode), "nut": (NutParameters, nut_automaton, NutMode)}
 MODELS = sorted(KINDS)
 EVENTS = {"support": SupportEvent, "nut": NutEvent}
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
@@ -159,7 +159,7 @@ def test_steady_sliding_is_the_linear_model(model, force):
 )
 def test_heavy_body_gives_the_rigid_drive(model, key, large, parameters):
     """m_1 → ∞, I_2 → ∞: the screw cannot shift, the nut cannot turn; with seizures, and to first order."""
-    rigid = follow(rigid_drive(LeadScrew.of(parameters)), START[:2], 0.03)
+    rigid = follow(rigid_automaton(RigidParameters.of(parameters)), START[:2], 0.03)
     times, errors = np.linspace(0, 0.03, 2001), []
     expected = rigid.at(times)[0][:, 0]
     for value in large:
@@ -175,7 +175,7 @@ def test_heavy_body_gives_the_rigid_drive(model, key, large, parameters):
 def test_stiff_support_gives_the_rigid_drive(model, parameters):
     """k_1 → ∞ (with a light screw), k_2 → ∞, each with a damper near its critical value: first order in 1/k."""
     times, errors = np.linspace(0, 0.03, 2001), []
-    expected = follow(rigid_drive(LeadScrew.of(parameters)), START[:2], 0.03).at(times)[0][:, 0]
+    expected = follow(rigid_automaton(RigidParameters.of(parameters)), START[:2], 0.03).at(times)[0][:, 0]
     for stiffness in (1e10, 1e12):
         own = {"support_stiffness": stiffness, "screw_mass": 0.1, "axial_support_damping": math.sqrt(0.1 * stiffness)}
         if model == "nut":

@@ -23,8 +23,8 @@ from reference.drives import RULES, drives, starts
 
 from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.impulses import mean_load, seizure_impulses
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import follow
 
@@ -42,7 +42,7 @@ LAWS = {
 class Mechanics:
     """The drive as a mechanical system, from its parameters alone (double precision, Newton's laws as in Sect. 2)."""
 
-    def __init__(self, drive: LeadScrew) -> None:
+    def __init__(self, drive: RigidParameters) -> None:
         self.drive, self.tan = drive, math.tan(drive.lead_angle)
         self.p = drive.pitch_radius * self.tan
         net = drive.axial_force - self.p * drive.translation_damping * drive.input_speed
@@ -112,9 +112,9 @@ def integrals(motion, function):
 @given(drives(), starts(), st.sampled_from(RULES), st.floats(1e-3, 0.1))
 def test_mirror_symmetry_is_exact(drive, start, rule, t_end):
     """(u, w, R, Ω) → −(u, w, R, Ω): the same bits with the other sign, for every operation is odd or even."""
-    motion = follow(rigid_drive(drive, resume=rule), start, t_end, max_events=500)
+    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=500)
     mirrored = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-    image = follow(rigid_drive(mirrored, resume=rule), (-start[0], -start[1]), t_end, max_events=500)
+    image = follow(rigid_automaton(mirrored, resume=rule), (-start[0], -start[1]), t_end, max_events=500)
     for name in ("time", "kind"):
         np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
     for name in ("sign", "before", "after", "end_state"):
@@ -128,7 +128,7 @@ def test_mirror_symmetry_is_exact(drive, start, rule, t_end):
 @given(drives(), starts(), st.sampled_from(RULES), st.floats(1e-3, 0.05))
 def test_energy_balance_on_every_arc(drive, start, rule, t_end):
     mechanics = Mechanics(drive)
-    motion = follow(rigid_drive(drive, resume=rule), start, t_end, max_events=100)
+    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=100)
     modes, starts_, ends, durations = motion.arcs()
     works = integrals(motion, mechanics.powers)
     for k in range(len(modes)):
@@ -154,7 +154,7 @@ def test_seizure_loses_what_the_impact_consumes(drive, start, t_end):
     m p v = J_N cos λ + J_F sin λ and I v = r_m (J_F cos λ − J_N sin λ), the momenta that nut and screw lose.
     """
     mechanics = Mechanics(drive)
-    motion = follow(rigid_drive(drive), start, t_end, max_events=100)
+    motion = follow(rigid_automaton(drive), start, t_end, max_events=100)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
     for k in np.flatnonzero(motion.kind == EventKind.SEIZURE):
         v = drive.input_speed + motion.before[k, 1]
@@ -173,7 +173,7 @@ def test_seizure_loses_what_the_impact_consumes(drive, start, t_end):
 def test_axial_momentum_balance(drive, start, rule, t_end):
     """∫ N (cos λ + μ_s sin λ) dt + impulses of seizures = ∫ (R − c_x x′) dt − m Δx′."""
     mechanics = Mechanics(drive)
-    motion = follow(rigid_drive(drive, resume=rule), start, t_end, max_events=100)
+    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=100)
     automaton = motion.automaton
     carried = integrals(motion, mechanics.axial_contact_force).sum()
     speeds = drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1]
@@ -199,8 +199,8 @@ def test_axial_momentum_balance(drive, start, rule, t_end):
 @pytest.mark.parametrize("force", [-10.0, 50.0])
 def test_mean_load_of_a_cycle_is_the_axial_force(mass, force):
     """Over a period momenta do not change: the threads carry R along the axis and −k ⟨z⟩ − c Ω about it."""
-    drive = LeadScrew.of(mass=mass, axial_force=force, support_damping=1e-3)
-    cycle = steady_state(rigid_drive(drive), (0.1, 0.0))
+    drive = RigidParameters.of(mass=mass, axial_force=force, support_damping=1e-3)
+    cycle = steady_state(rigid_automaton(drive), (0.1, 0.0))
     load = mean_load(drive, cycle.orbit)
     assert load.axial == pytest.approx(force, rel=TOLERANCE)  # a difference of impulses 1e3 times larger
     torque = -drive.coupling_stiffness * load.deflection - drive.support_damping * drive.input_speed

@@ -16,12 +16,12 @@ import pytest
 from reference.drives import RULES, compare, random_drive, random_start
 
 from lsvib.bench.reference.rigid_digits import simulate, state_at
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.motion import follow
 
 TOLERANCE = 1e-12
-LONG = LeadScrew.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+LONG = RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
 
 
 def without_repeated_seizures(kinds: list[str]) -> list[str]:
@@ -76,7 +76,7 @@ def test_many_more_random_motions():
 @pytest.mark.parametrize("rule", RULES)
 def test_near_the_critical_mass(mass, rule):
     """Rates of 10⁵ 1/s and more beside 300 1/s: stiff, but as exact as any."""
-    drive = LeadScrew.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
+    drive = RigidParameters.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
     for start in ((0.1, 0.0), (-0.1, -120.0), (0.0, 60.0)):
         result = compare(drive, start, 0.03, rule)
         assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
@@ -85,7 +85,7 @@ def test_near_the_critical_mass(mass, rule):
 
 def test_error_at_a_steep_end_is_that_of_the_time():
     """The worst of 36 000 motions: the error is the lateness of the last event times the rate of the state."""
-    drive = LeadScrew.of(
+    drive = RigidParameters.of(
         mass=11.6, friction_coefficient=0.2170224845100462, axial_force=199.0, input_speed=10.1,
         support_damping=0.006365836536317553,
     )  # fmt: skip
@@ -99,8 +99,8 @@ def test_error_at_a_steep_end_is_that_of_the_time():
 
 
 def test_start_in_an_inconsistent_sector_seizes_at_once():
-    drive = LeadScrew.of(mass=11.0)
-    motion = follow(rigid_drive(drive), (0.1, 0.0), 0.01)
+    drive = RigidParameters.of(mass=11.0)
+    motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.01)
     assert motion.time[0] == 0.0
     assert motion.kind[0] == EventKind.SEIZURE
     assert motion.sign[0] == 1
@@ -109,7 +109,7 @@ def test_start_in_an_inconsistent_sector_seizes_at_once():
 
 def test_long_stick_slip():
     """R = 40 N, m = 1 kg, c_x = 1e3 N s/m: the chapter's stick–slip with both contact signs, from (0.01, 0)."""
-    automaton = rigid_drive(LONG)
+    automaton = rigid_automaton(LONG)
     half = follow(automaton, (0.01, 0.0), 0.5)
     # Values printed by the reference with 40 digits.
     assert half.end_state[0] == pytest.approx(0.06522945748395932103202, rel=TOLERANCE)
@@ -128,9 +128,9 @@ def test_long_stick_slip():
 def test_state_at_any_time():
     times = np.linspace(0.0, 0.1, 23)
     expected = simulate(dict(LONG), 0.01, 0.0, 0.1)
-    states, modes = follow(rigid_drive(LONG), (0.01, 0.0), 0.1).at(times)
+    states, modes = follow(rigid_automaton(LONG), (0.01, 0.0), 0.1).at(times)
     for time, state, mode in zip(times, states, modes, strict=True):
         u, w, name = state_at(expected, time)
-        assert MotionMode(int(rigid_drive(LONG).codes[mode])).name.lower() == name
+        assert MotionMode(int(rigid_automaton(LONG).codes[mode])).name.lower() == name
         assert abs(float(state[0] - u)) <= TOLERANCE * 0.1  # |u| reaches 0.1 rad, |w| 40 rad/s
         assert abs(float(state[1] - w)) <= TOLERANCE * 40.0

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from reference.drives import RULES, random_drive, random_start
 
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import follow
@@ -118,7 +118,7 @@ def random_motions(count: int, seed: int) -> np.ndarray:
     """Tally of so many random motions."""
     rng, tally = np.random.default_rng(seed), np.zeros(4)
     while tally[0] < count:
-        automaton = rigid_drive(random_drive(rng), resume=RULES[rng.integers(2)])
+        automaton = rigid_automaton(random_drive(rng), resume=RULES[rng.integers(2)])
         for _ in range(STARTS_PER_DRIVE):
             check_motion(automaton, random_start(rng), rng.uniform(1e-3, 0.03), tally)
     return tally
@@ -149,7 +149,7 @@ def near_tangencies(count: int, seed: int) -> np.ndarray:
     """Tally of so many motions that come to within 1e-2 to 1e-11 of touching a guard, or cross it by as little."""
     rng, tally = np.random.default_rng(seed), np.zeros(4)
     while tally[0] < count:
-        automaton = rigid_drive(random_drive(rng), resume=RULES[rng.integers(2)])
+        automaton = rigid_automaton(random_drive(rng), resume=RULES[rng.integers(2)])
         for mode, level, touch in tangencies(automaton):
             row = automaton.tables.flow[mode]
             backward = np.array([oscillator(1.0, -row[flow_planar.A1], row[flow_planar.A0], row[flow_planar.B])])

@@ -12,9 +12,9 @@ from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.cycles.curve_distance import Orbit, farthest
 from lsvib.cycles.impulses import seizure_impulses
 from lsvib.data.writer import read_dataset, write_dataset
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
-from lsvib.drives.rigid import EventKind, rigid_drive
-from lsvib.drives.threads import ThreadsEvent, seated_state, threads_drive
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 from lsvib.figures.fig8_10 import dataset as fig8_10
@@ -68,7 +68,7 @@ def test_farthest_point_from_a_polygon():
 
 
 def test_distance_of_shifted_cycles_is_the_shift():
-    cycle = steady_state(threads_drive(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
+    cycle = steady_state(threads_automaton(VISCOUS), seated_state(VISCOUS, 0.003, 0.0))
     orbit = Orbit.of(cycle.orbit, (cycle.amplitude, VISCOUS.input_speed))
     shift = np.array([0.01, 0.0])
     shifted = Orbit(orbit.scales, orbit.polygon + shift, orbit.points + shift)
@@ -80,7 +80,7 @@ def test_distance_of_shifted_cycles_is_the_shift():
 def test_steady_state_is_where_the_motion_ends(stiffness):
     """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
     drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
-    automaton = threads_drive(drive)
+    automaton = threads_automaton(drive)
     cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
@@ -92,7 +92,7 @@ def test_steady_state_is_where_the_motion_ends(stiffness):
 
 
 def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
-    automaton = threads_drive(VISCOUS)
+    automaton = threads_automaton(VISCOUS)
     cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
     row = automaton.observables["normal_force"]
     (stop,) = cycle.after[cycle.kind == ThreadsEvent.STICK]
@@ -101,11 +101,11 @@ def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
 
 @pytest.mark.parametrize(("force", "damping"), [(60.0, 1e-4), (60.0, 2e-3), (-20.0, 1e-4), (-20.0, 2e-3)])
 def test_impacts_seize_at_once_with_the_sign_they_name(force, damping):
-    drive = LeadScrew.of(mass=15.0, axial_force=force, support_damping=damping)
+    drive = RigidParameters.of(mass=15.0, axial_force=force, support_damping=damping)
     found = list(limit_process.impacts(drive, 80.0))
     assert len(found) >= 6
     for impact in found:
-        motion = follow(rigid_drive(drive), [impact.u, impact.w], 1e-6)
+        motion = follow(rigid_automaton(drive), [impact.u, impact.w], 1e-6)
         assert (motion.time[0], motion.kind[0], motion.sign[0]) == (0.0, EventKind.SEIZURE, impact.sign)
 
 
@@ -117,16 +117,16 @@ def test_all_sixteen_branches_are_reached():
 
 @pytest.mark.parametrize("changes", [{"mass": 9.0}, {"translation_damping": 1.0}, {"axial_force": -500.0}])
 def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
-    drive = LeadScrew.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
+    drive = RigidParameters.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
     with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
         list(limit_process.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
 
 
 def test_impulse_is_the_integral_of_the_contact_force():
-    base = LeadScrew.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    base = RigidParameters.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
     drive = limit_process.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
     impact = next(limit_process.impacts(base, 80.0))
-    automaton = threads_drive(drive)
+    automaton = threads_automaton(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
     release = motion.time[np.flatnonzero(motion.kind == ThreadsEvent.RELEASE)[0]]
     times = np.linspace(0.0, release, 2_000_001)
@@ -157,12 +157,12 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     does, by cos λ (cos λ + μ sin λ) = 1.012, and that the slow part loses 3 ln(4ζ²) / (4ζ²) = 1.4 % until the fast one,
     4ζ² times as fast, is gone.
     """
-    base = LeadScrew.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
+    base = RigidParameters.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
     drive, speed = limit_process.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
     (impact,) = (
         x for x in limit_process.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
     )
-    automaton = threads_drive(drive)
+    automaton = threads_automaton(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
     (stop,) = np.flatnonzero(motion.kind == ThreadsEvent.STICK)
     assert stop == motion.kind.size - 1  # it stands until the end

@@ -22,7 +22,7 @@ from lsvib.data.parameter_origins import (
 )
 from lsvib.data.writer import write_dataset
 from lsvib.drives import chapter
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.folders import dataset_module
 from lsvib.settings import UNUSED
 
@@ -77,7 +77,7 @@ def test_a_qualified_parameter_has_its_units_and_a_symbol_has_one_parameter():
 @pytest.mark.parametrize("figure", FIGURES)
 def test_every_parameter_is_stated_with_its_origin(figure):
     dataset = dataset_of(figure)
-    missing = [name for name in LeadScrew.model_fields if name not in dataset.variables]
+    missing = [name for name in RigidParameters.model_fields if name not in dataset.variables]
     assert missing == []
     for name in set(FIELDS) & set(dataset.variables):
         attributes = dataset[name].attrs
@@ -121,7 +121,7 @@ def test_origin_says_which_values_are_printed():
 
 
 def test_a_changed_drive_is_not_called_printed():
-    changed = LeadScrew(friction_coefficient=0.3, mass=10.0)
+    changed = RigidParameters(friction_coefficient=0.3, mass=10.0)
     table = drive_parameters(changed, printed=["Sect. 8.6.1"])
     assert table["friction_coefficient"][2]["origin"] == ASSUMED
     assert table["mass"][2]["origin"] == "printed: Sect. 8.6.1"
@@ -163,7 +163,7 @@ def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
     """The stated drive, integrated from the stated start by somebody else's solver, gives the motions of the file."""
     write_dataset(dataset_of(figure), tmp_path / "figure.nc")
     file = xr.open_dataset(tmp_path / "figure.nc").isel(case=case)
-    drive = {name: float(file[name]) for name in LeadScrew.model_fields}
+    drive = {name: float(file[name]) for name in RigidParameters.model_fields}
     for start in range(file.sizes["start"]):
         motion = file.isel(start=start)
         time, deflection = motion.time.values, motion.coupling_deflection.values

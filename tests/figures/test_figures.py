@@ -8,8 +8,8 @@ from lsvib.basins.exact_basin import Boundary
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.impulses import mean_load, seizure_impulses
 from lsvib.data import phase_plane
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 from lsvib.figures.basin_sweep import dataset as basin_sweep
@@ -121,7 +121,7 @@ def test_a_sweep_without_the_motion_that_touches_fails_its_check():
 
 
 def test_samples_hold_every_event_before_and_after():
-    motion = follow(rigid_drive(LeadScrew.of(SPRAG_DRIVE)), [-0.25, 60.0], 0.1)
+    motion = follow(rigid_automaton(RigidParameters.of(SPRAG_DRIVE)), [-0.25, 60.0], 0.1)
     times, states, modes = phase_plane.sample(motion, 500)
     assert times.size == 500
     assert (np.diff(times) >= 0).all()
@@ -137,14 +137,14 @@ def test_samples_hold_every_event_before_and_after():
 
 
 def test_too_few_samples_are_refused():
-    motion = follow(rigid_drive(LeadScrew.of(SPRAG_DRIVE)), [-0.25, 60.0], 1.0)
+    motion = follow(rigid_automaton(RigidParameters.of(SPRAG_DRIVE)), [-0.25, 60.0], 1.0)
     with pytest.raises(InputError, match="samples = 100 is outside the allowed range samples >= "):
         phase_plane.sample(motion, 100)
 
 
 @pytest.mark.parametrize("speed", [80.0, -25.0])
 def test_seizure_impulses_stop_screw_and_nut(speed):
-    drive = LeadScrew.of(SPRAG_DRIVE)
+    drive = RigidParameters.of(SPRAG_DRIVE)
     impulses = seizure_impulses(drive, speed)
     sine, cosine = np.sin(drive.lead_angle), np.cos(drive.lead_angle)
     tangential = (float(impulses.axial) - float(impulses.normal) * cosine) / sine
@@ -163,8 +163,8 @@ def test_seizure_impulses_stop_screw_and_nut(speed):
 @pytest.mark.parametrize("force", [-10.0, 50.0])
 @pytest.mark.parametrize("damping", [1e-5, 1e-3])
 def test_mean_load_balances_the_momenta(force, damping):
-    drive = LeadScrew.of(mass=11, axial_force=force, support_damping=damping)
-    steady = steady_state(rigid_drive(drive), [0.1, 0.0])
+    drive = RigidParameters.of(mass=11, axial_force=force, support_damping=damping)
+    steady = steady_state(rigid_automaton(drive), [0.1, 0.0])
     load = mean_load(drive, steady.orbit)
     assert load.axial == pytest.approx(force, rel=1e-12)
     assert load.torque == pytest.approx(

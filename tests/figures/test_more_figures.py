@@ -17,7 +17,7 @@ from reference.figure_checks import (
 )
 
 from lsvib.bench.figures.ablation import dataset as ablation
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.fig8_03 import dataset as fig8_03
 from lsvib.figures.table_rounding.dataset import Threshold
 from lsvib.steady_sliding import input_rounding
@@ -52,7 +52,7 @@ def test_each_check_of_the_rounding_can_fail():
 
 def test_rounding_is_the_derivative_times_half_a_unit():
     """Closed forms: m_cr = I / (xi tan(lambda) r_m²) is in proportion to I and 1 / r_m², the onset to Omega and r_m."""
-    drive = LeadScrew.of(translation_damping=1e3)
+    drive = RigidParameters.of(translation_damping=1e3)
     change = input_rounding.propagated(critical_mass, drive)
     value = critical_mass(drive)
     assert change["screw_inertia"] == pytest.approx(value * 0.005 / 3.12, rel=1e-9)

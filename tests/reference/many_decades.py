@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 
-KINDS = {"rigid": LeadScrew, "threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
+KINDS = {"rigid": RigidParameters, "threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
 
 _DECADES = {
     "pitch_radius": (-3, math.log10(0.05)),
@@ -41,7 +41,7 @@ _SOMETIMES_ZERO = {
 _DAMPINGS = ("support_damping", "translation_damping", "contact_damping", "axial_support_damping", "nut_damping")
 
 
-def wide_drive(model: str, random: np.random.Generator) -> LeadScrew:
+def wide_drive(model: str, random: np.random.Generator) -> RigidParameters:
     """Draw a drive: pitch radius 1–50 mm, lead 0.5–45°, μ 0.001–0.9, all else over five to fourteen decades."""
     kind = KINDS[model]
     values = {}
@@ -78,7 +78,7 @@ def wide_drive(model: str, random: np.random.Generator) -> LeadScrew:
     return kind.of(values)
 
 
-def extreme_values(kind: type[LeadScrew], random: np.random.Generator) -> dict[str, float]:
+def extreme_values(kind: type[RigidParameters], random: np.random.Generator) -> dict[str, float]:
     """Draw parameters over the whole accepted range, from the smallest double to the bounds."""
     values = {}
     for key, schema in kind.model_json_schema()["properties"].items():

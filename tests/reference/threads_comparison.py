@@ -8,7 +8,7 @@ from mpmath import mpf
 
 from lsvib.bench.reference.threads_digits import ThreadsTruth
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.threads import ThreadsEvent, ThreadsMode, threads_drive
+from lsvib.drives.threads import ThreadsEvent, ThreadsMode, threads_automaton
 from lsvib.engine.motion import Motion, follow
 
 STATE_TOLERANCE = 1e-9  # of the size of each coordinate's motion, as the project demands
@@ -44,7 +44,7 @@ class Comparison(NamedTuple):
 def compare(drive: ThreadsParameters, start, t_end: float, simulate: Callable[..., ThreadsTruth]) -> Comparison:
     """Follow a motion with the engine and with a reference."""
     reference = simulate(dict(drive), start, t_end)
-    motion = follow(threads_drive(drive), start, t_end, max_events=10_000)
+    motion = follow(threads_automaton(drive), start, t_end, max_events=10_000)
     names = _names(motion)
     kinds = [(ThreadsEvent(k).name.lower(), names[m]) for k, m in zip(motion.kind, motion.mode, strict=True)]
     pairs = zip(motion.time, reference.events, strict=False)

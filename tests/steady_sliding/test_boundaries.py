@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.classes import damped_class
 
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, nut_conditions, support_conditions
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
 
@@ -117,7 +117,7 @@ def test_rotating_nut_is_unstable_exactly_by_8_33(law):
 
 def test_rotation_of_the_nut_lowers_the_critical_mass():
     """Remark 8.6; and a very heavy nut is the rigid drive."""
-    rigid = conditions.critical_mass(LeadScrew())
+    rigid = conditions.critical_mass(RigidParameters())
     masses = [nut_conditions.kinematic_mass(NutParameters.of(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
     assert masses == sorted(masses)
     assert masses[1] == pytest.approx(rigid / 2, rel=1e-14)

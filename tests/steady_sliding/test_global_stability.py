@@ -16,8 +16,8 @@ from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, Rig
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.steady_sliding.global_stability import widest_return
@@ -25,14 +25,14 @@ from lsvib.steady_sliding.summary import threshold_table
 from lsvib.steady_sliding.thresholds import NoThreshold, global_stability_force
 
 DIGITS = 40
-PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3)
+PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 # Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
 DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
 
 
-def returning_force(drive: LeadScrew):
+def returning_force(drive: RigidParameters):
     """Largest −R of a cycle that leaves θ′ = 0 at u = x and seizes at u = x, with 40 digits; slip at R̃ < 0."""
     d = RigidTrueDrive({**dict(drive), "axial_force": -1.0}, DIGITS)
 
@@ -75,7 +75,7 @@ def test_the_threshold_separates_what_it_says(damping, speed):
     starts = generator.uniform([-0.5, -200.0], [0.5, 200.0], (10, 2))
     ends = []
     for share in (1 - 1e-5, 1 + 1e-5):
-        automaton = rigid_drive(drive.replace(axial_force=share * limit))
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
         ends.append({steady_state(automaton, start).label for start in starts})
     assert Attractor.SPRAG_SLIP_CYCLE in ends[0]
     assert ends[1] == {Attractor.STEADY_SLIDING}
@@ -112,7 +112,7 @@ def test_forces_with_the_motion(speed):
     inside = float(widest_return(ForwardDrive(drive, coefficients(drive)))[1])
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
     for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
-        automaton = rigid_drive(drive.replace(axial_force=share * limit))
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
         motions = [follow(automaton, start, math.inf, max_events=5000) for start in starts]
         assert all(motion.status == Status.SETTLED for motion in motions) == stable, share
 
@@ -121,7 +121,7 @@ def test_light_drives_are_globally_stable_without_translation_damping():
     """Γ₊ > 0, c_x = 0: steady sliding attracts everything under either sign of R, as docs/basin.md proves."""
     generator = np.random.default_rng(6)
     for _ in range(40):
-        drive = LeadScrew.of(
+        drive = RigidParameters.of(
             mass=generator.uniform(0.1, 10.1),
             support_damping=10 ** generator.uniform(-5, -2),
             axial_force=generator.choice([-1, 1]) * 10 ** generator.uniform(-2, 3),

@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
@@ -69,7 +69,7 @@ def test_arrays_broadcast():
 
 def test_spectrum_loses_stability_at_the_critical_mass():
     """Between the two doubles around m_cr (eq. 8.20)."""
-    drive = LeadScrew()
+    drive = RigidParameters()
     critical = critical_mass(drive)
     for mass, kind in ((math.nextafter(critical, 0), True), (math.nextafter(critical, 99), False)):
         gamma = float(coefficients(drive.replace(mass=mass)).gamma[1])

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.newton import eigenvalues, is_stable, steady_law
 
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding import boundaries, characteristic, linearised, real_roots, spectrum, stiff_contact
 from lsvib.steady_sliding.stability_table import stability_table
@@ -24,7 +24,7 @@ ROWS = re.findall(r"^\| (1e\d+) \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)
 KINDS = {"threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
 
 
-def boundary(model: str, drive: LeadScrew, key: str, low: float, high: float) -> mpmath.mpf:
+def boundary(model: str, drive: RigidParameters, key: str, low: float, high: float) -> mpmath.mpf:
     """Place between low and high at which the stability by Newton's laws changes, by bisection to 25 digits."""
 
     class At:

@@ -9,7 +9,7 @@ import pytest
 from reference.many_decades import KINDS, extreme_values, wide_drive
 from reference.newton import DIGITS, eigenvalues, is_stable, steady_law
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding.boundaries import OWN_DAMPING, stable_set
 from lsvib.steady_sliding.stability_table import stability_table
@@ -20,7 +20,7 @@ NEUTRAL = ("neutral", "centre")
 VANISHES = mpmath.mpf(10) ** -60  # a real part below this share of its eigenvalue is zero: doubles come within 1e-40
 
 
-def judge_stability(model: str, drive: LeadScrew, law: int, tally: dict) -> None:
+def judge_stability(model: str, drive: RigidParameters, law: int, tally: dict) -> None:
     """Hold the whole stability table of a drive against eigenvalues in 250 digits."""
     table = stability_table(dict(drive), model)
     exact = eigenvalues(model, drive, law)
@@ -55,7 +55,7 @@ def _sorted(exact: list, zero: list[bool]) -> list[complex]:
     return sorted(found, key=lambda z: (z.real, z.imag))
 
 
-def judge_thresholds(model: str, drive: LeadScrew, law: int, random: np.random.Generator, tally: dict) -> None:
+def judge_thresholds(model: str, drive: RigidParameters, law: int, random: np.random.Generator, tally: dict) -> None:
     """Hold every boundary against Routh's array on both sides, and the set between them at random places."""
     table = threshold_table(dict(drive), model)
     own = OWN_DAMPING[type(drive)]
@@ -91,7 +91,7 @@ def judge_thresholds(model: str, drive: LeadScrew, law: int, random: np.random.G
         tally[f"{name} {len(ends)}"] = tally.get(f"{name} {len(ends)}", 0) + 1
 
 
-def no_growth(model: str, drive: LeadScrew, law: int) -> bool:
+def no_growth(model: str, drive: RigidParameters, law: int) -> bool:
     return all(abs(mpmath.re(z)) < VANISHES * abs(z) for z in eigenvalues(model, drive, law))
 
 

@@ -18,8 +18,8 @@ import pytest
 from lsvib.bench.second_opinions import taylor
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
@@ -34,15 +34,15 @@ NAMES = (
 )  # fmt: skip
 
 
-def drive_of(*values: float) -> LeadScrew:
-    return LeadScrew.of(dict(zip(NAMES, values, strict=True)))
+def drive_of(*values: float) -> RigidParameters:
+    return RigidParameters.of(dict(zip(NAMES, values, strict=True)))
 
 
 def power(rng, low, high):
     return 10.0 ** rng.uniform(low, high)
 
 
-def random_drive(rng, kind: str) -> LeadScrew:
+def random_drive(rng, kind: str) -> RigidParameters:
     """Draw a drive: ``any``; or with Γ₊ > 0 > C₊ (``damped``) or Γ₊ < 0 (``paradox``), at any distance from zero."""
     while True:
         lead = math.radians(rng.uniform(0.5, 45))
@@ -70,12 +70,12 @@ def random_drive(rng, kind: str) -> LeadScrew:
             damping = abs(values["support_damping"] - law * arm * damping)
             values["coupling_stiffness"] = (damping / power(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
         try:
-            return LeadScrew.of(values)
+            return RigidParameters.of(values)
         except InputError:
             continue
 
 
-def forward(drive: LeadScrew) -> tuple[ForwardDrive, float]:
+def forward(drive: RigidParameters) -> tuple[ForwardDrive, float]:
     return ForwardDrive(drive, coefficients(drive)), math.copysign(1.0, drive.input_speed)
 
 
@@ -90,7 +90,7 @@ def beside(rng, threshold: float, onset: float):
         yield 1, onset + (threshold - onset) * factor
 
 
-def events(drive: LeadScrew, force: float, start, count: int) -> list[EventKind]:
+def events(drive: RigidParameters, force: float, start, count: int) -> list[EventKind]:
     """The first events of a motion at a force, without the releases from rest that it begins with."""
     try:
         kinds = [EventKind(int(k)) for k in follow(changed(drive, force), start, math.inf, max_events=count).kind]
@@ -102,7 +102,7 @@ def events(drive: LeadScrew, force: float, start, count: int) -> list[EventKind]
 
 
 def changed(drive, force):
-    return rigid_drive(drive.replace(axial_force=force))
+    return rigid_automaton(drive.replace(axial_force=force))
 
 
 def judge_onset(rng, drive):
@@ -112,13 +112,13 @@ def judge_onset(rng, drive):
         assert (c.damping[c.steady_law] > 0) == (side < 0)
 
 
-def end_of_rest(drive: LeadScrew) -> tuple[float, float]:
+def end_of_rest(drive: RigidParameters) -> tuple[float, float]:
     """State in which rest ends and slip under law + begins: θ′ = 0, without acceleration."""
     made, sign = forward(drive)
     return sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
 
 
-def slips_beside(rng, drive: LeadScrew, threshold: float, count: int):
+def slips_beside(rng, drive: RigidParameters, threshold: float, count: int):
     """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
     onset, sign = thresholds.onset_force(drive), forward(drive)[1]
     assert sign * threshold > sign * onset
@@ -320,7 +320,7 @@ def test_reasons_hold_for_their_drives():
 
 def test_steps_of_another_integrator_agree():
     """The slip from the end of rest on both sides of detachment and of the first touch of rest, by Taylor steps."""
-    drive = LeadScrew.of(mass=1.0, translation_damping=1e3)
+    drive = RigidParameters.of(mass=1.0, translation_damping=1e3)
     start = end_of_rest(drive)
     times, kinds = np.zeros(50), np.zeros(50, dtype=np.int64)
     for name, first in (("stick", {"stick", "reversal"}), ("detach", {"contact_reversal"})):

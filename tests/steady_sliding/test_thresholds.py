@@ -19,16 +19,16 @@ from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, Rig
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
-from lsvib.drives.rigid import EventKind, rigid_drive
-from lsvib.drives.threads import seated_state, threads_drive
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.summary import threshold_table
 
 DIGITS = 40
-PARADOX = LeadScrew.of(mass=11.0, support_damping=1e-3)
-NEGATIVE_DAMPING = LeadScrew.of(mass=1.0, translation_damping=1e3)
+PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3)
+NEGATIVE_DAMPING = RigidParameters.of(mass=1.0, translation_damping=1e3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 
@@ -39,7 +39,7 @@ def _forty_digits():
         yield
 
 
-def exact(drive: LeadScrew, **changes) -> RigidTrueDrive:
+def exact(drive: RigidParameters, **changes) -> RigidTrueDrive:
     return RigidTrueDrive({**dict(drive), **changes}, DIGITS)
 
 
@@ -51,13 +51,13 @@ def q_minimum(d: RigidTrueDrive, flow: RigidTrueFlow, end, largest: bool = False
 
 
 def mass_reference():
-    d = exact(LeadScrew())
+    d = exact(RigidParameters())
     return d.I / (d.xi(1) * d.tan * d.r**2)
 
 
 def friction_reference():
     """Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, solved for μ numerically."""
-    d = exact(LeadScrew.of(mass=15.0))
+    d = exact(RigidParameters.of(mass=15.0))
     mass = d.m * mpf(11.6) / (d.m + mpf(11.6))
     return findroot(lambda mu: d.I - (mu - d.tan) / (1 + mu * d.tan) * d.tan * mass * d.r**2, mpf("0.3"))
 
@@ -159,21 +159,21 @@ def test_effective_inertia(law, printed, digit):
 def test_peak_of_the_contact_force(force):
     """Fig. 8.10b, m = 11 kg, k_c = c_c = 1e8: 320 kN, read from an axis; R, which is not stated, hardly matters."""
     drive = ThreadsParameters.of(mass=11.0, axial_force=force)
-    automaton = threads_drive(drive)
+    automaton = threads_automaton(drive)
     cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     assert orbit_extremes(cycle.orbit, automaton.observables["normal_force"])[1] == pytest.approx(PEAK_FORCE, rel=0.02)
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = critical_mass(LeadScrew())
+    mass = critical_mass(RigidParameters())
     assert (
-        exact(LeadScrew.of(mass=mass * (1 - 1e-15))).Gamma(1)
+        exact(RigidParameters.of(mass=mass * (1 - 1e-15))).Gamma(1)
         > 0
-        > exact(LeadScrew.of(mass=mass * (1 + 1e-15))).Gamma(1)
+        > exact(RigidParameters.of(mass=mass * (1 + 1e-15))).Gamma(1)
     )
-    assert critical_mass(LeadScrew.of(friction_coefficient=0.05)) is None  # not self-locking
-    assert critical_friction(LeadScrew.of(mass=1e-6), 11.6) is None
+    assert critical_mass(RigidParameters.of(friction_coefficient=0.05)) is None  # not self-locking
+    assert critical_friction(RigidParameters.of(mass=1e-6), 11.6) is None
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -185,7 +185,7 @@ def test_the_thresholds_separate_what_they_say(speed):
 
     def attractor(force):
         # A start in proportion to R̃, as the cycle is.
-        return steady_state(rigid_drive(drive.replace(axial_force=force)), (3e-3 * (force - onset), 0.0))
+        return steady_state(rigid_automaton(drive.replace(axial_force=force)), (3e-3 * (force - onset), 0.0))
 
     assert attractor(onset * (1 - 1e-6)).label == Attractor.STEADY_SLIDING
     assert attractor(onset * (1 + 1e-6)).label == Attractor.OTHER_CYCLE
@@ -210,7 +210,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
     start_force = -math.copysign(10.0, speed)
     forces = [*np.linspace(start_force, limit, 24)[:-1], *(limit * (1 - 10.0**-n) for n in range(3, 9))]
     for force in forces:
-        automaton = rigid_drive(drive.replace(axial_force=force))
+        automaton = rigid_automaton(drive.replace(axial_force=force))
         cycles = [
             steady_state(automaton, (math.copysign(1, speed) * u, math.copysign(1, speed) * w)) for u, w in STARTS
         ]
@@ -218,7 +218,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
         periods = [cycle.period / cycle.returns for cycle in cycles]
         np.testing.assert_allclose(periods, periods[0], rtol=1e-12)  # one and the same cycle, to rounding
     for force in [limit * (1 + 10.0**-n) for n in range(8, 1, -1)]:
-        automaton = rigid_drive(drive.replace(axial_force=force))
+        automaton = rigid_automaton(drive.replace(axial_force=force))
         for u, w in STARTS:
             start = math.copysign(1, speed) * u, math.copysign(1, speed) * w
             assert steady_state(automaton, start).label == Attractor.STEADY_SLIDING, force

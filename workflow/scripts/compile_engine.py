@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import QUANTITIES, mapper
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.files import write_text
 
@@ -14,5 +14,5 @@ sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in snakemake.input))
 compile_engine()
-mapper(LeadScrew()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
+mapper(RigidParameters()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
 write_text(f"{digest.hexdigest()}\n", snakemake.output[0])

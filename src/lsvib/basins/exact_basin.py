@@ -21,11 +21,11 @@ import numpy as np
 
 from lsvib.basins.clipping import Window, clip, inside
 from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
-from lsvib.basins.reversed_time import BEGINNING, backward_drive
+from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.cycles.attractors import steady_state
 from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import flow_planar
@@ -58,7 +58,7 @@ class Basin:
     infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
     """
 
-    drive: LeadScrew
+    drive: RigidParameters
     boundary: Boundary
     curves: tuple[Curve, ...]
     flow: np.ndarray
@@ -92,7 +92,7 @@ class Basin:
         return self.area(window) / window.area
 
 
-def basin(drive: LeadScrew) -> Basin:
+def basin(drive: RigidParameters) -> Basin:
     """Compute the region of attraction of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
@@ -105,7 +105,7 @@ def basin(drive: LeadScrew) -> Basin:
     _require_attraction(c)
     find = _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
-    return Basin(drive, boundary, tuple(curves), rigid_drive(drive).tables.flow)
+    return Basin(drive, boundary, tuple(curves), rigid_automaton(drive).tables.flow)
 
 
 def _require_attraction(c: Coefficients) -> None:
@@ -119,14 +119,14 @@ def _require_attraction(c: Coefficients) -> None:
         )
 
 
-def _continuous(drive: LeadScrew, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """The basin for Γ₊ > 0: the inside of the cycle to which a motion from the equilibrium winds backwards."""
     if c.damping[1] < 0 and c.damping[1] ** 2 >= 4 * drive.exact().coupling_stiffness * c.gamma[1]:
         raise InputError(
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
             "without a turn; the basin of such a drive is not covered."
         )
-    back = backward_drive(drive)
+    back = backward_automaton(drive)
     mode = MotionMode.SLIP_FORWARD_NEGATIVE if c.steady_law < 0 else MotionMode.SLIP_FORWARD_POSITIVE
     # Slip from (start, 0) never leaves |u| <= start, |w| <= start √(k/Γ_0).
     rate = math.sqrt(drive.coupling_stiffness / float(c.gamma[c.steady_law]))
@@ -135,15 +135,15 @@ def _continuous(drive: LeadScrew, c: Coefficients) -> tuple[Boundary, list[Curve
     orbit = _wind_up(back, [start, 0.0], _index(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [_forward_arcs(orbit, rigid_drive(drive))]
+    return Boundary.CYCLE, [_forward_arcs(orbit, rigid_automaton(drive))]
 
 
-def _in_paradox(drive: LeadScrew, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """The basin in the Painlevé region, by the motion that touches Q = 0."""
     touch = _touch(drive, c)
     if touch is None:
         return Boundary.NONE, []
-    back, drive_forward = backward_drive(drive, touch[0]), rigid_drive(drive)
+    back, drive_forward = backward_automaton(drive, touch[0]), rigid_automaton(drive)
     start, mode = np.array([float(touch[0]), -float(touch[1])]), _index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
     trace = _trace(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
@@ -166,7 +166,7 @@ def _in_paradox(drive: LeadScrew, c: Coefficients) -> tuple[Boundary, list[Curve
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
-def _touch(drive: LeadScrew, c: Coefficients) -> tuple[Decimal, Decimal] | None:
+def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] | None:
     """The state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
 
     There u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so that Q′ = κ w + ρ along the line.
@@ -188,7 +188,7 @@ def _touch(drive: LeadScrew, c: Coefficients) -> tuple[Decimal, Decimal] | None:
         return -(q_w * w + q_0) / q_u, w
 
 
-def _require_rest_in_basin(drive: LeadScrew, c: Coefficients, edge: float) -> None:
+def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float) -> None:
     """Refuse the drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although slip from rest does not."""
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -266,10 +266,10 @@ def _index(automaton: Automaton, mode: MotionMode) -> int:
     return automaton.codes.tolist().index(int(mode))
 
 
-def _mirrored(found: Basin, drive: LeadScrew) -> Basin:
+def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
     """The basin of a drive from that of the drive with both Ω and R reversed: the plane turned by half a turn."""
-    codes = rigid_drive(found.drive).codes.tolist()
-    automaton = rigid_drive(drive)
+    codes = rigid_automaton(found.drive).codes.tolist()
+    automaton = rigid_automaton(drive)
 
     def turned(piece):
         if isinstance(piece, Segment):

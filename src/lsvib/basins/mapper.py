@@ -9,7 +9,7 @@ import numpy as np
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
@@ -21,7 +21,7 @@ Progress = Callable[[int, int], None]
 
 
 def mapper(
-    drive: LeadScrew, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
+    drive: RigidParameters, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
 ) -> "Mapper":
     """Return the mapper of a drive: a :class:`Mapper`, or of a model with more than two states a ``StateMapper``.
 
@@ -50,7 +50,7 @@ class Mapper:
     on threads. ``attractors`` are the cycles that motions reach (``SteadyState``).
     """
 
-    def __init__(self, drive: LeadScrew, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
         kind = find_model(model)
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
         self.events = kind.events

@@ -17,8 +17,8 @@ from decimal import Decimal, localcontext
 
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.once import once
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import SLIPS, EventKind, MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 from lsvib.engine.automaton import (
     Automaton,
     Branch,
@@ -39,7 +39,7 @@ _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
 @once
-def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:
+def backward_automaton(drive: RigidParameters, touch: Decimal | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
@@ -48,7 +48,7 @@ def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:
     if drive.input_speed < 0:
         raise InputError(f"input_speed = {drive.input_speed:g} is outside the allowed range 0 < input_speed.")
     c, d = coefficients(drive), drive.exact()
-    forward = rigid_drive(drive)
+    forward = rigid_automaton(drive)
     q_u, q_w, q_0 = c.q_row
     surfaces = {
         "contact": Surface((q_u, -q_w, q_0), int(forward.tables.snap[0])),

@@ -24,7 +24,7 @@ from lsvib.basins.grid import COORDINATES, Grid
 from lsvib.basins.mapper import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.cycles import attractors
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.flow_blocks import BlockFlow
 from lsvib.engine.kernels.status import Status
@@ -46,7 +46,7 @@ class StateMapper:
     decided: the last event, or the fourth of the points that show the cycle; ``first_event``: kind of the first event.
     """
 
-    def __init__(self, drive: LeadScrew, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
         self.kind = find_model(model)
         self.events = self.kind.events

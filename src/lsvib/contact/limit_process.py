@@ -31,8 +31,8 @@ from lsvib.cycles.attractors import orbit_extremes, steady_state
 from lsvib.cycles.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_drive
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
 from lsvib.drives.threads import ThreadsEvent, seated_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
@@ -85,7 +85,7 @@ class Impact:
     w: float
 
 
-def impacts(drive: LeadScrew, speed: float) -> Iterator[Impact]:
+def impacts(drive: RigidParameters, speed: float) -> Iterator[Impact]:
     """Yield an impact from θ′ = ±``speed`` [rad/s] for each region that it can reach, in the middle of what it reaches.
 
     The outer regions are taken as wide as the band.
@@ -111,7 +111,9 @@ def impacts(drive: LeadScrew, speed: float) -> Iterator[Impact]:
                 yield Impact(sign, region, 0.5 * (left + right), w)
 
 
-def stiffened(drive: LeadScrew, family: BranchFamily, stiffness: float, damping_ratio: float) -> ThreadsParameters:
+def stiffened(
+    drive: RigidParameters, family: BranchFamily, stiffness: float, damping_ratio: float
+) -> ThreadsParameters:
     """Return the drive with a compliant contact of ``stiffness`` k_c [N/m]; ``damping_ratio`` ζ [1] for its family."""
     damping = {
         BranchFamily.VISCOUS: stiffness,
@@ -136,7 +138,7 @@ class LimitBranch:
     ``rigid`` and ``orbits``: one for each rule of resuming; ``differ``: whether the rules lead to different motions.
     """
 
-    drive: LeadScrew
+    drive: RigidParameters
     impact: Impact | None
     start: Sequence[float]
     rigid: list[Motion]
@@ -144,7 +146,7 @@ class LimitBranch:
     differ: bool
 
     @classmethod
-    def of(cls, drive: LeadScrew, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
+    def of(cls, drive: RigidParameters, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
         """Prepare the comparison; scales are half the peak-to-peak of u [rad] of the first motion, and |Ω| [rad/s]."""
         one, other = rigid
         differ = one.time.size != other.time.size or bool(
@@ -161,14 +163,14 @@ def _corners(impact: Impact | None) -> int:
     return 3000 if impact is None else 800
 
 
-def branches(drive: LeadScrew, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
+def branches(drive: RigidParameters, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
     """Yield the impacts from θ′ = ±``speed`` [rad/s], followed for ``duration`` [s], and the cycle from ``start``.
 
     Raises ``InputError`` if the drive is outside the Painlevé region, has c_x ≠ 0, or has no cycle.
     """
     if not coefficients(drive).paradox or drive.translation_damping != 0:
         raise InputError("The limit process needs a drive with Γ₊ <= 0 (mass above m_cr) and translation_damping = 0.")
-    automata = [rigid_drive(drive, resume=rule) for rule in get_args(Resume)]
+    automata = [rigid_automaton(drive, resume=rule) for rule in get_args(Resume)]
     for impact in impacts(drive, speed):
         state = (impact.u, impact.w)
         yield LimitBranch.of(drive, impact, state, [follow(automaton, state, duration) for automaton in automata])

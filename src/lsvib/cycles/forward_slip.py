@@ -14,7 +14,7 @@ from types import SimpleNamespace
 from mpmath import MPContext
 
 from lsvib.drives.coefficients import Coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 
 many = MPContext()  # an own context: the precision of the global one belongs to the caller
@@ -36,7 +36,7 @@ class ForwardDrive:
     constant depends on R; ``xi``, ``inertia`` Γ and ``damping`` C by law.
     """
 
-    def __init__(self, drive: LeadScrew, c: Coefficients) -> None:
+    def __init__(self, drive: RigidParameters, c: Coefficients) -> None:
         d = drive.exact()
         self._slips: dict[tuple[int, bool], Slip] = {}
         self.xi, self.inertia, self.damping = (

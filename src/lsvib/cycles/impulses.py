@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.cycles.attractors import arc_integrals
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode
 from lsvib.engine.motion import Motion
 
@@ -52,7 +52,7 @@ class MeanLoad:
     deflection: float
 
 
-def seizure_impulses(drive: LeadScrew, speed) -> Impulses:
+def seizure_impulses(drive: RigidParameters, speed) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
     lever = drive.mass * drive.pitch_radius - drive.screw_inertia / drive.pitch_radius
@@ -63,12 +63,12 @@ def seizure_impulses(drive: LeadScrew, speed) -> Impulses:
     )
 
 
-def seizure_speeds(drive: LeadScrew, motion: Motion) -> np.ndarray:
+def seizure_speeds(drive: RigidParameters, motion: Motion) -> np.ndarray:
     """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
     return drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1]
 
 
-def event_impulses(drive: LeadScrew, motion: Motion) -> Impulses:
+def event_impulses(drive: RigidParameters, motion: Motion) -> Impulses:
     """Return the impulses of each event of a motion of any model, shape (events), from the balances of momentum.
 
     With A = −m Δx′ along the axis and T = −I Δθ′ about it the normal impulse is A cos λ − (T / r_m) sin λ. They are
@@ -88,7 +88,7 @@ def event_impulses(drive: LeadScrew, motion: Motion) -> Impulses:
     return Impulses(normal=normal, axial=axial, torque=torque)
 
 
-def mean_load(drive: LeadScrew, orbit: Motion) -> MeanLoad:
+def mean_load(drive: RigidParameters, orbit: Motion) -> MeanLoad:
     """Return the means over one cycle, in closed form (c_x = 0, |N| of one sign in each mode).
 
     In slip under law s the threads carry N (cos λ + s μ sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it,

@@ -20,7 +20,7 @@ import numpy as np
 
 from lsvib.data.attributes import attributes
 from lsvib.drives import chapter
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
@@ -31,7 +31,7 @@ NO_EFFECT = "of no effect: the results of this file do not depend on it"
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
 FIELDS = {
     name: field.json_schema_extra
-    for kind in (LeadScrew, ThreadsParameters, SupportParameters, NutParameters)
+    for kind in (RigidParameters, ThreadsParameters, SupportParameters, NutParameters)
     for name, field in kind.model_fields.items()
 }
 _GREEK = ("Omega", "lambda", "mu")
@@ -53,7 +53,7 @@ def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str =
 
 
 def drive_parameters(
-    drives: LeadScrew | Sequence[LeadScrew],
+    drives: RigidParameters | Sequence[RigidParameters],
     dim: str = "case",
     *,
     along: Sequence[str] = (),
@@ -69,7 +69,7 @@ def drive_parameters(
     that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
     those which are ``axes`` of the file and therefore are left out here.
     """
-    row = [drives] if isinstance(drives, LeadScrew) else list(drives)
+    row = [drives] if isinstance(drives, RigidParameters) else list(drives)
     result = {}
     for name in type(row[0]).model_fields:
         if name in axes:
@@ -98,7 +98,7 @@ def _place(name: str, value: float, printed: Sequence[str]) -> str:
     return next((place for place in ("Table 8.1", *printed) if value in stated[place].get(name, ())), "")
 
 
-def labels(dim: str, drives: Sequence[LeadScrew], names: Sequence[str]) -> Variables:
+def labels(dim: str, drives: Sequence[RigidParameters], names: Sequence[str]) -> Variables:
     """Return the coordinate of some drives: an index, whose ``flag_meanings`` name what makes each of them.
 
     ``names``: the parameters in which they differ; without any, the only one is called ``drive``.

@@ -16,8 +16,8 @@ from lsvib.cycles.impulses import event_impulses
 from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
@@ -65,7 +65,7 @@ def rule_coordinate() -> Variables:
 
 
 def portraits(
-    drives: Sequence[LeadScrew], starts: Sequence[Mapping[str, float]], duration: float, samples: int
+    drives: Sequence[RigidParameters], starts: Sequence[Mapping[str, float]], duration: float, samples: int
 ) -> Variables:
     """Compute the phase planes of some drives.
 
@@ -75,11 +75,11 @@ def portraits(
     """
     states = [np.array([start["u"], start["w"]]) for start in starts]
     steady = [[[_attractor(d, rule, x) for x in states] for rule in RULES] for d in drives]
-    followed = [[follow(rigid_drive(d), x, duration) for x in states] for d in drives]
+    followed = [[follow(rigid_automaton(d), x, duration) for x in states] for d in drives]
     return lines(drives) | motions(drives, followed, samples) | attractors(steady, samples)
 
 
-def lines(drives: Sequence[LeadScrew]) -> Variables:
+def lines(drives: Sequence[RigidParameters]) -> Variables:
     """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
     exact = [coefficients(drive) for drive in drives]
     return {
@@ -106,7 +106,7 @@ def lines(drives: Sequence[LeadScrew]) -> Variables:
     }
 
 
-def motions(drives: Sequence[LeadScrew], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
+def motions(drives: Sequence[RigidParameters], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     """Return sampled motions, dimensions (case, start, sample), and their events, (case, start, event)."""
     sampled = [[_sample(motion, samples) for motion in row] for row in followed]
     dims = ("case", "start", "sample")
@@ -128,7 +128,7 @@ def motions(drives: Sequence[LeadScrew], followed: Sequence[Sequence[Motion]], s
     return variables | _events(drives, followed)
 
 
-def _events(drives: Sequence[LeadScrew], followed: Sequence[Sequence[Motion]]) -> Variables:
+def _events(drives: Sequence[RigidParameters], followed: Sequence[Sequence[Motion]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
     dims = ("case", "start", "event")
     size = (len(followed), len(followed[0]), max(1, max(m.time.size for row in followed for m in row)))
@@ -219,5 +219,5 @@ def _sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndar
     return times, states, np.repeat(modes, share)
 
 
-def _attractor(drive: LeadScrew, rule: Resume, state: np.ndarray) -> SteadyState:
-    return steady_state(rigid_drive(drive, resume=rule), state)
+def _attractor(drive: RigidParameters, rule: Resume, state: np.ndarray) -> SteadyState:
+    return steady_state(rigid_automaton(drive, resume=rule), state)

@@ -13,12 +13,14 @@ from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
 from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
-from lsvib.drives.parameters import LeadScrew, names_and_values, parameters_of
+from lsvib.drives.parameters import RigidParameters, names_and_values, parameters_of
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.engine.motion import Motion, follow
 
 
-def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
+def simulate(
+    scene: Scene | RigidParameters | Mapping[str, Any] | str | Path | None = None, /, **changes: Any
+) -> xr.Dataset:
     """Simulate a scene exactly and return its trajectory.
 
     Arguments: a :class:`Scene`, a drive, names and values of a scene, or the path of a YAML file; ``changes`` are
@@ -40,7 +42,7 @@ def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = 
 
 
 def as_scene(
-    scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None,
+    scene: Scene | RigidParameters | Mapping[str, Any] | str | Path | None,
     changes: Mapping[str, Any],
     drive: Mapping[str, Any],
 ) -> Scene:
@@ -50,7 +52,7 @@ def as_scene(
     """
     if isinstance(scene, Scene):
         values = scene.model_dump()
-    elif isinstance(scene, LeadScrew):
+    elif isinstance(scene, RigidParameters):
         values = {"model": scene.model, "drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)

@@ -20,8 +20,8 @@ from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, stea
 from lsvib.cycles.impulses import seizure_impulses, seizure_speeds
 from lsvib.data.attributes import attributes, flags
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, described, names_and_values
-from lsvib.drives.rigid import Resume, rigid_drive
+from lsvib.drives.parameters import RigidParameters, described, names_and_values
+from lsvib.drives.rigid import Resume, rigid_automaton
 from lsvib.errors import EngineError, InputError
 
 Progress = Callable[[int, int], None]
@@ -58,7 +58,7 @@ _VARIABLES = {
 
 
 def sweep(
-    drive: LeadScrew,
+    drive: RigidParameters,
     over: Mapping[str, Any],
     initial: Mapping[str, Any] | None = None,
     resume: Resume = "contact_sign",
@@ -104,9 +104,9 @@ def sweep(
     )
 
 
-def point(drive: LeadScrew, state: tuple[float, ...], resume: Resume) -> Point:
+def point(drive: RigidParameters, state: tuple[float, ...], resume: Resume) -> Point:
     """Return what the motion of a rigid drive from a state (u [rad], w [rad/s]) ends on."""
-    automaton = rigid_drive(drive, resume=resume)
+    automaton = rigid_automaton(drive, resume=resume)
     found = steady_state(automaton, state)
     if found.label in _WITHOUT_EXTREMES:
         return Point(int(found.label), *(math.nan,) * 5)
@@ -120,13 +120,13 @@ def point(drive: LeadScrew, state: tuple[float, ...], resume: Resume) -> Point:
     return Point(int(found.label), amplitude, found.period, found.multiplier, force, _impulse(drive, found))
 
 
-def _steady_force(drive: LeadScrew) -> float:
+def _steady_force(drive: RigidParameters) -> float:
     """|N_0| of steady sliding (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω."""
     c, d = coefficients(drive), drive.exact()
     return float(abs(c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)))
 
 
-def _impulse(drive: LeadScrew, found: SteadyState) -> float:
+def _impulse(drive: RigidParameters, found: SteadyState) -> float:
     """Largest |J_N| of the seizures of a cycle."""
     assert found.orbit is not None
     return float(np.max(np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal), initial=0.0))
@@ -160,7 +160,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def _all(
-    drives: list[LeadScrew], work: Callable[[LeadScrew], Point], workers: int, progress: Progress | None
+    drives: list[RigidParameters], work: Callable[[RigidParameters], Point], workers: int, progress: Progress | None
 ) -> list[Point]:
     """The points of drives, in their order, by processes that each compute some at a time."""
     if workers == 1 or len(drives) <= _CHUNK:
@@ -180,8 +180,8 @@ def _told(points: Any, total: int, progress: Progress | None) -> list[Point]:
 
 def _values(name: str, given: Any) -> list[float]:
     """The values of a parameter as numbers; whether they are in its range is for the drive to say."""
-    if name not in LeadScrew.model_fields:
-        raise InputError(f"{name} is not a known key; the known keys are {', '.join(LeadScrew.model_fields)}.")
+    if name not in RigidParameters.model_fields:
+        raise InputError(f"{name} is not a known key; the known keys are {', '.join(RigidParameters.model_fields)}.")
     if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
         raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
     try:
@@ -204,5 +204,5 @@ def _processes(given: Any) -> int:
 
 
 def _coordinate(name: str) -> dict[str, Any]:
-    about = described(LeadScrew, name)
+    about = described(RigidParameters, name)
     return attributes(about["unit"], about["long_name"])

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ _NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
 # Values of parameters by the place that states them. Table 8.1 is the default of a drive.
 STATED: dict[str, dict[str, tuple[float, ...]]] = {
     "Table 8.1": {
-        name: (LeadScrew.model_fields[name].default,)
+        name: (RigidParameters.model_fields[name].default,)
         for name in (
             *("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping"),
             *("friction_coefficient", "input_speed"),

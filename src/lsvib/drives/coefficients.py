@@ -5,7 +5,7 @@ from decimal import Decimal, localcontext
 
 from lsvib.drives import friction
 from lsvib.drives.once import once
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 
 
@@ -28,7 +28,7 @@ class Coefficients:
 
 
 @once
-def coefficients(drive: LeadScrew) -> Coefficients:
+def coefficients(drive: RigidParameters) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, to 50 digits."""
     d = drive.exact()
     with localcontext(prec=PLACES):

@@ -28,14 +28,14 @@ def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: 
     return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
 
 
-class LeadScrew(BaseModel):
+class RigidParameters(BaseModel):
     """A rigid lead-screw drive in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
     differ from the defaults. ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad] wherever values are given.
     ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
     are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
-    ``InputError`` through :func:`LeadScrew.of` and :meth:`replace`, in one sentence naming key, value and range.
+    ``InputError`` through :func:`RigidParameters.of` and :meth:`replace`, in one sentence naming key, value and range.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -68,7 +68,7 @@ class LeadScrew(BaseModel):
                 raise InputError(sentence_about(type(self), error)) from None
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, LeadScrew):
+        if not isinstance(other, RigidParameters):
             return NotImplemented
         return self.model == other.model and self.__dict__ == other.__dict__
 
@@ -97,12 +97,12 @@ class LeadScrew(BaseModel):
             )
 
     @classmethod
-    def of(cls, values: "LeadScrew | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+    def of(cls, values: "RigidParameters | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
         """Make a drive from another drive, or from names and values, with ``more`` of them.
 
         Raises ``InputError`` in one sentence.
         """
-        if isinstance(values, LeadScrew):
+        if isinstance(values, RigidParameters):
             return cls(**values.model_dump()).replace(**more)
         return cls(**{**names_and_values("drive", values), **more})
 
@@ -110,12 +110,12 @@ class LeadScrew(BaseModel):
         """Return a copy with some parameters changed, checked again."""
         return type(self)(**{**self.model_dump(), **_in_radians(changes)})
 
-    def exact(self) -> "ExactDrive":
+    def exact(self) -> "ExactParameters":
         """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
         return _exact(self)
 
 
-class ThreadsParameters(LeadScrew):
+class ThreadsParameters(RigidParameters):
     """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
 
     model = "threads"
@@ -124,7 +124,7 @@ class ThreadsParameters(LeadScrew):
     contact_damping: Quantity = _quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
 
 
-class SupportParameters(LeadScrew):
+class SupportParameters(RigidParameters):
     """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
 
     model = "support"
@@ -136,7 +136,7 @@ class SupportParameters(LeadScrew):
     bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
-class NutParameters(LeadScrew):
+class NutParameters(RigidParameters):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
 
     model = "nut"
@@ -148,10 +148,10 @@ class NutParameters(LeadScrew):
     bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
-class ExactDrive:
-    """A drive in 50-digit decimal arithmetic: attributes as in :class:`LeadScrew`, plus the functions of λ."""
+class ExactParameters:
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`RigidParameters`, plus the functions of λ."""
 
-    def __init__(self, drive: LeadScrew) -> None:
+    def __init__(self, drive: RigidParameters) -> None:
         self.__dict__.update({key: Decimal(value) for key, value in drive.__dict__.items()})
         with localcontext(prec=PLACES + 10):
             self.sin_lead, self.cos_lead = _sine_and_cosine(self.lead_angle)
@@ -163,8 +163,8 @@ class ExactDrive:
 
 
 @once
-def _exact(drive: LeadScrew) -> ExactDrive:
-    return ExactDrive(drive)
+def _exact(drive: RigidParameters) -> ExactParameters:
+    return ExactParameters(drive)
 
 
 def _sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
@@ -205,14 +205,14 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
     return dict(given)
 
 
-def parameters_of(drive: LeadScrew | Mapping[str, Any] | None) -> dict[str, Any]:
+def parameters_of(drive: RigidParameters | Mapping[str, Any] | None) -> dict[str, Any]:
     """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
-    return drive.model_dump() if isinstance(drive, LeadScrew) else names_and_values("drive", drive)
+    return drive.model_dump() if isinstance(drive, RigidParameters) else names_and_values("drive", drive)
 
 
 def model_of(drive: Any, model: str = "rigid") -> str:
     """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
-    return drive.model if isinstance(drive, LeadScrew) and model == "rigid" else model
+    return drive.model if isinstance(drive, RigidParameters) and model == "rigid" else model
 
 
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:

@@ -7,7 +7,7 @@ from importlib import import_module
 
 import numpy as np
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 from lsvib.numbers import shown
@@ -29,9 +29,9 @@ class Model:
     ``options`` are the other words that its ``physics`` may hold; ``outputs`` are its observables.
     """
 
-    drive: type[LeadScrew]
-    build: Callable[[LeadScrew, tuple[str, ...], str], Automaton]
-    start: Callable[[LeadScrew, Mapping[str, float]], np.ndarray]
+    drive: type[RigidParameters]
+    build: Callable[[RigidParameters, tuple[str, ...], str], Automaton]
+    start: Callable[[RigidParameters, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
     events: type[IntEnum]
     required: tuple[str, ...]
@@ -41,7 +41,7 @@ class Model:
     outputs: tuple[str, ...]
     equations: str
 
-    def initial_state(self, drive: LeadScrew, values: Mapping[str, float]) -> np.ndarray:
+    def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
         """Return the initial state; ``InputError`` if a required key is missing or a key is not known."""
         known = (*self.required, *self.optional)
         if not set(self.required) <= set(values) <= set(known):

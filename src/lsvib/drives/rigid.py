@@ -30,7 +30,7 @@ import numpy as np
 
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.once import once
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model
 from lsvib.engine.automaton import (
     Automaton,
@@ -83,7 +83,7 @@ SLIPS = {  # mode: (sign of θ′, sign of Q)
 _FORWARD, _BACKWARD = "slip_forward_negative", "slip_backward_positive"  # the slips under law −1
 
 
-def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
+def rigid_automaton(drive: RigidParameters, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
     """Return the rigid drive's automaton.
 
     Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
@@ -96,7 +96,7 @@ def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contac
 
 
 @once
-def _automaton(drive: LeadScrew, rest: bool, resume: Resume) -> Automaton:
+def _automaton(drive: RigidParameters, rest: bool, resume: Resume) -> Automaton:
     c = coefficients(drive)
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -314,8 +314,8 @@ def _observables(c: Coefficients, d, modes) -> dict[str, dict[str, tuple]]:
 
 
 MODEL = Model(
-    drive=LeadScrew,
-    build=lambda drive, physics, resume: rigid_drive(drive, rest="rest" in physics, resume=resume),
+    drive=RigidParameters,
+    build=lambda drive, physics, resume: rigid_automaton(drive, rest="rest" in physics, resume=resume),
     start=lambda drive, values: np.array([values["u"], values["w"]], dtype=float),
     modes=MotionMode,
     events=EventKind,

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
-from lsvib.drives.parameters import LeadScrew, Number, Whole, names_and_values, sentence_about
+from lsvib.drives.parameters import Number, RigidParameters, Whole, names_and_values, sentence_about
 from lsvib.drives.registry import Model, find_model
 from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, number
@@ -30,7 +30,7 @@ class Scene(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     model: str = "rigid"
-    drive: SerializeAsAny[LeadScrew]
+    drive: SerializeAsAny[RigidParameters]
     physics: tuple[str, ...] | None = None
     resume: Literal["contact_sign", "at_once"] = "contact_sign"
     initial: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "initial"))]
@@ -49,7 +49,7 @@ class Scene(BaseModel):
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
         drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
-        known = isinstance(drive, LeadScrew) and drive.model == kind.model  # of another model: converted
+        known = isinstance(drive, RigidParameters) and drive.model == kind.model  # of another model: converted
         return {**values, "drive": drive if known else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:

@@ -57,7 +57,7 @@ _UNDER_LAW_PLUS = (ThreadsMode.SLIP_FORWARD_POSITIVE, ThreadsMode.SLIP_BACKWARD_
 
 
 @once
-def threads_drive(drive: ThreadsParameters) -> Automaton:
+def threads_automaton(drive: ThreadsParameters) -> Automaton:
     """Return the automaton of the drive with compliant threads.
 
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
@@ -227,7 +227,7 @@ def _start(drive: ThreadsParameters, values) -> np.ndarray:
 
 def _automaton(drive: ThreadsParameters, physics: tuple[str, ...], resume: str) -> Automaton:
     seizures_only_by_contact("threads", resume)
-    return threads_drive(drive)
+    return threads_automaton(drive)
 
 
 MODEL = Model(

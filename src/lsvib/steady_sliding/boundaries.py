@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.steady_sliding.characteristic import (
     DIGITS,
     Polynomial,
@@ -51,7 +51,7 @@ class StableSet:
     from_zero: bool
 
 
-def stable_set(drive: LeadScrew, key: str) -> StableSet:
+def stable_set(drive: RigidParameters, key: str) -> StableSet:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
     Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
@@ -83,7 +83,7 @@ def stable_set(drive: LeadScrew, key: str) -> StableSet:
     return StableSet(key, intervals, limit, neutral, stable(Fraction(0)))
 
 
-def threshold_of(drive: LeadScrew, key: str) -> dict[str, Any]:
+def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
     """The threshold of a parameter as plain values: ``value``, ``unit``, ``stable_intervals``, perhaps a ``reason``.
 
     For a damping the value is the least one: below it steady sliding is stable at none. For the mass and the friction
@@ -121,7 +121,7 @@ def threshold_of(drive: LeadScrew, key: str) -> dict[str, Any]:
     }
 
 
-def model_thresholds(drive: LeadScrew) -> dict[str, dict[str, Any]]:
+def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
     """Critical mass, critical friction and least damping of its own of a drive, each as :func:`threshold_of`."""
     own = OWN_DAMPING[type(drive)]
     keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}

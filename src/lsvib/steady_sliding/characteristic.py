@@ -21,7 +21,7 @@ from typing import Any
 
 import mpmath
 
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.errors import InputError
 
 Polynomial = tuple[Fraction, ...]  # highest power first
@@ -29,7 +29,7 @@ Polynomial = tuple[Fraction, ...]  # highest power first
 DIGITS = 100  # of tan λ at first: enough unless a condition vanishes to some 80 digits, which calls for four times more
 
 
-def polynomial(kind: type[LeadScrew], values: Mapping[str, Fraction], law: int, tan_lead: Fraction) -> Polynomial:
+def polynomial(kind: type[RigidParameters], values: Mapping[str, Fraction], law: int, tan_lead: Fraction) -> Polynomial:
     """Return the coefficients of the characteristic polynomial, times g or 1 + t², highest power first (SI units).
 
     Arguments: class of the drive; its parameters as rationals; law s = ±1; tan λ as a rational.
@@ -40,7 +40,7 @@ def polynomial(kind: type[LeadScrew], values: Mapping[str, Fraction], law: int, 
     screw = (p["screw_inertia"], p["support_damping"], p["coupling_stiffness"])
     slide = (p["mass"], p["translation_damping"], Fraction(0))
     rigid = tuple(g * a - h * b for a, b in zip(screw, slide, strict=True))
-    if kind is LeadScrew:
+    if kind is RigidParameters:
         return rigid
     if kind is ThreadsParameters:
         factor, other = 1 + t**2, (Fraction(0), p["contact_damping"], p["contact_stiffness"])
@@ -54,12 +54,12 @@ def polynomial(kind: type[LeadScrew], values: Mapping[str, Fraction], law: int, 
     return tuple(factor * a + b for a, b in zip(free, tied, strict=True))
 
 
-def rationals(drive: LeadScrew) -> dict[str, Fraction]:
+def rationals(drive: RigidParameters) -> dict[str, Fraction]:
     """Return the parameters of a drive as exact rationals."""
     return {key: Fraction(value) for key, value in drive}
 
 
-def tangents(drive: LeadScrew, digits: int) -> tuple[Fraction, Fraction]:
+def tangents(drive: RigidParameters, digits: int) -> tuple[Fraction, Fraction]:
     """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
     with mpmath.workdps(digits + 10):
         tangent = mpmath.tan(mpmath.mpf(drive.lead_angle))
@@ -68,7 +68,7 @@ def tangents(drive: LeadScrew, digits: int) -> tuple[Fraction, Fraction]:
     return low, high
 
 
-def settled(drive: LeadScrew, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
+def settled(drive: RigidParameters, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
     """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
 
     ``judge`` must depend on signs of polynomials of the coefficients alone, so that digits enough always decide. Raises
@@ -84,7 +84,7 @@ def settled(drive: LeadScrew, law: int, judge: Callable[[Polynomial], Any]) -> t
         digits *= 4
 
 
-def scale(drive: LeadScrew, law: int) -> Fraction:
+def scale(drive: RigidParameters, law: int) -> Fraction:
     """Return the positive factor, g or 1 + t², by which :func:`polynomial` exceeds det(M s² + C s + K)."""
     t = tangents(drive, DIGITS)[0]
     return 1 + t**2 if isinstance(drive, ThreadsParameters) else 1 + law * Fraction(drive.friction_coefficient) * t

@@ -5,11 +5,11 @@ from decimal import Decimal, localcontext
 
 from lsvib.drives import friction
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 
 
-def conditions(drive: LeadScrew) -> dict[str, dict[str, object]]:
+def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
     """Evaluate the instability conditions of a drive.
 
     Returns, by name, the margins of the inequalities (each holds where positive; SI units) and whether all ``hold``:
@@ -39,7 +39,7 @@ def conditions(drive: LeadScrew) -> dict[str, dict[str, object]]:
     }
 
 
-def critical_mass(drive: LeadScrew) -> float | None:
+def critical_mass(drive: RigidParameters) -> float | None:
     """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -47,7 +47,7 @@ def critical_mass(drive: LeadScrew) -> float | None:
         return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2)) if xi > 0 else None
 
 
-def critical_friction(drive: LeadScrew, screw_mass: float = math.inf) -> float | None:
+def critical_friction(drive: RigidParameters, screw_mass: float = math.inf) -> float | None:
     """Friction coefficient at which Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28).
 
     Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 # Half a unit of the last digit of each value as Table 8.1 prints it: 5.18 mm, 5.57 degree, 3.12e-6, 1, 2e-4, 0.218, 40.
 HALF_UNITS = {
@@ -22,7 +22,7 @@ _STEP = 1e-3
 
 
 def propagated(
-    threshold: Callable[[LeadScrew], float], drive: LeadScrew, half_units: Mapping[str, float] = HALF_UNITS
+    threshold: Callable[[RigidParameters], float], drive: RigidParameters, half_units: Mapping[str, float] = HALF_UNITS
 ) -> dict[str, float]:
     """Return the change of a threshold by half a unit of each parameter, ∂f/∂p · h, by name [unit of the threshold].
 
@@ -35,7 +35,7 @@ def propagated(
     }
 
 
-def _moved(drive: LeadScrew, name: str, by: float) -> LeadScrew:
+def _moved(drive: RigidParameters, name: str, by: float) -> RigidParameters:
     if name == "lead_angle_deg":
         # 180 / pi to double precision: the angle is stored in radians.
         return drive.replace(lead_angle=drive.lead_angle + by / 57.29577951308232)

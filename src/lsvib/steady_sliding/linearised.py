@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
-from lsvib.drives.parameters import ExactDrive, LeadScrew
+from lsvib.drives.parameters import ExactParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 
@@ -57,7 +57,7 @@ class LinearModel:
         return jacobian
 
 
-def steady_law(drive: LeadScrew) -> int:
+def steady_law(drive: RigidParameters) -> int:
     """Law s_0 = sgn(N_0 Ω) of steady sliding, N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω − F_0 sgn Ω (eq. 8.15).
 
     F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.
@@ -76,7 +76,7 @@ def steady_law(drive: LeadScrew) -> int:
     return sense if force > 0 else -sense
 
 
-def threads_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def threads_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
     """Linearised drive with compliant threads (Sect. 5.5, eqs 8.6, 8.7), coordinates q = (z, e).
 
     x = r_m tan λ θ + e; the contact is compressed by δ = e cos λ and carries N = k_c δ + c_c δ′. Hence
@@ -107,7 +107,7 @@ def threads_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: b
         )
 
 
-def support_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def support_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
     """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
 
     The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
@@ -132,7 +132,7 @@ def support_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: b
         )
 
 
-def nut_model(drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def nut_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
     """Linearised drive whose nut can rotate (Sect. 5.8, matrices above eq. 8.33), coordinates q = (θ, θ_2).
 
     x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
@@ -172,8 +172,8 @@ def _solved(a: Matrix, b: Matrix) -> Matrix:
 
 
 def values_of(
-    drive: LeadScrew | Mapping[str, ArrayLike], law: int, exact: bool = False
-) -> SimpleNamespace | ExactDrive:
+    drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False
+) -> SimpleNamespace | ExactParameters:
     """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
 
     Arrays of floats, or with ``exact`` decimals of 50 digits, for which ``drive`` must be a drive.

@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 
 from lsvib.drives.coefficients import Coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, settled
@@ -29,7 +29,7 @@ _CLEAR = Decimal("1e-25")
 _SMALLEST = 5e-324  # a rate that is not zero is not rounded to zero either: its sign is what it is computed for
 
 
-def rigid_spectrum(drive: LeadScrew, c: Coefficients) -> tuple[Stability, list[complex]]:
+def rigid_spectrum(drive: RigidParameters, c: Coefficients) -> tuple[Stability, list[complex]]:
     """Class and both eigenvalues [1/s] of a rigid drive (8.18) with coefficients ``c``, in ascending real part.
 
     Γ_0 is never exactly zero and C_0 only without any damping, as tan λ is transcendental.
@@ -45,7 +45,7 @@ def rigid_spectrum(drive: LeadScrew, c: Coefficients) -> tuple[Stability, list[c
     return kind, _rounded((z.real, z.imag) for z in _roots(exact))
 
 
-def spectrum(drive: LeadScrew, law: int) -> tuple[str, list[complex], Polynomial]:
+def spectrum(drive: RigidParameters, law: int) -> tuple[str, list[complex], Polynomial]:
     """Class, four eigenvalues [1/s] in ascending real part, and characteristic polynomial of a drive of two bodies.
 
     The class is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis, simple ones

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, model_of, parameters_of
+from lsvib.drives.parameters import RigidParameters, model_of, parameters_of
 from lsvib.errors import InputError
 from lsvib.steady_sliding.conditions import conditions
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
@@ -13,7 +13,7 @@ from lsvib.steady_sliding.spectrum import rigid_spectrum
 from lsvib.steady_sliding.summary_two_coordinates import model_stability_table
 
 
-def stability_table(changes: LeadScrew | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
+def stability_table(changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
     """Linear stability of steady sliding (eqs 8.18–8.21) of a drive: one given as such, or Table 8.1 with ``changes``.
 
     A drive is of its own ``model``. For another than the rigid one see
@@ -26,7 +26,7 @@ def stability_table(changes: LeadScrew | Mapping[str, Any] | None = None, model:
     model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
         return model_stability_table(model, changes)
-    drive = LeadScrew.of(changes)
+    drive = RigidParameters.of(changes)
     c = coefficients(drive)
     law = c.steady_law
     if c.net_force == 0:

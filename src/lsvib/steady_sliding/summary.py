@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.drives import chapter
-from lsvib.drives.parameters import LeadScrew, SupportParameters, model_of, parameters_of
+from lsvib.drives.parameters import RigidParameters, SupportParameters, model_of, parameters_of
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.summary_two_coordinates import model_threshold_table
@@ -34,7 +34,7 @@ _ABSENT = {
 
 
 def threshold_table(
-    changes: LeadScrew | Mapping[str, Any] | None = None, model: str = "rigid"
+    changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid"
 ) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
@@ -51,7 +51,7 @@ def threshold_table(
     if model != "rigid":
         return model_threshold_table(model, changes)
     table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
-    drive = LeadScrew.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
+    drive = RigidParameters.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
     value, reason = _value_or_reason("global_stability_force", drive)
     table["global_stability_force"] = {
         "value": value,
@@ -66,7 +66,7 @@ def threshold_table(
 
 def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, Any]) -> dict[str, Any]:
     """The entry of a threshold that the chapter prints."""
-    kind = SupportParameters if name == "critical_friction" else LeadScrew
+    kind = SupportParameters if name == "critical_friction" else RigidParameters
     original = kind.of(claim.drive)
     drive = original.replace(**(changes if kind is SupportParameters else _without_screw(changes)))
     value, reason = _value_or_reason(name, drive)
@@ -94,7 +94,7 @@ def _without_screw(changes: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in changes.items() if key != "screw_mass"}
 
 
-def _value_or_reason(name: str, drive: LeadScrew) -> tuple[float | None, str | None]:
+def _value_or_reason(name: str, drive: RigidParameters) -> tuple[float | None, str | None]:
     """A threshold, or None and why there is none."""
     try:
         value = _COMPUTE[name](drive)

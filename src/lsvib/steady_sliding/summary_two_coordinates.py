@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.errors import InputError
 from lsvib.numbers import shown
 from lsvib.steady_sliding import boundaries, nut_conditions, stiff_contact, support_conditions
@@ -17,7 +17,11 @@ from lsvib.steady_sliding.conditions import critical_friction
 from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.spectrum import neutral_margins, spectrum
 
-_MODELS: dict[str, type[LeadScrew]] = {"threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
+_MODELS: dict[str, type[RigidParameters]] = {
+    "threads": ThreadsParameters,
+    "support": SupportParameters,
+    "nut": NutParameters,
+}
 _UNDAMPED = dict.fromkeys(("support_damping", "translation_damping", "axial_support_damping"), 0.0)
 
 

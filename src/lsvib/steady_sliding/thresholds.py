@@ -9,7 +9,7 @@ import math
 from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.cycles.slip_cycle import decay_of_large_motions, slowest_rate
 from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import LeadScrew, allowed_range
+from lsvib.drives.parameters import RigidParameters, allowed_range
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding.global_stability import globally_stable_below
 
@@ -19,7 +19,7 @@ _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
 _BALANCED = 1e-12  # decay of large motions in a turn that double input cannot tell from none
 
 
-def _negatively_damped(drive: LeadScrew) -> Coefficients:
+def _negatively_damped(drive: RigidParameters) -> Coefficients:
     """Coefficients of a drive with Γ₊ > 0 > C₊."""
     c = coefficients(drive)
     if c.paradox:
@@ -33,7 +33,7 @@ def _negatively_damped(drive: LeadScrew) -> Coefficients:
     return c
 
 
-def _force(value, forward: ForwardDrive, drive: LeadScrew) -> float:
+def _force(value, forward: ForwardDrive, drive: RigidParameters) -> float:
     """A force [N] of the mirrored drive as one of the drive itself; refused if it is not apart from the onset."""
     if float(value) == float(forward.onset):
         raise NoThreshold(
@@ -41,12 +41,13 @@ def _force(value, forward: ForwardDrive, drive: LeadScrew) -> float:
         )
     if abs(value) > _LARGEST_FORCE:
         raise NoThreshold(
-            f"the force at which it would lie is outside the allowed range {allowed_range(LeadScrew, 'axial_force')}."
+            f"the force at which it would lie is outside the allowed range "
+            f"{allowed_range(RigidParameters, 'axial_force')}."
         )
     return math.copysign(1.0, drive.input_speed) * float(value)
 
 
-def onset_force(drive: LeadScrew) -> float:
+def onset_force(drive: RigidParameters) -> float:
     """Axial force R [N] at which N_0 = 0 and steady sliding loses stability, R = r_m tan λ c_x Ω (eqs 8.15, 8.19).
 
     Below it (R̃ < 0) steady sliding attracts what is near, above it (R̃ > 0) it repels, for all forces. Raises
@@ -57,7 +58,7 @@ def onset_force(drive: LeadScrew) -> float:
     return float(d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed)
 
 
-def stick_force(drive: LeadScrew) -> float:
+def stick_force(drive: RigidParameters) -> float:
     """Axial force R [N] at which the slip cycle first touches θ′ = 0.
 
     From the onset to this force there is a cycle of slip that does not come to θ′ = 0 and that attracts motions from
@@ -83,7 +84,7 @@ def stick_force(drive: LeadScrew) -> float:
     return _force(forward.onset + forward.speed / -slowest_rate(forward), forward, drive)
 
 
-def detach_force(drive: LeadScrew) -> float:
+def detach_force(drive: RigidParameters) -> float:
     """Axial force R [N] beyond which the stick–slip cycle no longer reaches N = 0.
 
     From the onset to this force slip from the end of rest reaches N = 0 before it ends, and so does every cycle with
@@ -125,7 +126,7 @@ def _extremes(slip, start, row, end) -> list:
     return [slip.state(*start, time) for time in times]
 
 
-def global_stability_force(drive: LeadScrew) -> float:
+def global_stability_force(drive: RigidParameters) -> float:
     """Axial force R [N] below which steady sliding is globally stable and above which it is not (end of Sect. 8.7).
 
     The statement is about all forces with R̃ < 0, that is R < R_on = r_m tan λ c_x Ω: those against the motion, R < 0,

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.drives.once import forget
-from lsvib.drives.parameters import LeadScrew, SupportParameters
-from lsvib.drives.rigid import rigid_drive
-from lsvib.drives.second_body.support import support_drive
+from lsvib.drives.parameters import RigidParameters, SupportParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.second_body.support import support_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import flow_planar
@@ -48,21 +48,21 @@ class Measured(NamedTuple):
 
 def scenes(duration: float) -> dict[str, Ablated]:
     """Return the scenes by name, each to be followed for ``duration`` [s]."""
-    slip = LeadScrew.of(translation_damping=1e3, axial_force=25.0)
+    slip = RigidParameters.of(translation_damping=1e3, axial_force=25.0)
     stick = slip.replace(axial_force=40.0)
-    sprag = LeadScrew.of(mass=15.0, axial_force=100.0)
+    sprag = RigidParameters.of(mass=15.0, axial_force=100.0)
     support = SupportParameters.of(
         screw_mass=1.0, support_stiffness=1e6, mass=1.0, axial_force=40.0, translation_damping=1e3
     )
     loaded = support.replace(slide_friction=_NOTHING)
     here = np.array([1e-3, 0.0])
 
-    def rigid(words: str, drive: LeadScrew, rest: bool) -> Ablated:
+    def rigid(words: str, drive: RigidParameters, rest: bool) -> Ablated:
         """Return the scene of a rigid drive, with or without rest among its modes."""
         return Ablated(
             words,
-            lambda: rigid_drive(drive, rest=rest),
-            lambda: generalised(rigid_drive(drive), drive.input_speed),
+            lambda: rigid_automaton(drive, rest=rest),
+            lambda: generalised(rigid_automaton(drive), drive.input_speed),
             (here, np.append(here, [0.0, 0.0])),
             duration,
         )
@@ -74,8 +74,8 @@ def scenes(duration: float) -> dict[str, Ablated]:
         "sprag_slip": rigid("law + slip, contact state", sprag, True),
         "axial_support": Ablated(
             "friction of the slide",
-            lambda: support_drive(support, slide=False, bearing=False),
-            lambda: support_drive(loaded, slide=True, bearing=False),
+            lambda: support_automaton(support, slide=False, bearing=False),
+            lambda: support_automaton(loaded, slide=True, bearing=False),
             (four, four),
             duration,
         ),

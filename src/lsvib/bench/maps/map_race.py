@@ -19,7 +19,7 @@ from lsvib.basins.kernels.labelling import UNRESOLVED
 from lsvib.basins.mapper import mapper
 from lsvib.bench.maps.map_methods import METHODS, Label, MapMethod
 from lsvib.cycles.attractors import Attractor
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels import flow_planar
 from lsvib.errors import InputError
 
@@ -32,7 +32,7 @@ _ENOUGH = 10  # wrong cells from which on their number on a grid tells their sha
 class Box:
     """A drive and the part of the phase plane that is mapped."""
 
-    drive: LeadScrew
+    drive: RigidParameters
     window: Window
 
     def grid(self, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -37,7 +37,7 @@ from lsvib.bench.sweeps.paths import automaton as built
 from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
@@ -88,7 +88,7 @@ def _stages(wide: WideDrive) -> Iterator[Stage]:
         return
     constants = watch.constants(dict(wide.drive))
     truths = [fate(constants, *start) for start in wide.starts]
-    automaton = lru_cache(lambda: rigid_drive(wide.drive))  # its first use counts its construction
+    automaton = lru_cache(lambda: rigid_automaton(wide.drive))  # its first use counts its construction
     for k in range(len(wide.starts)):
         yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
     for k, truth in enumerate(truths):

@@ -19,7 +19,7 @@ import numpy as np
 
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import fate
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 
 NAMES = ("onset_force", "stick_force", "detach_force", "global_stability_force")
@@ -31,7 +31,7 @@ _FAINT = 1e-10  # damping ratio below which a return moves by no more than a few
 _FORCES = np.logspace(-4, 4, 9)  # of the scale of the force, where all are asked
 
 
-def objections(drive: LeadScrew, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:
+def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:
     """Ask every threshold of a drive; yields its name, a verdict (right, wrong, undecided), what it says, the truth."""
     for name in NAMES:
         try:
@@ -45,12 +45,12 @@ def objections(drive: LeadScrew, rng: np.random.Generator) -> Iterator[tuple[str
         yield name, *_JUDGES[name](drive, float(force), rng)
 
 
-def _onset(drive: LeadScrew) -> float:
+def _onset(drive: RigidParameters) -> float:
     d = watch.constants(dict(drive))
     return drive.axial_force - d.net_force
 
 
-def _at(drive: LeadScrew, force: float, aside: float, size: float) -> watch.WatchConstants:
+def _at(drive: RigidParameters, force: float, aside: float, size: float) -> watch.WatchConstants:
     """The drive with an axial force a little beyond (aside > 0) a threshold, or before it."""
     moved = force + math.copysign(1.0, drive.input_speed) * aside * size
     return watch.constants({**dict(drive), "axial_force": moved})
@@ -60,7 +60,7 @@ def _size_of(c: watch.WatchConstants) -> float:
     return abs(c.speed) / math.sqrt(c.flow[1, 1])
 
 
-def _judge_onset(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
+def _judge_onset(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
     size = abs(force) or 1.0
     beyond, before = (_at(drive, force, aside, size) for aside in (_ASIDE, -_ASIDE))
     verdicts = []
@@ -73,7 +73,7 @@ def _judge_onset(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
     return "right" if all(verdicts) else "wrong", f"{force} N", f"beyond, before as it should be: {verdicts}"
 
 
-def _sides(drive: LeadScrew, force: float) -> tuple[watch.WatchConstants, watch.WatchConstants] | None:
+def _sides(drive: RigidParameters, force: float) -> tuple[watch.WatchConstants, watch.WatchConstants] | None:
     """The drive a little beyond and a little before a force that lies beyond the onset; None if it does not."""
     ahead = force - _onset(drive)
     if not ahead * drive.input_speed > 0:
@@ -81,7 +81,7 @@ def _sides(drive: LeadScrew, force: float) -> tuple[watch.WatchConstants, watch.
     return _at(drive, force, _ASIDE, abs(ahead)), _at(drive, force, -_ASIDE, abs(ahead))
 
 
-def _judge_stick(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
+def _judge_stick(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
     sides = _sides(drive, force)
     if sides is None:
         return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
@@ -98,7 +98,7 @@ def _judge_stick(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
     return "right", "", ""
 
 
-def _judge_detach(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
+def _judge_detach(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
     sides = _sides(drive, force)
     if sides is None:
         return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
@@ -126,7 +126,7 @@ def _first_slip(c: watch.WatchConstants) -> list[int] | None:
     return found[: found.index(watch.STICK)] if watch.STICK in found else found
 
 
-def _judge_global(drive: LeadScrew, force: float, rng) -> tuple[str, str, str]:
+def _judge_global(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
     size = abs(force - _onset(drive))
     before = _at(drive, force, _ASIDE, size)  # less force against the motion
     beyond = _at(drive, force, -_ASIDE, size)
@@ -161,7 +161,7 @@ def _all_come_to_rest(c: watch.WatchConstants, said: str, rng) -> tuple[str, str
     return ("undecided", said, "unknown") if unknown else ("right", "", "")
 
 
-def _absent(drive: LeadScrew, name: str, reason: str, rng) -> tuple[str, str, str]:
+def _absent(drive: RigidParameters, name: str, reason: str, rng) -> tuple[str, str, str]:
     if name != "global_stability_force" or "globally stable" not in reason:
         return "right", "", ""
     onset = _onset(drive)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.threads import seated_state
 from lsvib.engine.automaton import Automaton
@@ -30,7 +30,7 @@ class RaceScene:
     name: str
     title: str
     model: str
-    drive: LeadScrew
+    drive: RigidParameters
     state: tuple[float, ...]
     duration: float
     step_cap: float
@@ -61,12 +61,12 @@ class RaceScene:
 
 
 def _stick_slip() -> RaceScene:
-    drive = LeadScrew.of(mass=1, translation_damping=1e3, axial_force=40)
+    drive = RigidParameters.of(mass=1, translation_damping=1e3, axial_force=40)
     return RaceScene("stick_slip", "stick–slip, 40 N", "rigid", drive, (0.01, 0.0), 0.5, 2e-4)
 
 
 def _graze(name: str, title: str, side: int) -> RaceScene:
-    drive = LeadScrew.of(mass=1, translation_damping=1e3)
+    drive = RigidParameters.of(mass=1, translation_damping=1e3)
     drive = drive.replace(axial_force=stick_force(drive) * (1 + side * _NEAR))
     return RaceScene(name, title, "rigid", drive, (0.05, 0.0), 0.5, 2e-4)
 
@@ -80,12 +80,12 @@ def _graze_below() -> RaceScene:
 
 
 def _sprag_slip() -> RaceScene:
-    drive = LeadScrew.of(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)
     return RaceScene("sprag_slip", "sprag–slip, Painlevé", "rigid", drive, (0.1, 0.0), 0.5, 2e-4)
 
 
 def _sprag_graze() -> RaceScene:
-    drive = LeadScrew.of(mass=11, support_damping=1e-3)
+    drive = RigidParameters.of(mass=11, support_damping=1e-3)
     drive = drive.replace(axial_force=global_stability_force(drive) * (1 - _NEAR))
     return RaceScene("sprag_graze", "seizure just reached", "rigid", drive, (0.06, -drive.input_speed), 0.5, 2e-4)
 
@@ -97,13 +97,13 @@ def _stiff_contact() -> RaceScene:
 
 
 def _near_critical() -> RaceScene:
-    drive = LeadScrew.of(translation_damping=1e3, axial_force=40)
+    drive = RigidParameters.of(translation_damping=1e3, axial_force=40)
     drive = drive.replace(mass=critical_mass(drive) * (1 - _GAMMA))
     return RaceScene("near_critical", "near-critical mass", "rigid", drive, (0.01, 0.0), 0.3, 2e-4)
 
 
 def _long_run() -> RaceScene:
-    drive = LeadScrew.of(mass=1, translation_damping=1e3, axial_force=40)
+    drive = RigidParameters.of(mass=1, translation_damping=1e3, axial_force=40)
     return RaceScene("long_run", "1000 periods", "rigid", drive, (0.01, 0.0), 13.5, 2e-4)
 
 

@@ -29,7 +29,7 @@ from lsvib.bench.sweeps.paths import (
     stepper_path,
     without_clusters,
 )
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
 
@@ -85,7 +85,7 @@ class CaseOutcome:
     path: Path | None = field(default=None, repr=False)
 
 
-Truth = Callable[[Case, LeadScrew, tuple[float, ...]], Path | None]
+Truth = Callable[[Case, RigidParameters, tuple[float, ...]], Path | None]
 
 
 def judge(
@@ -206,7 +206,7 @@ def _common(left: list[str], right: list[str]) -> int:
                 min(len(left), len(right)))  # fmt: skip
 
 
-def _moved(case: Case, rng: np.random.Generator) -> tuple[LeadScrew, tuple[float, ...]]:
+def _moved(case: Case, rng: np.random.Generator) -> tuple[RigidParameters, tuple[float, ...]]:
     def move(value: float) -> float:
         return value * (1 + rng.uniform(-_LAST_PLACES, _LAST_PLACES) * _EPS)
 

@@ -9,7 +9,7 @@ from lsvib.bench.sweeps import cases_threads, cases_two_bodies
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group, power, sign
 from lsvib.bench.sweeps.wide_drives import rigid_values
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_mass
 
@@ -22,7 +22,7 @@ def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[
         yield _FAMILIES[family](rng)
 
 
-def _some_drive(rng, **fixed) -> LeadScrew:
+def _some_drive(rng, **fixed) -> RigidParameters:
     """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
     values = {
@@ -33,16 +33,18 @@ def _some_drive(rng, **fixed) -> LeadScrew:
         "support_damping": support * power(rng, -4.5, -2.0),
         "translation_damping": translation * rng.uniform(50.0, 2000.0),
     }
-    return LeadScrew.of(values | fixed)
+    return RigidParameters.of(values | fixed)
 
 
-def _scales(drive: LeadScrew) -> tuple[float, float]:
+def _scales(drive: RigidParameters) -> tuple[float, float]:
     """A natural time 1/ω [s] and a size of u [rad] of a drive."""
     time = math.sqrt(float(coefficients(drive).gamma[-1]) / drive.coupling_stiffness)
     return time, abs(drive.input_speed) * time
 
 
-def _case(rng, family: CaseFamily, group: Group, level: float, drive: LeadScrew, start=None, turns=(0.3, 4.0)) -> Case:
+def _case(
+    rng, family: CaseFamily, group: Group, level: float, drive: RigidParameters, start=None, turns=(0.3, 4.0)
+) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
@@ -51,7 +53,7 @@ def _case(rng, family: CaseFamily, group: Group, level: float, drive: LeadScrew,
     return Case(family, group, level, drive, tuple(map(float, start)), min(duration, _MOST_TURNS / _fastest(drive)))
 
 
-def _fastest(drive: LeadScrew) -> float:
+def _fastest(drive: RigidParameters) -> float:
     """Frequency [turns/s] of the fastest oscillation under either law; judges follow it turn by turn."""
     c = coefficients(drive)
     squares = [float(drive.coupling_stiffness / x) - (float(c.damping[s]) / (2 * x)) ** 2 for s, x in
@@ -90,7 +92,7 @@ def _input_speed(rng) -> Case:
     return _case(rng, CaseFamily.INPUT_SPEED, Group.ONLY, level, drive)
 
 
-THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] = {
+THRESHOLDS: dict[Group, tuple[Callable[[RigidParameters], float], dict[str, float]]] = {
     Group.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
     Group.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
     Group.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
@@ -98,10 +100,10 @@ THRESHOLDS: dict[Group, tuple[Callable[[LeadScrew], float], dict[str, float]]] =
 }
 
 
-def threshold(group: Group) -> tuple[float, LeadScrew]:
+def threshold(group: Group) -> tuple[float, RigidParameters]:
     """Return a threshold of the axial force [N] and the drive of the chapter that has it."""
     compute, changes = THRESHOLDS[group]
-    drive = LeadScrew.of(changes)
+    drive = RigidParameters.of(changes)
     return compute(drive), drive
 
 
@@ -172,7 +174,7 @@ def _double_rate(rng) -> Case:
 
 
 def _random(rng) -> Case:
-    drive = LeadScrew.of(rigid_values(rng))
+    drive = RigidParameters.of(rigid_values(rng))
     return _case(rng, CaseFamily.RANDOM, Group.ONLY, math.log10(drive.mass), drive)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group, power, sign
 from lsvib.drives.friction import friction_factor
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding.linearised import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation
@@ -57,7 +57,7 @@ def nut(rng) -> Case:
 
 
 def _common(rng) -> dict[str, float]:
-    defaults = dict(LeadScrew())
+    defaults = dict(RigidParameters())
     return {
         **defaults,
         "mass": power(rng, -1, 1.7),

@@ -29,7 +29,7 @@ import numpy as np
 
 from lsvib.bench.sweeps.energy_quadrature import Terms, residual
 from lsvib.drives.friction import friction_factor
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.engine.motion import Motion
 
 
@@ -44,12 +44,12 @@ class Balance(NamedTuple):
     rounding: float
 
 
-def balance(motion: Motion, drive: LeadScrew, physics: tuple[str, ...] = ()) -> Balance:
+def balance(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Balance:
     """Balance the energy of a motion over its whole duration; ``physics`` has the words of frictions that are there."""
     return Balance(*residual(motion, terms(motion, drive, physics)))
 
 
-def terms(motion: Motion, drive: LeadScrew, physics: tuple[str, ...] = ()) -> Terms:
+def terms(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Terms:
     """Energy and powers of a drive as products of affine functions of the state (see the module's docstring)."""
     seen, n = motion.automaton.observables, motion.start_state.size
     unit, d = np.eye(n + 1), drive
@@ -103,7 +103,7 @@ def terms(motion: Motion, drive: LeadScrew, physics: tuple[str, ...] = ()) -> Te
     )
 
 
-def _steady(drive: LeadScrew, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
+def _steady(drive: RigidParameters, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
     """Axial force [N] that the threads carry in steady sliding, and its law."""
     turning = 1 if drive.input_speed > 0 else -1
     force = drive.axial_force - reach * drive.translation_damping * drive.input_speed

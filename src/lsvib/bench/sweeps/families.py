@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 
 class CaseFamily(IntEnum):
@@ -63,7 +63,7 @@ class Case(NamedTuple):
     family: CaseFamily
     group: Group
     level: float
-    drive: LeadScrew
+    drive: RigidParameters
     start: tuple[float, ...]
     duration: float
     physics: tuple[str, ...] = ()

@@ -15,11 +15,11 @@ from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive as TwoBo
 from lsvib.bench.second_opinions import strides, taylor, watch
 from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
 from lsvib.bench.sweeps.families import Case
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
-from lsvib.drives.rigid import EventKind, rigid_drive
-from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_drive
-from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_drive
-from lsvib.drives.threads import ThreadsEvent, threads_drive
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
+from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
+from lsvib.drives.threads import ThreadsEvent, threads_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
@@ -70,16 +70,16 @@ def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
 
 def is_rigid(case: Case) -> bool:
     """Whether a case is of the rigid drive, which the stepper can follow."""
-    return type(case.drive) is LeadScrew
+    return type(case.drive) is RigidParameters
 
 
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
     if isinstance(case.drive, ThreadsParameters):
-        return threads_drive(case.drive)
+        return threads_automaton(case.drive)
     if is_rigid(case):
-        return rigid_drive(case.drive)
-    build = support_drive if isinstance(case.drive, SupportParameters) else nut_drive
+        return rigid_automaton(case.drive)
+    build = support_automaton if isinstance(case.drive, SupportParameters) else nut_automaton
     return build(case.drive, **_frictions(case))
 
 
@@ -157,13 +157,13 @@ def strides_path(case: Case, constants: Ladders) -> Path | None:
     return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
 
 
-def quick_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
+def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
     """:func:`strides_path` in the place of :func:`exact_path`."""
     moved = case._replace(drive=drive, start=start)
     return strides_path(moved, case_ladders(moved, case.duration))
 
 
-def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path | None:
+def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
         with suppress(ArithmeticError, AssertionError):
@@ -171,7 +171,7 @@ def exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...]) -> Path |
     return None
 
 
-def _exact_path(case: Case, drive: LeadScrew, start: tuple[float, ...], digits: int) -> Path:
+def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Path:
     if isinstance(drive, ThreadsParameters):
         result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]

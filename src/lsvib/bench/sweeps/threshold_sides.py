@@ -8,8 +8,8 @@ import numpy as np
 from lsvib.bench.reference.rigid_digits import simulate
 from lsvib.bench.sweeps.cases import Group, threshold
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow
 
 _CHUNK = 400_000  # events followed at once
@@ -27,7 +27,7 @@ def attractor_is_right(group: Group, side: int, distance: float) -> bool:
     start = (drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed)
     if group != Group.GLOBAL_STABILITY_FORCE:
         start = (1e-3, 0.0)
-    found = steady_state(rigid_drive(drive), start)
+    found = steady_state(rigid_automaton(drive), start)
     expected = {
         (Group.ONSET_FORCE, -1): Attractor.STEADY_SLIDING,
         (Group.ONSET_FORCE, 1): Attractor.OTHER_CYCLE,
@@ -56,13 +56,13 @@ class LongRun(NamedTuple):
     state_error: float
 
 
-def long_run(drive: LeadScrew, periods: int) -> LongRun:
+def long_run(drive: RigidParameters, periods: int) -> LongRun:
     """Follow a cycle with rest for many periods, to a release from rest, against one period of the reference.
 
     A release from rest is the same state every time, so that the time of the n-th is t_1 + n T, with t_1 and T from the
     reference with 40 digits.
     """
-    automaton = rigid_drive(drive)
+    automaton = rigid_automaton(drive)
     start = (1e-3, 0.0)
     exact = _releases(drive, start)
     first, period = exact[0].time, exact[1].time - exact[0].time
@@ -82,7 +82,7 @@ def long_run(drive: LeadScrew, periods: int) -> LongRun:
     return LongRun(events, abs(float((math.fsum(elapsed) - due) / due)), float(gap.max()))
 
 
-def _releases(drive: LeadScrew, start: tuple[float, float]) -> list:
+def _releases(drive: RigidParameters, start: tuple[float, float]) -> list:
     """The first two releases from rest of the reference's motion."""
     duration = 2e-2
     while True:

@@ -8,7 +8,7 @@ import numpy as np
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.sweeps.cases_two_bodies import heaviest
 from lsvib.bench.sweeps.families import power, sign
-from lsvib.drives.parameters import LeadScrew, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 
 MODELS = ("rigid", "threads", "support", "nut")
 _ZERO_DAMPING = 0.25  # share of drives without a damping
@@ -22,7 +22,7 @@ class WideDrive(NamedTuple):
     model: str
     seed: int
     index: int
-    drive: LeadScrew
+    drive: RigidParameters
     physics: tuple[str, ...]
     starts: np.ndarray
 
@@ -32,18 +32,18 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     rng = np.random.default_rng([seed, MODELS.index(model), index])
     values = rigid_values(rng)
     if model == "rigid":
-        drive = LeadScrew.of(values)
+        drive = RigidParameters.of(values)
         return WideDrive(model, seed, index, drive, (), _starts(rng, drive, starts))
     drive, physics = _OTHERS[model](rng, values)
     return WideDrive(model, seed, index, drive, physics, _states(rng, model, drive, starts))
 
 
-def _threads(rng, values: dict[str, float]) -> tuple[LeadScrew, tuple[str, ...]]:
+def _threads(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
     values |= {"contact_stiffness": power(rng, 3, 12), "contact_damping": _zero_or(rng, _ZERO_DAMPING, -2, 9)}
     return ThreadsParameters.of(values), ()
 
 
-def _support(rng, values: dict[str, float]) -> tuple[LeadScrew, tuple[str, ...]]:
+def _support(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
     values |= {
         "screw_mass": power(rng, -2, 4),
         "support_stiffness": power(rng, 2, 10),
@@ -56,7 +56,7 @@ def _support(rng, values: dict[str, float]) -> tuple[LeadScrew, tuple[str, ...]]
     return SupportParameters.of(values), physics
 
 
-def _nut(rng, values: dict[str, float]) -> tuple[LeadScrew, tuple[str, ...]]:
+def _nut(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
     values |= {
         "nut_inertia": power(rng, -9, 1),
         "nut_stiffness": power(rng, -3, 6),
@@ -80,7 +80,7 @@ def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
     return tuple(physics)
 
 
-def _states(rng, model: str, drive: LeadScrew, count: int) -> np.ndarray:
+def _states(rng, model: str, drive: RigidParameters, count: int) -> np.ndarray:
     """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
     speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
     reach = drive.pitch_radius * math.tan(drive.lead_angle)
@@ -127,7 +127,7 @@ def rigid_values(rng: np.random.Generator) -> dict[str, float]:
     }
 
 
-def _starts(rng, drive: LeadScrew, count: int) -> np.ndarray:
+def _starts(rng, drive: RigidParameters, count: int) -> np.ndarray:
     """Starts (count, 2): anywhere over four decades, on θ′ = 0, on Q = 0, on both, near the equilibrium and on it."""
     reference = RigidTrueDrive(dict(drive), 30)
     q_u, q_w, q_0 = (float(x) for x in reference.Q_terms(1, 1))

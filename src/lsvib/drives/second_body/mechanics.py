@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum
 
-from lsvib.drives.parameters import ExactDrive
+from lsvib.drives.parameters import ExactParameters
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 
@@ -90,7 +90,7 @@ def event_enum(name: str, friction: str) -> type[IntEnum]:
     return IntEnum(name, {"GRAZE": GRAZE_KIND, "ACCUMULATION": ACCUMULATION_KIND, **own})
 
 
-def normal_force(drive: ExactDrive, solution: Solution) -> tuple:
+def normal_force(drive: ExactParameters, solution: Solution) -> tuple:
     """N: n / (cos λ + s μ sin λ) in slip, n cos λ − T sin λ / r_m at rest, where the threads carry the torque T."""
     if solution.law:
         push = drive.cos_lead + solution.law * drive.friction_coefficient * drive.sin_lead

@@ -49,7 +49,7 @@ NutMode = mode_enum("NutMode", ("rest",), "screw")
 NutEvent = event_enum("NutEvent", "bearing")
 
 
-def nut_drive(drive: NutParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
+def nut_automaton(drive: NutParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
     """Return the automaton of the drive with a rotating nut; ``slide``, ``bearing``: with F_0, with T_0.
 
     Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
@@ -169,7 +169,7 @@ class _NutBuild(Screw):
 MODEL = two_body_model(
     name="nut",
     drive=NutParameters,
-    make=nut_drive,
+    make=nut_automaton,
     modes=NutMode,
     events=NutEvent,
     second=("nut_angle", "nut_rate"),

@@ -5,14 +5,14 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.engine.automaton import Automaton
 
 
 def two_body_model(
     name: str,
-    drive: type[LeadScrew],
+    drive: type[RigidParameters],
     make: Callable[..., Automaton],
     modes: type[IntEnum],
     events: type[IntEnum],
@@ -25,7 +25,7 @@ def two_body_model(
     ``second``: keys of the initial coordinate and rate of the second body, 0 if left out; ``damping``: its damper.
     """
 
-    def build(drive: LeadScrew, physics: tuple[str, ...], resume: str) -> Automaton:
+    def build(drive: RigidParameters, physics: tuple[str, ...], resume: str) -> Automaton:
         seizures_only_by_contact(name, resume)
         return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
 

@@ -44,7 +44,7 @@ SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut"
 SupportEvent = event_enum("SupportEvent", "slide")
 
 
-def support_drive(drive: SupportParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
+def support_automaton(drive: SupportParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
     """Return the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
 
     Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
@@ -163,7 +163,7 @@ class _SupportBuild(Screw):
 MODEL = two_body_model(
     name="support",
     drive=SupportParameters,
-    make=support_drive,
+    make=support_automaton,
     modes=SupportMode,
     events=SupportEvent,
     second=("screw_shift", "shift_rate"),

@@ -17,7 +17,7 @@ from lsvib.data.attraction_map import axis_coordinate, window_of
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
 from lsvib.data.phase_plane import attributes
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.errors import InputError
 
 _HALVINGS = 40  # of a ray, until its boundary is known to 1e-12 of its length
@@ -34,7 +34,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     N s/m; ``rays``, straight lines from steady sliding to an ellipse within the box, on each of which the boundary is
     found by bisection. Raises ``InputError``, also if a ray ends within the basin.
     """
-    drive, grid = LeadScrew.of(settings["drive"]), Grid.of(settings["grid"])
+    drive, grid = RigidParameters.of(settings["drive"]), Grid.of(settings["grid"])
     stiffness = np.array(settings["stiffnesses"], dtype=float)
     rigid = mapper(drive)
     label = rigid.cells(grid, quantities=("label",))["label"]

@@ -16,7 +16,7 @@ from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
 from lsvib.data.phase_plane import attributes
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.thresholds import global_stability_force
 
@@ -35,7 +35,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``drive`` and a ``window``, drawn and compared with grids of ``resolutions`` × resolutions starts; ``masses`` [kg]
     and ``axial_forces`` [N] of the readings of Fig. 8.14, the printed mass first. Raises ``InputError``.
     """
-    drive, window = LeadScrew.of(settings["drive"]), Window(**settings["window"])
+    drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
     for name in SWEPT:
         values, basins = _swept(drive, name, phase_plane.span(settings[name]))
@@ -173,7 +173,7 @@ def _parts(dataset: xr.Dataset, name: str, critical: str) -> bool:
     )
 
 
-def _swept(drive: LeadScrew, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
+def _swept(drive: RigidParameters, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
 
     def at(value: float) -> Basin:
@@ -212,7 +212,9 @@ def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Va
     }
 
 
-def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]) -> phase_plane.Variables:
+def _cases(
+    drive: RigidParameters, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]
+) -> phase_plane.Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     drives = [drive.replace(**case["drive"]) for case in cases]
     windows = [Window(**case["window"]) for case in cases]
@@ -278,7 +280,7 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> phase_plane.
     }
 
 
-def _grid_fraction(drive: LeadScrew, window: Window, resolutions: Sequence[int]) -> list[float]:
+def _grid_fraction(drive: RigidParameters, window: Window, resolutions: Sequence[int]) -> list[float]:
     """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
     found = mapper(drive)
     fractions = []
@@ -298,7 +300,7 @@ def _cut_cells(line: np.ndarray, window: Window, count: int) -> float:
 
 
 def _readings(
-    drive: LeadScrew, masses: Sequence[float], forces: Sequence[float], window: Window
+    drive: RigidParameters, masses: Sequence[float], forces: Sequence[float], window: Window
 ) -> phase_plane.Variables:
     """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
     table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]

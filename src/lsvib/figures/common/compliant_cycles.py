@@ -9,7 +9,7 @@ from lsvib.data import phase_plane
 from lsvib.data.attributes import attributes
 from lsvib.data.phase_plane import Variables
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.threads import seated_state, threads_drive
+from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
 
 CRITICAL_MASS_WITH_CONTACT = "mass at which steady sliding with the contact loses its stability"
@@ -17,7 +17,7 @@ CRITICAL_MASS_WITH_CONTACT = "mass at which steady sliding with the contact lose
 
 def compliant_cycle(drive: ThreadsParameters, start: dict[str, float]) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
-    automaton = threads_drive(drive)
+    automaton = threads_automaton(drive)
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
 
 

@@ -12,11 +12,11 @@ from lsvib.data import phase_plane, printed
 from lsvib.data.checks import Check
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 
 
-def variables(drives: Sequence[LeadScrew]) -> phase_plane.Variables:
+def variables(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
     """Return effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
     exact = [coefficients(d) for d in drives]
     variables = {}

@@ -9,7 +9,7 @@ import xarray as xr
 from lsvib.data import phase_plane
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.conditions import conditions
 from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 
@@ -25,7 +25,7 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
 
     Arguments: ``settings`` with ``drive``, ``starts``, ``duration`` [s], ``samples``; the figure's number; its subject.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"]["margins"]

@@ -10,7 +10,7 @@ from lsvib.data.attributes import attributes
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, origin_of
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.steady_sliding.boundaries import stable_set
@@ -29,7 +29,7 @@ _LAW = 1  # R Ω > 0
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _CLOSE = 0.01  # of a limit, at the stiffest contact
 _CONTACT = ("contact_stiffness", "contact_damping")
-_PARAMETERS = [name for name in LeadScrew.model_fields if name not in ("mass", "axial_force")]
+_PARAMETERS = [name for name in RigidParameters.model_fields if name not in ("mass", "axial_force")]
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:

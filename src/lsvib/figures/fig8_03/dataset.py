@@ -10,7 +10,7 @@ from lsvib.data.attributes import flags
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
 _HALVINGS = 100
@@ -20,11 +20,11 @@ _CHANGED = ("mass", "translation_damping")  # in which the drives that are place
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives.
 
-    ``settings``: ``drive`` (keys of :class:`LeadScrew`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with
+    ``settings``: ``drive`` (keys of :class:`RigidParameters`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with
     ``start``, ``stop``, ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in
     the plane. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     stiffness = drive.coupling_stiffness
     inertia = np.linspace(**_span(settings["inertia"]))
     damping = np.linspace(**_span(settings["damping"]))
@@ -117,7 +117,7 @@ def _span(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {"start": settings["start"], "stop": settings["stop"], "num": settings["count"]}
 
 
-def _effective(drive: LeadScrew) -> tuple[float, float]:
+def _effective(drive: RigidParameters) -> tuple[float, float]:
     """Effective inertia Γ_0 [kg m²] and damping C_0 [N m s/rad] of the drive's steady sliding."""
     exact = coefficients(drive)
     return float(exact.gamma[exact.steady_law]), float(exact.damping[exact.steady_law])

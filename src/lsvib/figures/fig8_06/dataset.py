@@ -13,8 +13,8 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.figures.common import mass_readings
 from lsvib.steady_sliding import thresholds
 
@@ -39,13 +39,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     w [rad/s]); ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``;
     ``mass_readings``, the masses [kg] for which Γ and C are computed. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([phase_plane.span(settings["axial_force"]), list(values.values()), beside]))
     start = np.array([settings["initial"]["u"], settings["initial"]["w"]])
     drives = [drive.replace(axial_force=float(force)) for force in forces]
-    steady = [steady_state(rigid_drive(d), start) for d in drives]
+    steady = [steady_state(rigid_automaton(d), start) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
     return xr.Dataset(
         _curve(drives, steady)
@@ -85,7 +85,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _curve(drives: list[LeadScrew], steady: list[SteadyState]) -> phase_plane.Variables:
+def _curve(drives: list[RigidParameters], steady: list[SteadyState]) -> phase_plane.Variables:
     return {
         "swept_amplitude": (
             "swept_axial_force",

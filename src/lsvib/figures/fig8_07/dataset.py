@@ -12,8 +12,8 @@ from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import flow_planar
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left
@@ -25,7 +25,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``drive`` (R > 0, Ω > 0, Γ₊ < 0); ``angle`` [rad] and ``velocity`` [rad/s] of the grid with ``start``,
     ``stop``, ``count``; ``starts``, ``duration`` [s], ``samples`` of the motions. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     angle, velocity = phase_plane.span(settings["angle"]), phase_plane.span(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     xi = coefficients(drive).xi
@@ -129,9 +129,9 @@ def _beyond_line(dataset: xr.Dataset, u, w):
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-def _end_of_flow(drive: LeadScrew, start: Mapping[str, float]) -> np.ndarray:
+def _end_of_flow(drive: RigidParameters, start: Mapping[str, float]) -> np.ndarray:
     """State in which the closed-form flow of law −1 ends, guards left out."""
-    automaton = rigid_drive(drive)
+    automaton = rigid_automaton(drive)
     mode = int(np.flatnonzero(automaton.codes == MotionMode.SLIP_FORWARD_NEGATIVE)[0])
     row = automaton.tables.flow[mode]
     slowest = row[flow_planar.ALPHA] if row[flow_planar.BETA] > 0 else -row[flow_planar.R1]

@@ -12,7 +12,7 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
@@ -21,11 +21,11 @@ from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
-    ``settings``: ``drive`` (keys of :class:`LeadScrew`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and ``count``,
-    ``dampings`` [N m s/rad] for which the loss of stability is located. The masses crowd towards m_cr, where the
-    eigenvalues diverge. Raises ``InputError``.
+    ``settings``: ``drive`` (keys of :class:`RigidParameters`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and
+    ``count``, ``dampings`` [N m s/rad] for which the loss of stability is located. The masses crowd towards
+    m_cr, where the eigenvalues diverge. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     critical = critical_mass(drive)
     if critical is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
@@ -134,12 +134,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _inertia(drive: LeadScrew, mass: float) -> float:
+def _inertia(drive: RigidParameters, mass: float) -> float:
     """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
 
 
-def _loss_of_stability(drive: LeadScrew, critical: float) -> float:
+def _loss_of_stability(drive: RigidParameters, critical: float) -> float:
     """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
     stable, unstable = critical / 2, 3 * critical / 2
     while unstable > np.nextafter(stable, unstable):
@@ -152,7 +152,7 @@ def _loss_of_stability(drive: LeadScrew, critical: float) -> float:
     return unstable
 
 
-def _marks(drive: LeadScrew) -> dict[str, float]:
+def _marks(drive: RigidParameters) -> dict[str, float]:
     """Effective inertias [kg m²] at which the eigenvalues (8.18) meet and at which their imaginary parts are largest.
 
     Im² ε = k/Γ − C²/4Γ² vanishes at Γ = C²/4k and is largest, k²/C², at Γ = C²/2k.
@@ -161,7 +161,7 @@ def _marks(drive: LeadScrew) -> dict[str, float]:
     return {"meeting_mass": square / 4, "peak_mass": square / 2}
 
 
-def _mass(drive: LeadScrew, inertia: float) -> float:
+def _mass(drive: RigidParameters, inertia: float) -> float:
     """Mass [kg] of an effective inertia Γ₊ = I (1 − m/m_cr) [kg m²]."""
     return critical_mass(drive) * (1 - inertia / drive.screw_inertia)
 

@@ -11,8 +11,8 @@ from lsvib.cycles.impulses import seizure_speeds
 from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.errors import InputError
 from lsvib.steady_sliding.conditions import critical_mass
 
@@ -25,7 +25,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``drive``; ``cases`` (a) and (b), changes of the drive; ``starts``, ``duration`` [s], ``samples``;
     ``axial_force`` [N] with ``start``, ``stop``, ``count``. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(**changes) for changes in settings["cases"]]
     critical = critical_mass(drive)
     if critical is None:
@@ -96,11 +96,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _sensitivity(drive: LeadScrew, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
+def _sensitivity(drive: RigidParameters, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
     rows = []
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
-        steady = steady_state(rigid_drive(pushed), [start["u"], start["w"]])
+        steady = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
         speeds = np.empty(0)
         if steady.orbit is not None:
             speeds = np.abs(seizure_speeds(pushed, steady.orbit))

@@ -14,8 +14,8 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
 from lsvib.data.phase_plane import attributes
 from lsvib.drives import chapter
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import ThreadsEvent, ThreadsMode, seated_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
@@ -35,7 +35,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
     automaton, cycle = compliant_cycle(drive, start)
-    rigid_cycle = steady_state(rigid_drive(drive), [start["u"], start["w"]])
+    rigid_cycle = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
     motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
     forces = phase_plane.span(settings["axial_force"])
     return xr.Dataset(
@@ -143,7 +143,7 @@ def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase
     }
 
 
-def _comparison(drive: LeadScrew, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
+def _comparison(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
     """The cycle in numbers, beside the rigid one."""
     values = _cycle_values(drive, cycle, rigid)
     named = {"attractor": ((), np.int8(cycle.label), phase_plane.flag(phase_plane.ATTRACTOR, Attractor))}
@@ -171,7 +171,7 @@ _DISTANCE = attributes(
 )
 
 
-def _cycle_values(drive: LeadScrew, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
@@ -184,7 +184,7 @@ def _sensitivity(drive: ThreadsParameters, forces: np.ndarray, start: Mapping[st
     rows = []
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
-        rigid = steady_state(rigid_drive(pushed), [start["u"], start["w"]])
+        rigid = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
         _, cycle = compliant_cycle(pushed, start)
         rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
     label, peak, distance = np.array(rows, dtype=float).T

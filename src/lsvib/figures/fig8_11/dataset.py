@@ -10,7 +10,7 @@ from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
 
 _ROUNDING = 1e-14  # a few rounding errors of the sum of three terms
@@ -21,7 +21,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     ``settings``: ``drive``; ``support_dampings`` [N m s/rad], ascending; ``starts``, ``duration`` [s], ``samples``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),

@@ -11,8 +11,8 @@ from lsvib.cycles.impulses import mean_load
 from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import MotionMode, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.errors import InputError
 
 _QUANTITIES = {
@@ -33,7 +33,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     (u [rad], w [rad/s]). Below ``resting_support_damping`` the screw rests after a seizure under the first rule, so
     that the rules differ; there the values lie closer. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     start = [settings["initial"]["u"], settings["initial"]["w"]]
     wanted = phase_plane.span(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
@@ -44,7 +44,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     for i, rule in enumerate(phase_plane.RULES):
         for j, c in enumerate(damping):
             damped = drive.replace(support_damping=float(c))
-            steady = steady_state(rigid_drive(damped, resume=rule), start)
+            steady = steady_state(rigid_automaton(damped, resume=rule), start)
             labels[i, j] = steady.label
             for name, value in zip(table, _values(damped, steady), strict=True):
                 table[name][i, j] = value
@@ -137,7 +137,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _values(drive: LeadScrew, steady: SteadyState) -> list[float]:
+def _values(drive: RigidParameters, steady: SteadyState) -> list[float]:
     """Values of the quantities in their order; NaN where there is no cycle."""
     if steady.orbit is None:
         return [steady.amplitude] + [np.nan] * (len(_QUANTITIES) - 1)
@@ -152,11 +152,11 @@ def _worst(ratios: np.ndarray) -> float:
     return float(ratios[np.argmax(np.abs(ratios - 1))]) if np.isfinite(ratios).all() else np.nan
 
 
-def _resting_damping(drive: LeadScrew, start: list[float], largest: float) -> float:
+def _resting_damping(drive: RigidParameters, start: list[float], largest: float) -> float:
     """Smallest damping [N m s/rad] up to ``largest`` whose cycle has no rest, by bisection to the last bit."""
 
     def rests(damping: float) -> bool:
-        automaton = rigid_drive(drive.replace(support_damping=damping))
+        automaton = rigid_automaton(drive.replace(support_damping=damping))
         orbit = steady_state(automaton, start).orbit
         return orbit is None or bool((automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
 

@@ -13,7 +13,7 @@ from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_s
 from lsvib.data.phase_plane import attributes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.rigid import rigid_drive
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.motion import Motion
 from lsvib.errors import InputError
@@ -47,7 +47,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
-    rigid = steady_state(rigid_drive(drive), [start["u"], start["w"]])
+    rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
     def values(k: float, c: float) -> dict[str, float]:
         contact = drive.replace(contact_stiffness=k, contact_damping=c)

@@ -14,8 +14,8 @@ from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.rigid import EventKind, rigid_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.figures.common import accumulation
 from lsvib.steady_sliding.thresholds import global_stability_force
 
@@ -32,7 +32,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``duration`` [s], ``samples`` of the motions drawn; the last start is the one whose seizures accumulate under the
     chapter's reading of the rule. Raises ``InputError``.
     """
-    drive = LeadScrew.of(settings["drive"])
+    drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
     angle, velocity = phase_plane.span(settings["angle"]), phase_plane.span(settings["velocity"])
     heavy = drives[-1]
@@ -185,21 +185,21 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _from_standstill(drive: LeadScrew, rule: str) -> list[Attractor]:
-    automaton, corner = rigid_drive(drive, resume=rule), accumulation.corner(drive)
+def _from_standstill(drive: RigidParameters, rule: str) -> list[Attractor]:
+    automaton, corner = rigid_automaton(drive, resume=rule), accumulation.corner(drive)
     return [steady_state(automaton, [corner - distance, -drive.input_speed]).label for distance in _DISTANCES]
 
 
-def _basin(drive: LeadScrew, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def _basin(drive: RigidParameters, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Attractors of the motions from each state of a grid, shape (angle, velocity)."""
-    automaton = rigid_drive(drive)
+    automaton = rigid_automaton(drive)
     return np.array([[steady_state(automaton, [u, w]).label for w in velocity] for u in angle], dtype=np.int8)
 
 
-def _from_release(drive: LeadScrew, rule: str) -> Attractor:
+def _from_release(drive: RigidParameters, rule: str) -> Attractor:
     """Attractor of the motion from the end of rest, u = c Ω / k, u′ = −Ω."""
     start = [drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed]
-    return steady_state(rigid_drive(drive, resume=rule), start).label
+    return steady_state(rigid_automaton(drive, resume=rule), start).label
 
 
 def _line_crossings(dataset: xr.Dataset, case: int) -> list[int]:

@@ -11,7 +11,7 @@ from lsvib.data.attributes import flags
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
 from lsvib.drives import chapter
-from lsvib.drives.parameters import LeadScrew, SupportParameters
+from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding import support_conditions
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
@@ -131,7 +131,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         np.min(support_conditions.rigid_inertia(own, -_LAW)), np.min(support_conditions.reduced_inertia(own, -_LAW))
     )
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
-    locked = LeadScrew.of({n: drive[n] for n in _PARAMETERS if n != "screw_mass"}, friction_coefficient=critical)
+    locked = RigidParameters.of({n: drive[n] for n in _PARAMETERS if n != "screw_mass"}, friction_coefficient=critical)
     odd, real, rewritten = _real_branches(dataset, own)
     counts = {mode.name.lower(): int(np.sum(kinds == mode)) for mode in UndampedClass}
     return [

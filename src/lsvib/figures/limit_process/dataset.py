@@ -14,8 +14,8 @@ from lsvib.data.attributes import SIGNS
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
 from lsvib.data.phase_plane import RULES, attributes, flag
-from lsvib.drives.parameters import LeadScrew
-from lsvib.drives.threads import threads_drive
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.threads import threads_automaton
 
 _CONVERGED = 1e-3  # deviation at the stiffest contact
 _ORDER = 0.8
@@ -49,7 +49,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     to; ``damping_ratio`` [1]. Raises ``InputError``.
     """
     stiffness = np.array(settings["stiffness"], dtype=float)
-    base = LeadScrew.of(settings["drive"])
+    base = RigidParameters.of(settings["drive"])
     drives = [
         base.replace(axial_force=r, support_damping=c)
         for r in settings["axial_forces"]
@@ -67,7 +67,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             i = 0
             for row in branches:
                 compliant = limit_process.stiffened(row[0].drive, family, k, ratio)
-                automaton = threads_drive(compliant)
+                automaton = threads_automaton(compliant)
                 for branch in row:
                     for name, value in limit_process.deviations(branch, compliant, automaton).items():
                         found["motion_distance" if name == "distance" else name][family, i, j] = value

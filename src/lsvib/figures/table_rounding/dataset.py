@@ -13,7 +13,7 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
@@ -41,7 +41,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
     chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
     """
-    base = LeadScrew.of(settings["drive"])
+    base = RigidParameters.of(settings["drive"])
     drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
     functions = _functions()
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
@@ -191,7 +191,7 @@ def _own(changes: Mapping[str, float]) -> dict[str, float]:
     return {key: value for key, value in changes.items() if key != "screw_mass"}
 
 
-def _functions() -> dict[str, Callable[[LeadScrew], float]]:
+def _functions() -> dict[str, Callable[[RigidParameters], float]]:
     """Each threshold as a function of a drive."""
     screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return {
@@ -201,7 +201,7 @@ def _functions() -> dict[str, Callable[[LeadScrew], float]]:
     }
 
 
-def _damping_of(threshold: Callable[[LeadScrew], float], force: float, drive: LeadScrew) -> float:
+def _damping_of(threshold: Callable[[RigidParameters], float], force: float, drive: RigidParameters) -> float:
     """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
     half = HALF_UNITS["support_damping"]
     low, high = drive.support_damping - half, drive.support_damping + half

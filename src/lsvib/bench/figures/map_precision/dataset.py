@@ -18,7 +18,7 @@ from lsvib.data.attributes import attributes, flags
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
 from lsvib.data.provenance import processor
-from lsvib.drives.parameters import LeadScrew
+from lsvib.drives.parameters import RigidParameters
 
 _SOURCE = "docs/attraction.md"
 _CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
@@ -39,7 +39,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     cells = {name: count for name, count in settings["cells"].items() if count}
     span = settings["distances"]
     distances = np.geomspace(span["start"], span["stop"], span["count"])
-    boxes = [Box(LeadScrew.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
+    boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths = [length for _, length in found]

@@ -24,7 +24,7 @@ from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
 from lsvib.bench.sweeps.worst_case_variables import description, worst_cases
 from lsvib.data.attributes import flags
 from lsvib.data.checks import Check
-from lsvib.drives.parameters import LeadScrew, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
 _SOURCE = "docs/stability.md"
 _NUMBERS = {
@@ -67,7 +67,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         worst[family] = replace(found, outcome=judge(found.case, rng, thorough=True))
     families = sorted({case.family for case, _ in rows})
     sides = _sides(settings["distances"])
-    runs = [long_run(LeadScrew.of(changes), settings["periods"]) for changes in _LONG]
+    runs = [long_run(RigidParameters.of(changes), settings["periods"]) for changes in _LONG]
     return xr.Dataset(
         _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
         coords={
