@@ -20,8 +20,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
-from lsvib.basins.mapper import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.cycles import attractors
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
@@ -72,7 +72,7 @@ class StateMapper:
         threads: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
-        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``Mapper.cells``.
+        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
 
         Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
         """

@@ -9,7 +9,7 @@ import numpy as np
 
 from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
-from lsvib.basins.mapper import Mapper
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.bench.maps import map_kernels
 from lsvib.bench.maps.single_precision import in_single, twin
 from lsvib.bench.rivals.catalogue import find_method
@@ -41,15 +41,15 @@ class MapMethod:
 
     label: str
     rule: Rule
-    prepare: Callable[[Mapper], Label]
+    prepare: Callable[[PlanarMapper], Label]
     dtype: type = np.float64
 
 
-def _engine(mapper: Mapper) -> Label:
+def _engine(mapper: PlanarMapper) -> Label:
     return _mapped(labelling.map_labels, mapper.automaton.tables, mapper.sections.known)
 
 
-def _single(mapper: Mapper) -> Label:
+def _single(mapper: PlanarMapper) -> Label:
     tables, known = in_single(mapper.automaton.tables), in_single(mapper.sections.known)
     return _mapped(twin("labelling").map_labels, tables, known)
 
@@ -59,8 +59,8 @@ def _mapped(kernel, tables, known) -> Label:
     return lambda x, y, labels: kernel(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
-def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _stepped(step: float, seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels by steps of one length."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -71,8 +71,8 @@ def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _followed(seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _followed(seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels event by event, without proofs."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -83,11 +83,11 @@ def _followed(seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _tables(mapper: Mapper):
+def _tables(mapper: PlanarMapper):
     return mapper.automaton.tables, mapper.sections.known, np.array(mapper.automaton.sprag_kinds, dtype=np.int64)
 
 
-def _lsoda(mapper: Mapper) -> Label:
+def _lsoda(mapper: PlanarMapper) -> Label:
     """scipy's LSODA with events; a motion that stays in a damped mode is followed until its ellipse is trapped."""
     find_method("lsoda").require()
     from lsvib.bench.rivals.methods.scipy_events import integrator
