@@ -33,9 +33,10 @@ from lsvib.models.parameters import LeadScrew
 
 _CHUNK = 64  # events
 _ROUNDS = 16
-_EVENTS = 20_000  # beyond the rounds; some 0.1 s, so that a map of motions without an attractor comes to an end
+_EVENTS = 300_000  # beyond the rounds; about a second
 _BLOCK_EVENTS = 64  # of modes in blocks
 _SAME = 1e-3
+_NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
 
 
@@ -112,6 +113,8 @@ class StateMapper:
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Label, time [s], sprags and first event of the motion from a state (n)."""
         mode, time, sprags, first = None, 0.0, 0, None
+        if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
+            return Attractor.STEADY_SLIDING, 0.0, 0, -1
         for _ in range(self._rounds):
             try:
                 motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
@@ -160,7 +163,8 @@ def _joins(motion: Motion, cycle: SteadyState) -> int | None:
         ratio = steps[2] / steps[1] if steps[2] > _STILL else 0.0
         if ratio >= 1 or steps[1] > max(steps[0], _STILL):
             continue
-        limit = motion.after[at[k]] + ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
-        if (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
+        way = ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
+        limit = motion.after[at[k]] + way
+        if (np.abs(way) <= _NEAR * size).all() and (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
             return int(at[k])
     return None

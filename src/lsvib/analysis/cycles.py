@@ -13,14 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.analysis import leaps
+from lsvib.analysis import drifts, leaps
 from lsvib.analysis.return_map import ROUNDING, FixedPoint, Section, section_key
 from lsvib.core import flows, planar
 from lsvib.core.blocks import BlockFlow
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.errors import DivergenceError, EngineError
 from lsvib.models.automaton import Automaton
-from lsvib.models.motion import Motion, follow
+from lsvib.models.motion import Motion, enter, follow
 
 _CHUNK = 64  # events looked at first; then twice as many, and so on
 _PERIODS = 64  # returns to the section in the longest cycle that is seen to repeat
@@ -29,7 +29,11 @@ _LONGER = 8  # factor from one such attempt to the next
 _MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
-_CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
+_WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point
+_STEPS = 8  # returns in a row that tell a drift from rounding
+# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface: of two states, of
+# more, where Newton's method leaves 1e-9 divided by what a slow multiplier lacks to one.
+_CORNERS = (1e-9, 1e-5)
 
 
 class Attractor(IntEnum):
@@ -43,6 +47,7 @@ class Attractor(IntEnum):
     UNBOUNDED = 4  # no model of a drive has it: energy enters as the work of constant forces only
     REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+    RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
 
 
 class Passage(NamedTuple):
@@ -157,6 +162,8 @@ def _steady_state(
     """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
     if automaton.contracts and (automaton.tables.flow[:, planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
+    if mode is None and _at_equilibrium(automaton, state):
+        return SteadyState(Attractor.STEADY_SLIDING, state)
     used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
     while used < max_events:
         try:
@@ -170,7 +177,9 @@ def _steady_state(
         if automaton.contracts or _only_touches(motion):
             return _neutral(automaton, motion)
         used += motion.time.size
-        if used >= patience and size_of_state == 2:
+        if used >= patience and size_of_state > 2:
+            return _pursued(automaton, motion, max_events - used)
+        if used >= patience:
             patience *= _LONGER
             slow = _slow_end(automaton, motion, max_events - used, twice)
             if slow is not None:
@@ -181,6 +190,28 @@ def _steady_state(
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
     return SteadyState(Attractor.UNRESOLVED, state)
+
+
+def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
+    """Whether a motion with more than two states starts in steady sliding, to the last bit."""
+    if state.size == 2 or state.any():
+        return False
+    return not automaton.tables.flow.field[enter(automaton, state)[0], :, -1].any()
+
+
+def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
+    """Where a motion with more than two states ends that goes on from a part of it, within the work ``left``."""
+
+    def ended(part: Motion) -> SteadyState | None:
+        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part)
+
+    try:
+        found = drifts.pursue(motion, left, ended)
+    except EngineError:
+        found = None
+    if isinstance(found, drifts.Recurrence):
+        return SteadyState(Attractor.RECURRENT, found.state)
+    return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
 
 
 def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
@@ -309,17 +340,37 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
             continue
         if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
             continue
-        if np.abs(found.state / size).max() < _CORNER:
+        if size.size > 2 and not _by_the_same_events(section, found):
+            continue
+        if np.abs(found.state / size).max() < _CORNERS[size.size > 2]:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
             there = Section(automaton, key, found.state, size, fewer, longest)
             again = there.fixed_point(before)
-            if again is not None and (np.abs(again.state - found.state) <= _CORNER * size).all():
+            if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
                 return _cycle(there, again)
         return _cycle(section, found)
-    return _cycle(section, section.repeated()) if repeats.size else None
+    return _cycle(section, section.repeated()) if repeats.size and not _drifts(points[::-nearest]) else None
+
+
+def _by_the_same_events(section: Section, found: FixedPoint) -> bool:
+    """Whether returns have the same events all the way from a section's origin to a fixed point with more states."""
+    target = section.place(found.state)
+    events = [section.outcome(part * target)[1] for part in _WAY]
+    return events[0] is not None and all(one == events[0] for one in events)
+
+
+def _drifts(states: np.ndarray) -> bool:
+    """Whether states (k, n) of a section, the latest first, go one way by steps that do not shrink."""
+    if len(states) <= _STEPS:
+        return False
+    size = np.maximum(np.abs(states[: _STEPS + 1]).max(axis=0), np.finfo(float).tiny)
+    latest, first, all_of_them = (
+        np.abs((states[i] - states[j]) / size).max() for i, j in ((0, 1), (_STEPS - 1, _STEPS), (0, _STEPS))
+    )
+    return bool(all_of_them > 0.5 * _STEPS * latest and latest > 0.9 * first)
 
 
 def _cycle(section: Section, found: FixedPoint) -> SteadyState | None:
