@@ -30,6 +30,7 @@ _MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point
+_FEWEST = 4  # returns that tell anything, unless they repeat
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface: of two states, of
 # more, where Newton's method leaves 1e-9 divided by what a slow multiplier lacks to one.
@@ -214,22 +215,41 @@ def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
     return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
 
 
+class _Watched(NamedTuple):
+    """What a motion shows on the section of its rarest events.
+
+    ``key``: kind and mode of the events; ``points`` (k, n): states after them; ``size`` (n) of the motion; ``longest``
+    [s] between two of them.
+    """
+
+    key: tuple[int, int]
+    points: np.ndarray
+    size: np.ndarray
+    longest: float
+
+
+def _watched(motion: Motion) -> _Watched | None:
+    """Watch a motion on the section of its rarest events; None if it only touches guards."""
+    key = section_key(motion)
+    if key is None:
+        return None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0  # zero at every event: any scale does
+    return _Watched(key, motion.after[watched], size, np.diff(motion.time[watched]).max(initial=0.0))
+
+
 def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
     """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
 
     ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns: with
     ``twice`` the last of them and a place half a return further must end alike.
     """
-    key = section_key(motion)
-    if key is None:
+    seen = _watched(motion)
+    if seen is None or len(seen.points) < _FEWEST:
         return None
-    watched = (motion.kind == key[0]) & (motion.mode == key[1])
-    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
-    size = np.abs(motion.after).max(axis=0)
-    size[size == 0] = 1.0
-    if len(points) < 4:
-        return None
-    section = Section(automaton, key, points[-1], size, 1, _MORE_PATIENCE * longest)
+    key, points, size, patience = seen.key, seen.points, seen.size, _MORE_PATIENCE * seen.longest
+    section = Section(automaton, key, points[-1], size, 1, patience)
     if section.dimension != 1:
         return None
     end = leaps.drift(section, 0.0)
@@ -239,13 +259,13 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> S
     came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
     passage = Passage(key[1], np.array([came_from, place]))
     if end.end == leaps.End.CLOSES:
-        there = Section(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
+        there = Section(automaton, key, beyond, size, 1, patience)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else _cycle(there, fixed)
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, _LONG, twice)
     else:
-        between = section.state(np.array([end.place + 0.5 * leaps.come_back(section, end.place).excess]))
+        between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, _LONG, False)
         if twice and found.label != _steady_state(automaton, between, key[1], left, _LONG, False).label:
             return SteadyState(Attractor.UNRESOLVED, place)
@@ -316,16 +336,13 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
 
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
-    key = section_key(motion)
-    if key is None:
+    seen = _watched(motion)
+    if seen is None:
         return None
-    watched = (motion.kind == key[0]) & (motion.mode == key[1])
-    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
-    size = np.abs(motion.after).max(axis=0)
-    size[size == 0] = 1.0  # zero at every event: any scale does
+    key, points, size, longest = seen
     changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
     repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
-    if len(points) < 4 and not repeats.size:
+    if len(points) < _FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
     section = Section(automaton, key, points[-1], size, nearest, longest)

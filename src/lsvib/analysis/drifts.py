@@ -23,7 +23,7 @@ import numpy as np
 
 from lsvib.analysis.return_map import section_key
 from lsvib.core.modal import ModalFlow
-from lsvib.core.planar import A0, ALPHA, BETA
+from lsvib.core.planar import ALPHA, BETA
 from lsvib.core.status import Status
 from lsvib.models.automaton import Automaton
 from lsvib.models.motion import Motion, follow
@@ -44,14 +44,14 @@ _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 _NO_TREND = 3e-3  # of an amplitude, in a window, that is none, at most;
 _TREND_NOISE = 3.0  # and in units of its own spread
 _LEAST = -2.0  # logarithm of what is left, at least, of an amplitude that falls faster than another
+_BLANKS = 2  # windows without a trend in a row, after which a motion recurs
 _QUARTERS = 4  # of a window, which a leap must be longer than
 
 
 class Recurrence(NamedTuple):
-    """A motion without trend: its last state (n) and mode."""
+    """A motion without trend: its last state (n)."""
 
     state: np.ndarray
-    mode: int
 
 
 Ended = TypeVar("Ended")
@@ -63,68 +63,81 @@ def pursue(motion: Motion, work: int, ended: Callable[[Motion], Ended | None]) -
     Arguments: a part of the motion, at whose end it goes on; work [events], a call of the engine counting as some;
     ``ended`` is asked about parts of the motion. Raises ``EngineError`` where the engine does.
     """
-    automaton, window, before = motion.automaton, _FIRST_WINDOW, None
+    automaton, window, blank = motion.automaton, _FIRST_WINDOW, 0
     while work > 0:
         found = ended(motion)
         if found is not None:
             return found
-        state, mode, spent = _by_returns(motion)
-        if spent == 0 or state is motion.end_state:
-            motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window)
-            work -= window + _CALL + spent
-            if motion.status == Status.SETTLED or motion.time.size < window:
-                continue
-            trend = _trend(motion)
-            state, mode = motion.end_state, motion.end_mode
-            if trend is None or not trend.consistent:
-                if trend is not None and trend.none and window >= _LAST_WINDOW:
-                    if before is not None and before:
-                        return Recurrence(state, mode)
-                    before = True
-                window = min(2 * window, _LAST_WINDOW)
-                continue
-            before = None
+        leap = _by_returns(motion)
+        work -= leap.work
+        if leap.moved:
+            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN)
+            work -= _BETWEEN
+            continue
+        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window)
+        work -= window + _CALL
+        trend = _trend(motion) if motion.time.size == window else None
+        if trend is None:
+            window = min(2 * window, _LAST_WINDOW)
+        elif trend.consistent:
             state, mode = _extrapolated(automaton, motion, trend)
-            spent = window
-        work -= spent + _BETWEEN
-        motion = follow(automaton, state, math.inf, mode=mode, max_events=max(_BETWEEN, window if mode is None else 0))
+            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window), 0
+            work -= window + _CALL
+        elif trend.none and window == _LAST_WINDOW:
+            blank += 1
+            if blank == _BLANKS:
+                return Recurrence(motion.end_state)
+        else:
+            window, blank = min(2 * window, _LAST_WINDOW), 0
     return None
 
 
-def _by_returns(motion: Motion) -> tuple[np.ndarray, int, int]:
-    """Leap along the section of a motion's rarest events as far as that goes: state, mode, and events that it took."""
+class _Leap(NamedTuple):
+    """Where leaps by returns have led: state (n) and mode, whether they have led anywhere, and the work."""
+
+    state: np.ndarray
+    mode: int
+    moved: bool
+    work: int
+
+
+def _by_returns(motion: Motion) -> _Leap:
+    """Leap along the section of a motion's rarest events as far as that goes."""
     key = section_key(motion)
-    here, mode, spent = motion.end_state, motion.end_mode, 0
+    here, mode, work, last = motion.end_state, motion.end_mode, 0, None
     if key is None:
-        return here, mode, spent
-    seen = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
-    place, leap, last = motion.after[seen[-1]], 0.0, None
+        return _Leap(here, mode, False, work)
+    place, leap = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])][-1], 0.0
     for _ in range(_MOST_LEAPS):
         states, patterns, sizes, events = _returns(motion.automaton, key, place)
-        spent += events
-        alike = len(states) > _RETURNS and all(one == patterns[-1] for one in patterns[-_ALIKE:])
-        if alike:
-            here, mode = states[-1], key[1]
-        elif last is not None and leap * _SHORTER > _WORTH:
+        work += events
+        if len(states) <= _RETURNS or any(one != patterns[-1] for one in patterns[-_ALIKE:]):
+            if last is None or leap * _SHORTER < _WORTH:
+                break
             leap *= _SHORTER
-            place = last[0] + leap * last[1] + 0.5 * leap * (leap + 1) * last[2]
+            place = last.after(leap)
             continue
-        else:
-            break
-        size = np.max(sizes[-_ALIKE:], axis=0)
+        here, mode, size = states[-1], key[1], np.max(sizes[-_ALIKE:], axis=0)
         step = states[-1] - states[-2]
-        bend = step - (states[-2] - states[-3])
-        long, change = np.abs(step / size).max(), np.abs(bend / size).max()
-        if long < _STILL:
-            break
-        leap = min(_CHANGE * long / max(change, _STILL), _PART / long)
-        if leap < _WORTH:
-            break
-        last = (here, step, bend)
-        place = here + leap * step + 0.5 * leap * (leap + 1) * bend
-    if last is None:
-        return motion.end_state, motion.end_mode, spent
-    return here, mode, spent
+        last, earlier = _Step(here, step, step - (states[-2] - states[-3])), last
+        length, change = np.abs(step / size).max(), np.abs(last.bend / size).max()
+        leap = min(_CHANGE * length / max(change, _STILL), _PART / max(length, _STILL))
+        if length < _STILL or leap < _WORTH:
+            return _Leap(here, mode, earlier is not None, work)
+        place = last.after(leap)
+    return _Leap(here, mode, last is not None, work)
+
+
+class _Step(NamedTuple):
+    """State (n) at a return, the step to it and the change of that step."""
+
+    state: np.ndarray
+    step: np.ndarray
+    bend: np.ndarray
+
+    def after(self, returns: float) -> np.ndarray:
+        """Return the state so many returns later, extrapolated."""
+        return self.state + returns * self.step + 0.5 * returns * (returns + 1) * self.bend
 
 
 def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):

@@ -14,6 +14,7 @@ A fixed point counts only if its multipliers, the eigenvalues of P′, lie insid
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,6 +53,13 @@ class FixedPoint:
     state: np.ndarray
     multiplier: float
     enclosure: float
+
+
+class Return(NamedTuple):
+    """One return to a line: P(y) − y, and its events as told by ``Section.outcome``."""
+
+    excess: float
+    events: tuple[bytes, bytes] | None
 
 
 def section_key(motion: Motion) -> tuple[int, int] | None:
@@ -164,6 +172,11 @@ class Section:
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan), None
         return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
+
+    def return_from(self, place: float) -> Return:
+        """Follow one return from y = ``place`` on a line."""
+        excess, events = self.outcome(np.array([place]))
+        return Return(float(excess[0]), events)
 
     def jacobian(self, place: np.ndarray) -> np.ndarray:
         """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
