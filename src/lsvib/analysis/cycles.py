@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.analysis import drifts, leaps
-from lsvib.analysis.return_map import ROUNDING, FixedPoint, Section, section_key
+from lsvib.analysis.return_map import MARGIN, ROUNDING, FixedPoint, Section, section_key
 from lsvib.core import flows, planar
 from lsvib.core.blocks import BlockFlow
 from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND, Status
@@ -369,7 +369,10 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
             if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
                 return _cycle(there, again)
         return _cycle(section, found)
-    return _cycle(section, section.repeated()) if repeats.size and not _drifts(points[::-nearest]) else None
+    if not repeats.size or _drifts(points[::-nearest]):
+        return None
+    found = section.repeated()
+    return None if abs(found.multiplier) >= 1 - MARGIN else _cycle(section, found)
 
 
 def _by_the_same_events(section: Section, found: FixedPoint) -> bool:

@@ -2,9 +2,9 @@
 
 A drive with little damping may need 10⁹ events before it settles. Two kinds of leaps shorten that.
 
-* By returns: where the states at successive returns to a section have the same events between them and differ by nearly
-  the same step Δ each, with a change of step Δ′ from one to the next, the state L returns later is taken to be
-  y + L Δ + L (L + 1) Δ′ / 2, with L so small that neither y nor Δ changes by more than a part of itself.
+* By returns: while returns to a section have the same events, the return map P is smooth. With its derivative P′ at y
+  and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ, exactly if P is linear. L is
+  doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
 * By amplitudes: where a second oscillation, of a frequency of its own, keeps returns from being alike, the amplitudes
   of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. The
   amplitudes are then extrapolated in the same way and the phases are left.
@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from lsvib.analysis.return_map import section_key
+from lsvib.analysis.return_map import Section, section_key
 from lsvib.core.modal import ModalFlow
 from lsvib.core.planar import ALPHA, BETA
 from lsvib.core.status import Status
@@ -32,11 +32,13 @@ _CALL = 10  # events that take as long as one call of the engine from Python
 _RETURNS = 8  # followed before a step is measured
 _ALIKE = 3  # of them, the last ones, with the same events
 _LONGEST = 4000  # events in a return
-_CHANGE = 0.2  # part by which a step may change in a leap: a second-order extrapolation is then right to 1 %
-_PART = 0.3  # part of its size by which a coordinate or an amplitude may change in a leap
-_WORTH = 16  # returns that a leap must save: twice those that it costs
+_CHANGE = 0.2  # part of the way by which a leap may be wrong, and part by which a trend may change in one
+_PART = 0.3  # of its logarithm by which an amplitude may change in a leap
+_WAY = 2.0  # sizes of the motion that a leap may be long: once across a swing
+_FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
+_FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5  # of a leap, by which it is longer than one return; one costs sixteen
+_FEWER = 2  # doublings after a leap that was too long
 _STILL = 1e-14  # step, in sizes of the motion, that is rounding
-_SHORTER = 0.25  # factor after a leap beyond which the events of a return are others
 _MOST_LEAPS = 30  # in a row, before it is asked whether the motion has come near a cycle
 _BETWEEN = 500  # events after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
@@ -104,40 +106,91 @@ class _Leap(NamedTuple):
 def _by_returns(motion: Motion) -> _Leap:
     """Leap along the section of a motion's rarest events as far as that goes."""
     key = section_key(motion)
-    here, mode, work, last = motion.end_state, motion.end_mode, 0, None
+    here, mode, work, moved, last, doublings = motion.end_state, motion.end_mode, 0, False, None, _FIRST_DOUBLINGS
     if key is None:
-        return _Leap(here, mode, False, work)
-    place, leap = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])][-1], 0.0
+        return _Leap(here, mode, moved, work)
+    seen = (motion.kind == key[0]) & (motion.mode == key[1])
+    place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
+    size = np.zeros_like(place)
     for _ in range(_MOST_LEAPS):
         states, patterns, sizes, events = _returns(motion.automaton, key, place)
         work += events
-        if len(states) <= _RETURNS or any(one != patterns[-1] for one in patterns[-_ALIKE:]):
-            if last is None or leap * _SHORTER < _WORTH:
+        alike = len(states) > _RETURNS and all(one == patterns[-1] for one in patterns[-_ALIKE:])
+        if not (alike and (last is None or last.foresaw(states, doublings))):
+            doublings -= _FEWER
+            if last is None or doublings < _LEAST_DOUBLINGS:
                 break
-            leap *= _SHORTER
-            place = last.after(leap)
+            place = last.after(doublings)
             continue
-        here, mode, size = states[-1], key[1], np.max(sizes[-_ALIKE:], axis=0)
-        step = states[-1] - states[-2]
-        last, earlier = _Step(here, step, step - (states[-2] - states[-3])), last
-        length, change = np.abs(step / size).max(), np.abs(last.bend / size).max()
-        leap = min(_CHANGE * length / max(change, _STILL), _PART / max(length, _STILL))
-        if length < _STILL or leap < _WORTH:
-            return _Leap(here, mode, earlier is not None, work)
-        place = last.after(leap)
-    return _Leap(here, mode, last is not None, work)
+        here, mode, moved = states[-1], key[1], last is not None
+        size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
+        section = Section(motion.automaton, key, here, size, 1, longest)
+        work += 2 * section.dimension * (events // _RETURNS)
+        last = _Linear.at(section, states)
+        doublings = last.most(doublings + 1)
+        if doublings < _LEAST_DOUBLINGS:
+            break
+        place = last.after(doublings)
+    return _Leap(here, mode, moved, work)
 
 
-class _Step(NamedTuple):
-    """State (n) at a return, the step to it and the change of that step."""
+class _Linear(NamedTuple):
+    """The return map near a place: its derivative (d, d) on a section, and the last step (d) there.
 
-    state: np.ndarray
+    Where the map has no derivative, because a motion beside does not come back, it is taken to shift all places alike.
+    """
+
+    section: Section
+    slopes: np.ndarray
     step: np.ndarray
-    bend: np.ndarray
 
-    def after(self, returns: float) -> np.ndarray:
-        """Return the state so many returns later, extrapolated."""
-        return self.state + returns * self.step + 0.5 * returns * (returns + 1) * self.bend
+    @classmethod
+    def at(cls, section: Section, states: list[np.ndarray]) -> "_Linear":
+        """Linearise at the last state, the origin of ``section``."""
+        slopes = section.jacobian(np.zeros(section.dimension))
+        if not np.isfinite(slopes).all():
+            slopes = np.eye(section.dimension)
+        return cls(section, slopes, slopes @ -section.place(states[-2]))
+
+    def _ahead(self, doublings: int) -> tuple[np.ndarray, np.ndarray]:
+        """Way (d) of 2^doublings returns, and the step (d) that follows them."""
+        total, power = np.eye(len(self.slopes)), self.slopes
+        for _ in range(doublings):
+            total, power = total + power @ total, power @ power
+        return total @ self.step, power @ self.step
+
+    def _length(self, place: np.ndarray) -> float:
+        """Size of a step (d) on the section, in sizes of the motion."""
+        return float((np.abs(self.section.directions) @ np.abs(place) / self.section.size).max(initial=0.0))
+
+    def most(self, doublings: int) -> int:
+        """How often returns may be doubled, up to so many times, before the way is too long; 0 for no step."""
+        if not self._length(self.step) > _STILL:
+            return 0
+        while doublings > 0 and not self._length(self._ahead(doublings)[0]) <= _WAY:
+            doublings -= 1
+        return doublings
+
+    def after(self, doublings: int) -> np.ndarray:
+        """Return the state (n) 2^doublings returns later."""
+        return self.section.state(self._ahead(doublings)[0])
+
+    def foresaw(self, states: list[np.ndarray], doublings: int) -> bool:
+        """Whether the steps after a leap tell that it went, but for a part of its way, where the motion goes.
+
+        A step that is off by ε along an eigenvector of P′ of multiplier λ tells a place that is off by ε / (1 − λ), but
+        not by more than ε times the number of returns.
+        """
+        way, step = self._ahead(doublings)
+        expected = np.linalg.matrix_power(self.slopes, _RETURNS - 1) @ step
+        gap = self.section.place(states[-1]) - self.section.place(states[-2]) - expected
+        values, vectors = np.linalg.eig(self.slopes)
+        try:
+            parts = np.linalg.solve(vectors, gap)
+        except np.linalg.LinAlgError:
+            return False
+        parts = parts / np.maximum(np.abs(1 - values), 0.5**doublings)
+        return self._length(np.abs(vectors * parts).sum(axis=1)) <= _CHANGE * self._length(way)
 
 
 def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):

@@ -32,7 +32,7 @@ _SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
-_MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
+MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # states of the motion on the section, at least, each of which must be closer than the one before
 _THERE = 1e-6  # distance within which it is there, well above rounding even in a stiff contact
 _LONGEST = 1000  # events in one return
@@ -243,7 +243,7 @@ class Section:
         else:
             return None
         leading = largest(slopes)
-        if not abs(leading) < 1 - _MARGIN:
+        if not abs(leading) < 1 - MARGIN:
             return None
         if np.abs(place).max() > _THERE:
             away = np.vstack([earlier, np.zeros(self.dimension)]) - place
