@@ -33,7 +33,7 @@ from lsvib.models.parameters import LeadScrew
 _CHUNK = 64  # events
 _ROUNDS = 16
 _EVENTS = 300_000  # beyond the rounds; about a second
-_BLOCK_ROUNDS, _BLOCK_EVENTS = 4, 5000  # of modes in blocks; about a second, too
+_BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # of that work is for each start that looks for a cycle, before a map begins
 _SAME = 1e-3
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
@@ -55,7 +55,7 @@ class StateMapper:
         self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
-        self._rounds, self._events = (_BLOCK_ROUNDS, _BLOCK_EVENTS) if in_blocks else (_ROUNDS, _EVENTS)
+        self._rounds, self._events = _BLOCK_ROUNDS if in_blocks else _ROUNDS, _EVENTS
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):

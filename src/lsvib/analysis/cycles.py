@@ -30,6 +30,9 @@ _MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point
+_UNDAMPED = 1e-30  # of a rate: the 60 digits from which a mode is made leave less of a damping that is zero
+_BLOCK_EVENTS = 5000  # of modes in blocks at most, whose events take ten to a hundred times as long
+_LATER = 37  # events after which leaps begin again: no multiple of those in a usual return
 _FEWEST = 4  # returns that tell anything, unless they repeat
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface: of two states, of
@@ -165,6 +168,8 @@ def _steady_state(
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     if mode is None and _at_equilibrium(automaton, state):
         return SteadyState(Attractor.STEADY_SLIDING, state)
+    if isinstance(automaton.tables.flow, BlockFlow):
+        max_events = min(max_events, _BLOCK_EVENTS)
     used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
     while used < max_events:
         try:
@@ -201,18 +206,32 @@ def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 
 
 def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
-    """Where a motion with more than two states ends that goes on from a part of it, within the work ``left``."""
+    """Where a motion with more than two states ends that goes on from a part of it, within the work ``left``.
+
+    Where it is leapt over, the motion from some events later must end alike, with as much work.
+    """
 
     def ended(part: Motion) -> SteadyState | None:
         return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part)
 
     try:
-        found = drifts.pursue(motion, left, ended)
+        found, leapt = drifts.pursue(motion, left, ended)
+        if leapt and found is not None:  # a leap loses the phase of what is fast
+            later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=_LATER)
+            again, _ = drifts.pursue(later, left, ended)
+            found = found if _name(again) == _name(found) else None
     except EngineError:
         found = None
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
+
+
+def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
+    """Label of what leaps have found."""
+    if isinstance(found, SteadyState):
+        return found.label
+    return Attractor.UNRESOLVED if found is None else Attractor.RECURRENT
 
 
 class _Watched(NamedTuple):
@@ -297,7 +316,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
             return SteadyState(Attractor.UNBOUNDED, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
     damping = rows[:, planar.ALPHA]
-    undamped = np.abs(damping) <= ROUNDING * rows[:, planar.BETA]
+    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, planar.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return SteadyState(Attractor.UNBOUNDED, state)
     lasting = np.flatnonzero(excited & undamped & (rows[:, planar.BETA] > 0))

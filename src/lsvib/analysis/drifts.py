@@ -59,19 +59,22 @@ class Recurrence(NamedTuple):
 Ended = TypeVar("Ended")
 
 
-def pursue(motion: Motion, work: int, ended: Callable[[Motion], Ended | None]) -> Ended | Recurrence | None:
-    """Follow and extrapolate a motion until ``ended`` says where it is; None if ``work`` does not suffice.
+def pursue(
+    motion: Motion, work: int, ended: Callable[[Motion], Ended | None]
+) -> tuple[Ended | Recurrence | None, bool]:
+    """Follow and extrapolate a motion until ``ended`` says where it is, None if ``work`` does not suffice; any leaps?
 
     Arguments: a part of the motion, at whose end it goes on; work [events], a call of the engine counting as some;
     ``ended`` is asked about parts of the motion. Raises ``EngineError`` where the engine does.
     """
-    automaton, window, blank = motion.automaton, _FIRST_WINDOW, 0
+    automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     while work > 0:
         found = ended(motion)
         if found is not None:
-            return found
+            return found, leapt
         leap = _by_returns(motion)
         work -= leap.work
+        leapt |= leap.moved
         if leap.moved:
             motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN)
             work -= _BETWEEN
@@ -83,15 +86,16 @@ def pursue(motion: Motion, work: int, ended: Callable[[Motion], Ended | None]) -
             window = min(2 * window, _LAST_WINDOW)
         elif trend.consistent:
             state, mode = _extrapolated(automaton, motion, trend)
+            leapt = True
             motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window), 0
             work -= window + _CALL
         elif trend.none and window == _LAST_WINDOW:
             blank += 1
             if blank == _BLANKS:
-                return Recurrence(motion.end_state)
+                return Recurrence(motion.end_state), leapt
         else:
             window, blank = min(2 * window, _LAST_WINDOW), 0
-    return None
+    return None, leapt
 
 
 class _Leap(NamedTuple):
@@ -111,20 +115,21 @@ def _by_returns(motion: Motion) -> _Leap:
         return _Leap(here, mode, moved, work)
     seen = (motion.kind == key[0]) & (motion.mode == key[1])
     place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
-    size = np.zeros_like(place)
+    size, pattern = np.zeros_like(place), None
     for _ in range(_MOST_LEAPS):
         states, patterns, sizes, events = _returns(motion.automaton, key, place)
         work += events
-        alike = len(states) > _RETURNS and all(one == patterns[-1] for one in patterns[-_ALIKE:])
+        alike = len(states) > _RETURNS and all(one == (pattern or patterns[-1]) for one in patterns[-_ALIKE:])
         if not (alike and (last is None or last.foresaw(states, doublings))):
             doublings -= _FEWER
             if last is None or doublings < _LEAST_DOUBLINGS:
                 break
             place = last.after(doublings)
             continue
-        here, mode, moved = states[-1], key[1], last is not None
+        here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
         size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
-        section = Section(motion.automaton, key, here, size, 1, longest)
+        scale = np.where(size == 0, 1.0, size)  # zero at every event: any scale does
+        section = Section(motion.automaton, key, here, scale, 1, longest)
         work += 2 * section.dimension * (events // _RETURNS)
         last = _Linear.at(section, states)
         doublings = last.most(doublings + 1)
@@ -155,9 +160,10 @@ class _Linear(NamedTuple):
     def _ahead(self, doublings: int) -> tuple[np.ndarray, np.ndarray]:
         """Way (d) of 2^doublings returns, and the step (d) that follows them."""
         total, power = np.eye(len(self.slopes)), self.slopes
-        for _ in range(doublings):
-            total, power = total + power @ total, power @ power
-        return total @ self.step, power @ self.step
+        with np.errstate(over="ignore", invalid="ignore"):  # a way that is too long, or not a number, is not gone
+            for _ in range(doublings):
+                total, power = total + power @ total, power @ power
+            return total @ self.step, power @ self.step
 
     def _length(self, place: np.ndarray) -> float:
         """Size of a step (d) on the section, in sizes of the motion."""
@@ -203,7 +209,7 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):
             break
         states.append(motion.end_state)
         patterns.append(motion.mode.tobytes())
-        sizes.append(np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny))
+        sizes.append(np.abs(motion.after).max(axis=0))
     return states, patterns, sizes, work
 
 

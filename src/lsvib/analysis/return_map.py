@@ -113,7 +113,8 @@ class Section:
         if origin.size > 2:
             scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
             normals = met * scales
-            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+            normals /= np.where(lengths == 0, 1.0, lengths)
             _, lengths, basis = np.linalg.svd(normals)
             axes = basis[np.count_nonzero(lengths > _ONE_PLANE) :]
             self.directions, self._axes = (axes * scales).T, axes / scales
@@ -248,7 +249,9 @@ class Section:
         if np.abs(place).max() > _THERE:
             away = np.vstack([earlier, np.zeros(self.dimension)]) - place
             distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
-            if len(earlier) < _WATCHED or (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
+            if len(earlier) < _WATCHED or not np.isfinite(distances).all():
+                return None
+            if (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
                 return None
         return FixedPoint(self.state(place), leading, math.nan)
 
@@ -267,7 +270,8 @@ def largest(slopes: np.ndarray) -> float:
 def _contracting(slopes: np.ndarray) -> np.ndarray:
     """Σ (P′ᵀ)ᵏ P′ᵏ: the quadratic form that P′ makes smaller, whatever its eigenvectors."""
     form, power = np.eye(len(slopes)), slopes
-    for _ in range(_DOUBLINGS):
-        form = form + power.T @ form @ power
-        power = power @ power
+    with np.errstate(over="ignore", invalid="ignore"):  # nothing comes closer in a form that is not a number
+        for _ in range(_DOUBLINGS):
+            form = form + power.T @ form @ power
+            power = power @ power
     return form
