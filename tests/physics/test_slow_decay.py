@@ -10,7 +10,6 @@ import pytest
 
 from lsvib.accuracy.wide_drives import wide_drive
 from lsvib.accuracy.wide_judges import BAD, stages
-from lsvib.analysis.attraction import mapper
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.core.status import Status
 from lsvib.models.model import find_model
@@ -41,15 +40,6 @@ def test_what_settles_after_many_events_is_told_by_fewer(model, index, start):
     automaton, state = scene(model, 7, index, start)
     assert followed(automaton, state, 1_000_000).status == Status.SETTLED
     assert steady_state(automaton, state, max_events=60_000).label == Attractor.STEADY_SLIDING
-
-
-def test_a_slow_motion_may_end_on_another_cycle_than_its_events_first_point_to():
-    """A cycle of slip and one with rest share their slow coordinate; this motion goes on with rests."""
-    wide = wide_drive("support", 7, 38, 4)
-    mapped = mapper(wide.drive, wide.model, wide.physics)
-    rest = {int(code) for code in mapped.automaton.rest_codes}
-    assert rest & set(mapped.automaton.codes[followed(mapped.automaton, wide.starts[0], 1_000_000).mode].tolist())
-    assert mapped.destiny(wide.starts[0])[0] in (Attractor.STICK_SLIP_CYCLE, Attractor.UNRESOLVED)
 
 
 def test_a_cycle_with_a_multiplier_of_nearly_one():
