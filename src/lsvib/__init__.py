@@ -9,14 +9,30 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOMES = {
-    "LeadScrew": "lsvib.models.parameters",
-    "Scene": "lsvib.models.scene",
-    "simulate": "lsvib.datasets.trajectory",
-    "thresholds": "lsvib.analysis.summary:threshold_table",
-    "stability": "lsvib.analysis.summary:stability_table",
+    "RigidDrive": "lsvib.api",
+    "ThreadsDrive": "lsvib.api",
+    "SupportDrive": "lsvib.api",
+    "NutDrive": "lsvib.api",
+    "Scene": "lsvib.drives.scene",
+    "simulate": "lsvib.data.simulation",
+    "thresholds": "lsvib.steady_sliding.summary:threshold_table",
+    "stability": "lsvib.steady_sliding.stability_table:stability_table",
+    "StabilityReport": "lsvib.results",
+    "UndampedStability": "lsvib.results",
+    "Condition": "lsvib.results",
+    "Quantity": "lsvib.results",
+    "Threshold": "lsvib.results",
+    "Attractor": "lsvib.cycles.attractors",
+    "SteadyState": "lsvib.cycles.attractors",
+    "Basin": "lsvib.basins.exact_basin",
+    "Grid": "lsvib.basins.grid",
+    "Axis": "lsvib.basins.grid",
+    "Window": "lsvib.basins.clipping",
     "LsvibError": "lsvib.errors",
     "InputError": "lsvib.errors",
+    "NoThreshold": "lsvib.errors",
     "EngineError": "lsvib.errors",
+    "DivergenceError": "lsvib.errors",
 }
 __all__ = ["__version__", *_HOMES]
 

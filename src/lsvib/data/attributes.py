@@ -1,0 +1,56 @@
+"""Attributes of the variables that datasets share: names, units, symbols, flags."""
+
+from typing import Any
+
+import numpy as np
+
+_LONG_NAMES = {
+    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
+    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
+    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
+    "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
+    "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
+    "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
+    "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
+    "normal_force": ("normal force of the threads", "N", "$N$"),
+    "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
+    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
+    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
+    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
+    "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
+}
+
+
+def flags(kinds) -> dict[str, Any]:
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
+    return {
+        "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
+        "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
+    }
+
+
+def quantity(name: str, when: str = "") -> dict[str, str]:
+    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
+    long_name, units, symbol = _LONG_NAMES[name]
+    return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
+
+
+def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
+    """Return the attributes of a variable; an empty symbol is left out."""
+    return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
+
+
+# Of events: the impulses of seizures, zero in other events, and a sign.
+IMPULSES = {
+    "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),
+    "axial_impulse": attributes("N s", "impulse of the threads along the axis of the event"),
+    "torque_impulse": attributes("N m s", "impulse of the threads about the axis of the event"),
+}
+WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_impulse"
+SIGNS = attributes(
+    "1",
+    "sign of the impulse of a seizure, or of the normal force after a contact reversal",
+    flag_values=np.array([-1, 0, 1], dtype=np.int8),
+    flag_meanings="negative none positive",
+)
