@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lsvib.bench.random_drives.judges import BAD, stages
+from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
@@ -71,6 +72,14 @@ def test_little_damping_is_damping():
     """A damping of less than a double's digits of the rate: other than none, it ends every oscillation."""
     automaton, state = scene("nut", 21, 25, 1)
     assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_steady_sliding_under_law_plus_is_no_motion_in_the_painleve_region():
+    wide = wide_drive("support", 41, 15, 2)
+    assert not wide.starts[1].any()
+    assert fate(wide, 1, *constants_of(wide)).name != "steady_sliding"
+    automaton, state = scene("support", 41, 15, 1)
+    assert steady_state(automaton, state, max_events=20_000).label != Attractor.STEADY_SLIDING
 
 
 @pytest.mark.parametrize(("model", "index"), [("support", 24), ("nut", 28)])

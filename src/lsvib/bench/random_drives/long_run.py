@@ -55,7 +55,8 @@ def constants_of(wide: WideDrive) -> tuple[Ladders, float]:
 
 def fate(wide: WideDrive, k: int, c: Ladders, longest: float) -> Fate:
     """Follow motion ``k`` of a drive for long."""
-    if wide.model != "threads" and not wide.starts[k].any():  # of threads the mismatch counts from N = 0
+    # The mismatch of threads counts from N = 0; in the Painlevé region steady sliding under law +1 is no motion.
+    if wide.model != "threads" and not c.paradox and not wide.starts[k].any():
         return Fate("steady_sliding", "in equilibrium")
     times, states = np.empty(_EVENTS), np.empty((_EVENTS, 4))
     before, after, fired = (np.empty(_EVENTS, dtype=np.int64) for _ in range(3))
