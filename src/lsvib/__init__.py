@@ -9,14 +9,30 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOMES = {
-    "LeadScrew": "lsvib.models.parameters",
+    "RigidDrive": "lsvib.api",
+    "ThreadsDrive": "lsvib.api",
+    "SupportDrive": "lsvib.api",
+    "NutDrive": "lsvib.api",
     "Scene": "lsvib.models.scene",
     "simulate": "lsvib.datasets.trajectory",
     "thresholds": "lsvib.analysis.summary:threshold_table",
-    "stability": "lsvib.analysis.summary:stability_table",
+    "stability": "lsvib.analysis.stability_table:stability_table",
+    "StabilityReport": "lsvib.results",
+    "UndampedStability": "lsvib.results",
+    "Condition": "lsvib.results",
+    "Quantity": "lsvib.results",
+    "Threshold": "lsvib.results",
+    "Attractor": "lsvib.analysis.cycles",
+    "SteadyState": "lsvib.analysis.cycles",
+    "Basin": "lsvib.analysis.basin",
+    "Grid": "lsvib.analysis.grid",
+    "Axis": "lsvib.analysis.grid",
+    "Window": "lsvib.analysis.clipping",
     "LsvibError": "lsvib.errors",
     "InputError": "lsvib.errors",
+    "NoThreshold": "lsvib.errors",
     "EngineError": "lsvib.errors",
+    "DivergenceError": "lsvib.errors",
 }
 __all__ = ["__version__", *_HOMES]
 

@@ -1,18 +1,15 @@
 """The ``lsvib`` command."""
 
-import json
-import os
-import sys
-import warnings
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
 from lsvib import __version__
 from lsvib.errors import InputError, LsvibError
+from lsvib.printing import print_json, print_map, print_motion, print_parameters, print_stability, print_thresholds
+from lsvib.terminal import Progress, told
 
 app = App(
     name="lsvib",
@@ -58,20 +55,9 @@ def thresholds(
         )
     table = threshold_table(pairs, model)
     if as_json:
-        _print_json(table)
+        print_json(table)
         return
-    for name, entry in table.items():
-        if "stable_intervals" in entry:
-            _print_boundary(name, entry)
-            continue
-        if entry["value"] is None:
-            print(f"{name:22s} none: {entry['reason']}")
-            continue
-        line = f"{name:22s} {entry['value']:.12g} {entry['unit']}"
-        if entry["expected"] is not None:
-            verdict = "pass" if entry["passed"] else "FAIL"
-            line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
-        print(line)
+    print_thresholds(table)
 
 
 @app.command
@@ -93,27 +79,13 @@ def stability(
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.analysis.summary import stability_table
+    from lsvib.analysis.stability_table import stability_table
 
     table = stability_table(_pairs(changes), model)
     if as_json:
-        _print_json(table)
+        print_json(table)
         return
-    neutral = table["class"] in ("neutral", "centre")
-    verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
-    kind = table["class"].replace("_", " ")
-    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
-    for value in table["eigenvalues"]:
-        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    _print_quantities(table.get("quantities", {}))
-    for quantity in ("effective_inertia", "effective_damping") if model == "rigid" else ():
-        entry = table[quantity]
-        print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
-    _print_conditions(table["conditions"])
-    if "without_damping" in table:
-        print(f"without any damping: {table['without_damping']['class']}")
-        _print_quantities(table["without_damping"]["quantities"])
-        _print_conditions(table["without_damping"]["conditions"])
+    print_stability(table)
 
 
 @app.command
@@ -162,17 +134,10 @@ def simulate(
     with outputs.writing() as (part,):
         write_dataset(trajectory(checked, motion), part)
     if as_json:
-        _print_json(result)
+        print_json(result)
         return
     print(f"wrote {out}")
-    final = result["final_state"]
-    numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
-    print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
-    print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
-    print(f"attractor: {result['attractor'].replace('_', ' ')}")
-    print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
-    if result.get("peak_normal_impulse"):
-        print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
+    print_motion(result)
 
 
 @app.command
@@ -243,7 +208,7 @@ def figure(
         save(drawn, *pictures)
     picture = paths[2][0]
     if as_json:
-        _print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
+        print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
     else:
         for check in checks:
             print(check.sentence())
@@ -286,41 +251,26 @@ def attraction(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from time import perf_counter
-
-    from lsvib.analysis import refinement as refined
-    from lsvib.analysis.attraction import mapper
     from lsvib.analysis.grid import Grid
-    from lsvib.datasets.attraction import attraction_map, refined_map, summary
+    from lsvib.api import drive_class, map_attraction
+    from lsvib.datasets.attraction import summary
     from lsvib.datasets.writer import write_dataset
     from lsvib.files import Outputs
-    from lsvib.models.model import find_model
 
-    workers = _whole("threads", threads, 1, 4096)  # more than any machine has
-    if resume not in ("contact_sign", "at_once"):
-        raise InputError(f"resume = {resume!r} is not one of contact_sign, at_once.")
     if figure is not None and figure.suffix != ".png":
         raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
     pictures = [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")] if figure else []
     outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
-    mapped = mapper(find_model(model).drive.of(_pairs(changes)), model, resume=resume)
-    wanted = list(dict.fromkeys(["label", *quantities]))
+    if figure is not None and refine:
+        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
     if figure is not None and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
-    if refine and (wanted != ["label"] or figure is not None or model != "rigid"):
-        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
-    mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
-    begin = perf_counter()
-    if refine:
-        blocks = refined.refine(mapped, starts)
-        seconds, counts, dataset = perf_counter() - begin, blocks.counts(), refined_map(mapped, blocks)
-    else:
-        found = mapped.cells(starts, quantities=wanted, threads=workers, progress=_Progress())
-        seconds, counts = perf_counter() - begin, refined.count(found["label"])
-        dataset = attraction_map(mapped, starts, found)
+    drive = drive_class(model).of(_pairs(changes))
+    found = map_attraction(drive, starts, quantities, resume, threads, refine, Progress())
+    dataset, counts = found.dataset, found.counts
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
-    result = summary(counts, area, seconds)
+    result = summary(counts, area, found.seconds)
     with outputs.writing() as parts:
         write_dataset(dataset, parts[0])
         if figure is not None:
@@ -329,34 +279,50 @@ def attraction(
 
             save(draw(dataset), *parts[1:])
     if as_json:
-        _print_json(result)
+        print_json(result)
         return
     print(f"wrote {out}")
-    for kind, cells in counts.items():
-        if cells and kind >= 0:
-            share = f"a fraction of {cells / result['cells']:.6g}"
-            print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
-    print(f"unresolved: {result['unresolved']} cells")
-    if area is not None:
-        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
-    print(f"{result['cells_per_second']:.3g} cells per second")
+    print_map(result, counts)
 
 
-class _Progress:
-    """Tell on the error stream how far a map is: a line that is rewritten, or in a log one line for every 5 %."""
+@app.command
+def assess(
+    sheet: Path,
+    *,
+    out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
+    samples: Annotated[str, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = "4096",
+    seed: Annotated[str, Parameter(help="Seed of the samples.")] = "1",
+    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    share: Annotated[str | None, Parameter(help="K/N: only compute the K-th of N shares of the samples.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Assess a drive from its data sheet: will it vibrate, how close is it, and what should be changed.
 
-    def __init__(self) -> None:
-        self.shown = -1
+    Examples of use:
 
-    def __call__(self, done: int, total: int) -> None:
-        terminal = sys.stderr.isatty()
-        percent = 100 * done // total
-        step = percent if terminal else percent // 5
-        if step == self.shown:
-            return
-        self.shown = step
-        end = "\n" if done == total or not terminal else ""
-        print(f"{chr(13) if terminal else ''}{percent:3d} % of {total} rows", end=end, file=sys.stderr, flush=True)
+        lsvib assess examples/powered_seat.yaml --out report
+
+        lsvib assess drive.yaml --samples 1048576 --threads 8 --out report
+
+    Parameters
+    ----------
+    sheet:
+        YAML file of the data sheet; see docs/assess.md.
+    """
+    try:
+        from lsvib.assess import run
+    except ModuleNotFoundError as error:
+        raise InputError(f"assess needs the library {error.name}: pip install lsvib[assess].") from None
+
+    if share is not None:
+        print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
+        return
+    result = run.assess_file(sheet, out, samples, seed, threads, Progress("blocks of samples"))
+    if as_json:
+        print_json(result)
+        return
+    print(result["sentence"])
+    print(f"wrote {out / 'index.html'}, assessment.nc and assessment.json")
 
 
 @app.command
@@ -377,30 +343,32 @@ def config(
 
         lsvib config --model threads
     """
-    from lsvib.models.model import find_model
-    from lsvib.models.parameters import allowed_range, names_and_values
+    from lsvib.api import drive_class
+    from lsvib.models.parameters import allowed_range, described, names_and_values
+
+    start = _known_keys(scene) if scene else {}
+    kind = drive_class(model or start.get("model", "rigid"))
+    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**_pairs(changes))
+    fields = {}
+    for key, value in drive:
+        about = described(kind, key)
+        allowed = allowed_range(kind, key)
+        fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
+    if as_json:
+        print_json(fields)
+        return
+    print_parameters(fields)
+
+
+def _known_keys(scene: Path) -> dict[str, Any]:
+    """Read the file of a scene; every key is one of a scene."""
     from lsvib.models.scene import Scene, read_yaml
 
-    start = read_yaml(scene) if scene else {}
-    for key in start:
+    values = read_yaml(scene)
+    for key in values:
         if key not in Scene.model_fields:
             raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
-    kind = find_model(model or start.get("model", "rigid")).drive
-    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**_pairs(changes))
-    fields = {
-        key: {
-            "value": value,
-            "unit": kind.model_fields[key].json_schema_extra["unit"],
-            "symbol": kind.model_fields[key].json_schema_extra["symbol"],
-            "allowed": allowed_range(kind, key),
-        }
-        for key, value in drive
-    }
-    if as_json:
-        _print_json(fields)
-        return
-    for key, entry in fields.items():
-        print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+    return values
 
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
@@ -426,23 +394,9 @@ def _label(name: str) -> str:
     return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name
 
 
-def _whole(name: str, text: str, least: int, most: int) -> int:
-    """Read an option that is a whole number."""
-    from lsvib.models.numbers import NotNumber, whole
-
-    allowed = f"{least} <= {name} <= {most}"
-    try:
-        value = whole(text)
-    except NotNumber as error:
-        raise InputError(f"{name} = {text!r} {error}; the allowed range is {allowed}.") from None
-    if not least <= value <= most:
-        raise InputError(f"{name} = {text} is outside the allowed range {allowed}.")
-    return value
-
-
 def _pairs(items: list[str] | None) -> dict[str, str]:
     """Split KEY=VALUE items; the values stay text, which the models read and check."""
-    pairs = {}
+    pairs: dict[str, str] = {}
     for item in items or []:
         key, equals, value = item.partition("=")
         if not equals or not key or not value:
@@ -453,70 +407,6 @@ def _pairs(items: list[str] | None) -> dict[str, str]:
     return pairs
 
 
-def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
-    """Print a boundary of stability, why there is none, and the intervals of the parameter that are stable."""
-    print(f"{name:27s} {_value(entry)}")
-    for interval in entry["stable_intervals"]:
-        high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
-        print(f"  {entry['stability']} stability from {interval['low']:.12g} {high} {entry['unit']}")
-    if "reason" in entry:
-        print(f"  {entry['reason']}")
-
-
-def _value(entry: Mapping[str, Any]) -> str:
-    return "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
-
-
-def _print_quantities(quantities: Mapping[str, Any]) -> None:
-    for name, entry in quantities.items():
-        print(f"  {name}: {_value(entry)}")
-
-
-def _print_conditions(conditions: Mapping[str, Any]) -> None:
-    for name, condition in conditions.items():
-        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")
-
-
-def _print_json(value: Mapping[str, Any]) -> None:
-    print(json.dumps(value, indent=2, allow_nan=False))
-
-
 def main() -> None:
     """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2."""
-    warnings.showwarning = _say
-    try:
-        app(exit_on_error=False, print_error=False)
-        if sys.stdout is not None:  # None: the standard output is closed
-            sys.stdout.flush()
-    except BrokenPipeError:  # the reader of our output, such as head, has seen enough
-        _to_nowhere(sys.stdout)
-    except KeyboardInterrupt:
-        _fail("interrupted.", 130)  # as a shell reports a program that SIGINT ended
-    except MemoryError:
-        _fail("there is not enough memory; take fewer cells or samples.")
-    except (CycloptsError, LsvibError) as error:
-        _fail(str(error))
-    except OSError as error:
-        # What we open ourselves is said in the package's own errors; so this is one of the standard streams.
-        _to_nowhere(sys.stdout)
-        _fail(f"Cannot write to the standard output: {error.strerror or error}.")
-
-
-def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:
-    """Show a warning as one sentence on the error stream, without the line of code that it comes from."""
-    if sys.stderr is not None:
-        print(f"lsvib: {' '.join(str(message).split())}", file=sys.stderr)
-
-
-def _fail(text: str, code: int = 2) -> NoReturn:
-    """Say one sentence on the error stream, in one line that can be printed, and end with an exit code."""
-    line = "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))
-    if sys.stderr is not None:
-        with suppress(OSError):  # nobody can be told
-            print(f"lsvib: {line}", file=sys.stderr, flush=True)
-    sys.exit(code)
-
-
-def _to_nowhere(stream: Any) -> None:
-    """Let the rest of a stream, which cannot be written, vanish, so that Python does not complain at its end."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    told(lambda: app(exit_on_error=False, print_error=False), CycloptsError)

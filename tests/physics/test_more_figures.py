@@ -23,19 +23,21 @@ def test_each_check_of_figure_8_8_can_fail():
     spoilers = [
         scale("critical_mass", 1.03),
         scale("loss_of_stability", 1 + 1e-9, 0),
-        set_to("real_part", 1.0, 0, 0),
-        set_to("real_part", 1.0, slice(None), -1),
+        set_to("eigenvalue_real_part", 1.0, 0, 0),
+        set_to("eigenvalue_real_part", 1.0, slice(None), -1),
+        scale("eigenvalue_imaginary_part", 0.9996),  # the largest sample of a grid that has none at the peak
+        set_to("eigenvalue_imaginary_part", 1.0, 0, -1),
     ]
     assert_each_check_fails_on_some("fig8_08", dataset_of("fig8_08"), spoilers)
 
 
 def test_each_check_of_the_rounding_can_fail():
     spoilers = [
-        scale("residual", 20.0, Threshold.critical_mass),
-        scale("residual", 5.0, Threshold.onset_force),
-        scale("residual", 0.2, Threshold.detach_force),
+        scale("print_residual", 20.0, Threshold.critical_mass),
+        scale("print_residual", 5.0, Threshold.onset_force),
+        scale("print_residual", 0.2, Threshold.detach_force),
         set_to("matching_detach_force", 46.6),
-        set_to("matching_damping_plus", -1.1e-4),
+        set_to("matching_effective_damping_plus", -1.1e-4),
     ]
     assert_each_check_fails_on_some("table_rounding", dataset_of("table_rounding"), spoilers)
 
@@ -57,13 +59,13 @@ def test_rounding_is_the_derivative_times_half_a_unit():
 
 def test_each_check_of_the_contact_stability_can_fail():
     spoilers = [
-        set_to("contact_critical_mass", 7.0, 1),
-        scale("contact_critical_mass", 1.001, 2),
-        set_to("critical_mass", 10.2, 2, 5),
+        set_to("critical_mass_with_contact", 7.0, 1),
+        scale("critical_mass_with_contact", 1.001, 2),
+        set_to("curve_critical_mass", 10.2, 2, 5),
         set_to("growth_rate", -1.0, 0, 0, -1),
         scale("growth_scale", 1.1),
         scale("elastic_growth_limit", 1.1),
-        scale("least_damping", 0.1),
+        scale("least_contact_damping", 0.1),
         scale("growth_rate", -1.0, 1, 0, 3),
     ]
     assert_each_check_fails_on_some("contact_stability", dataset_of("contact_stability"), spoilers)
@@ -79,10 +81,10 @@ def test_each_check_of_the_nut_stability_can_fail():
     spoilers = [
         set_to("stability", Mode.KINEMATIC, 0, 0),
         set_to("stability", Mode.FLUTTER, -1, -1),
-        scale("boundary", 10.0),
-        scale("critical_mass", 1 + 1e-9, 3),
-        scale("critical_mass_by_eigenvalues", 1 + 1e-8, 3),
-        set_to("critical_mass", 20.0, -1),
+        scale("boundary_nut_inertia", 10.0),
+        scale("critical_mass_with_nut", 1 + 1e-9, 3),
+        scale("critical_mass_with_nut_by_eigenvalues", 1 + 1e-8, 3),
+        set_to("critical_mass_with_nut", 20.0, -1),
     ]
     assert_each_check_fails_on_some("nut_stability", dataset_of("nut_stability"), spoilers)
 

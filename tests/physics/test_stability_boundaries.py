@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from reference.newton import eigenvalues, is_stable, steady_law
 
 from lsvib.analysis import boundaries, characteristic, real_roots, spectrum, threads
-from lsvib.analysis.summary import stability_table, threshold_table
+from lsvib.analysis.stability_table import stability_table
+from lsvib.analysis.summary import threshold_table
 from lsvib.errors import InputError
 from lsvib.models import linear
 from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive

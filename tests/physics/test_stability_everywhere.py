@@ -10,7 +10,8 @@ from reference.newton import DIGITS, eigenvalues, is_stable, steady_law
 from reference.wide_drives import KINDS, extreme_values, wide_drive
 
 from lsvib.analysis.boundaries import OWN_DAMPING, stable_set
-from lsvib.analysis.summary import stability_table, threshold_table
+from lsvib.analysis.stability_table import stability_table
+from lsvib.analysis.summary import threshold_table
 from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew
 

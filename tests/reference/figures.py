@@ -1,5 +1,7 @@
 """The datasets of the figures on draft settings; their checks all pass, and each fails on spoiled data."""
 
+import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
@@ -14,6 +16,7 @@ from lsvib.datasets.writer import read_dataset, write_dataset
 from reference.chapter import assert_listed_checks_exist
 
 CONFIG = Path(__file__).parents[2] / "config"
+STATING = [f"fig8_{number:02d}" for number in range(1, 9)]  # pictures with a line of the values that they hold for
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
 
 
@@ -81,6 +84,30 @@ def assert_each_check_fails_on_some(figure: str, dataset: xr.Dataset, spoilers: 
     assert set().union(*failing) == set(range(len(claims))), claims
 
 
+def assert_states_what_is_assumed(figure: Figure, dataset: xr.Dataset) -> None:
+    """The line under the picture has the symbol and every value of each parameter that the dataset marks as assumed."""
+    line = figure.get_supxlabel()
+    assumed = line.partition("Assumed: ")[2].replace("\n", " ")
+    for name, variable in dataset.variables.items():
+        origin = variable.attrs.get("origin", "")
+        if not origin.startswith("assumed"):
+            continue
+        values = {float(value) for value in variable.values.ravel() if f" {value:g} (printed" not in origin}
+        ends = values if len(values) < 6 else {min(values), max(values)}
+        stated = assumed.partition(f"{variable.attrs['symbol']} = ")[2].partition(" $")[0]
+        found = [number_in(word) for word in stated.replace(" \\times ", "*").replace(",", "").split()]
+        assert all(any(value == pytest.approx(x, rel=1e-3) for x in found) for value in ends), (name, line)
+
+
+def number_in(word: str) -> float:
+    """The number that a word of a figure's text is, with a power of ten as mathtext or plain; nan if it is none."""
+    parts = re.fullmatch(r"\$?([−\d.e+-]*?)(?:\*?10\^\{(-?\d+)\})?\$?\.?", word)
+    if not parts or not any(parts.groups()):
+        return math.nan
+    mantissa, power = parts.groups()
+    return float(mantissa.replace("−", "-") or 1) * 10.0 ** int(power or 0)
+
+
 def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> list[str]:
     """The file alone gives a figure with something in every panel; return the names in its legends, all different."""
     write_dataset(dataset, path)
@@ -88,6 +115,8 @@ def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> list
     drawn.draw_without_rendering()
     assert drawn.axes
     assert all(axes.has_data() for axes in drawn.axes)
+    if figure in STATING:
+        assert_states_what_is_assumed(drawn, dataset)
     legends = [legend for part in (drawn, *drawn.subfigs) for legend in part.legends]
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert len(names) == len(set(names))

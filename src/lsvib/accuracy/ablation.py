@@ -15,6 +15,7 @@ from lsvib.core import planar
 from lsvib.models.automaton import Automaton
 from lsvib.models.flow import flow_of, linear_mode
 from lsvib.models.motion import Motion, follow
+from lsvib.models.once import forget
 from lsvib.models.parameters import LeadScrew, SupportDrive
 from lsvib.models.rigid import rigid_drive
 from lsvib.models.support import support_drive
@@ -124,6 +125,7 @@ def measure(scene: Ablated, repeats: int) -> tuple[Measured, Measured]:
         motions.append(follow(build(), start, scene.duration))
     for _ in range(repeats):
         for k, (build, start) in enumerate(zip(builds, scene.start, strict=True)):
+            forget()  # a drive is built once
             begun = time.perf_counter()
             automaton = build()
             built = time.perf_counter()

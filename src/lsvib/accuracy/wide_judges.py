@@ -34,7 +34,7 @@ from lsvib.accuracy.sweep_families import Case, Family, Group
 from lsvib.accuracy.wide_drives import WideDrive, wide_drive
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.cycles import Attractor, steady_state
-from lsvib.analysis.summary import stability_table
+from lsvib.analysis.stability_table import stability_table
 from lsvib.errors import InputError, LsvibError
 from lsvib.models.automaton import Automaton
 from lsvib.models.model import find_model

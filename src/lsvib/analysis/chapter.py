@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from lsvib.models.parameters import LeadScrew
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -16,6 +18,24 @@ class Claim:
 
 
 _NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
+
+# Values of parameters by the place that states them. Table 8.1 is the default of a drive.
+STATED: dict[str, dict[str, tuple[float, ...]]] = {
+    "Table 8.1": {
+        name: (LeadScrew.model_fields[name].default,)
+        for name in (
+            *("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping"),
+            *("friction_coefficient", "input_speed"),
+        )
+    },
+    "Sect. 8.5.1": {key: (value,) for key, value in _NEGATIVE_DAMPING.items()},
+    "Fig. 8.6": {"axial_force": (18.0, 25.0, 40.0)},
+    "Sect. 8.6": {"translation_damping": (0.0,)},  # "for the remainder of the chapter"
+    "Sect. 8.6.1": {"mass": (10.0, 11.0), "contact_stiffness": (1e8,), "contact_damping": (1e8,)},
+    "Fig. 8.14": {"mass": (10.0,), "axial_force": (-50.0, -10.0), "support_damping": (1e-3,)},
+    "Sect. 8.8.1": dict.fromkeys(("support_damping", "translation_damping", "axial_support_damping"), (0.0,)),
+    "Fig. 8.15": {"mass": (15.0,), "screw_mass": (11.6,)},
+}
 
 THRESHOLDS = {
     "critical_mass": Claim(10.10, "kg", "Sect. 8.6.1, eq. 8.20", {}),

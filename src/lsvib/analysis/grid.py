@@ -30,7 +30,7 @@ class Axis(NamedTuple):
     coordinate: str
     start: float
     stop: float
-    count: int
+    count: int  # type: ignore[assignment]  # it hides tuple.count, which nobody calls
 
     def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
@@ -106,7 +106,8 @@ class Grid(NamedTuple):
 
         Raises ``InputError`` in one sentence.
         """
-        axes, fixed = [], {}
+        axes: list[Axis] = []
+        fixed: dict[str, float] = {}
         for item in items:
             key, equals, text = item.partition("=")
             parts = text.split(":")
@@ -122,4 +123,4 @@ class Grid(NamedTuple):
                 raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(COORDINATES)}.")
         if len(axes) != 2:
             raise InputError(f"a grid needs two axes KEY=START:STOP:COUNT, not {len(axes)}.")
-        return cls(*axes, fixed)
+        return cls(axes[0], axes[1], fixed)

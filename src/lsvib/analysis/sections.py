@@ -24,6 +24,8 @@ search with motions that are pushed by a few units of rounding after every event
 unresolved.
 """
 
+from heapq import heappop, heappush
+
 import numpy as np
 
 from lsvib.analysis import leaps, return_map
@@ -50,11 +52,13 @@ from lsvib.models.motion import follow
 
 _EVENTS = 256  # of an itinerary; what a motion does later is asked of its attractor
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
-_WORK = 15_000_000  # events that may be followed for a drive, a few seconds
+_WORK = 20_000_000  # events that may be followed for a drive, a few seconds
 _BISECTIONS = 60  # motions followed to find the place at which two courses part
+_FIRST_ROUND = 0.5  # of the work, which is shared out to the sections
 _SPLIT = 5_000  # events that the bookkeeping of a piece counts for, about
 _MANY = 200  # pieces of a section after which those narrower than _NOISE, relative, are not divided: where the speed
 _NOISE = 1e-6  # passes zero by less than its rounding, neighbours differ at random over the square root of that
+_NARROW = (1e-4, 1e-8)  # relative widths of pieces that wait for wider ones
 _CROWDED = 24  # pieces of a section at which, and at each double of it, a drift is looked for that joins them
 _BESIDE = 1e-9  # relative distance of a start beside a piece
 _PATIENT = 1e3  # times a return that one may take which starts farther away
@@ -84,6 +88,7 @@ class Sections:
         self._found: dict[Section, list[tuple[float, float, int]]] = {}
         self._learned: list[Attractor] = []
         self._work = self._futile = self._in_vain = 0
+        self._limit = _WORK  # of the section that is examined
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
         if automaton.contracts:
             self._same_for_all()
@@ -100,7 +105,7 @@ class Sections:
                 state = self._point(section, part * self.size[section.free])
                 if self._belongs(section, state):
                     self._course(section, state[section.free], _PUSHES[0])  # meets what attracts it, if unknown
-        found = {section: self._labels(section) for section in self.sections}
+        found = self._all_labels()
         self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
         self.known = with_cycles(automaton, self.known, self.attractors, releases)
 
@@ -111,6 +116,19 @@ class Sections:
         found = {section: Pieces([-np.inf, np.inf], [int(label)]) for section in self.sections}
         self.known.resting[~slips] = label
         self.known = with_common_labels(self.automaton, with_labels(self.known, found), found, self.size)
+
+    def _all_labels(self) -> dict[Section, Pieces]:
+        """Labels along all sections; what the work did not suffice for is tried again when the others are known."""
+        found: dict[Section, Pieces] = {}
+        for part in (_FIRST_ROUND, 1.0):
+            open_ones = [one for one in self.sections if one not in found or UNRESOLVED in found[one].labels]
+            for k, section in enumerate(open_ones):
+                share = 1.0 if part == 1.0 else 1.0 / (len(open_ones) - k)  # what is not spent is passed on
+                self._limit = self._work + share * max(part * _WORK - self._work, 0.0)
+                self._found.pop(section, None)
+                labels = self._labels(section)
+                found[section] = _completed(labels, found[section]) if section in found else labels
+        return found
 
     def _point(self, section: Section, x: float) -> np.ndarray:
         state = np.empty(2)
@@ -228,7 +246,7 @@ class Sections:
                 self.automaton.tables, self.known, self._absorbing, section.mode, state, *push, self._symbols
             )
             self._work += count
-            if code != TOO_LONG or self._work > _WORK:
+            if code != TOO_LONG or self._work > self._limit:
                 return np.append(self._symbols[:count], -10 - code)
             label = self._explore(state, mode, learns)
             learned = len(self._absorbed)
@@ -318,13 +336,14 @@ class Sections:
         """Labels along a section between two ``ends``, by bisection between motions that take different courses.
 
         With ``learns`` what is found is used at once: places that are nearer to the equilibrium come first, and a
-        motion that returns to where the label is known needs no more of its course. Of very many pieces, narrow ones
-        whose ends have one label are not divided any further.
+        motion that returns to where the label is known needs no more of its course. Narrow pieces wait for all others,
+        so that one place at which very much happens does not take the work from the rest of the section. Of very many
+        pieces, narrow ones whose ends have one label are not divided any further.
         """
         resolution = 1e-3 * planar.EPS * self.size[section.free]
-        waiting, found, splits, crowded = [ends], [], 0, _CROWDED
+        waiting, found, splits, crowded = [(0, 0.0, *ends)], [], 0, _CROWDED
         while waiting:
-            low, high = waiting.pop()
+            *_, low, high = heappop(waiting)
             known = len(self._absorbed)
             low_course, high_course = (self._course(section, x, push) for x in (low, high))
             if known != len(self._absorbed):  # what was learned may have changed the numbers in either course
@@ -332,11 +351,12 @@ class Sections:
             position = _first_difference(low_course, high_course)
             narrow = splits > _MANY and high - low <= _NOISE * max(abs(low), abs(high))
             late = position == _EVENTS  # alike for so long: halves are told apart by where they end
-            if late and self._work <= _WORK and high - low > _NOISE * max(abs(low), abs(high)):
-                waiting += [(0.5 * (low + high), high), (low, 0.5 * (low + high))]
+            if late and self._work <= self._limit and high - low > _NOISE * max(abs(low), abs(high)):
+                for half in ((0.5 * (low + high), high), (low, 0.5 * (low + high))):
+                    heappush(waiting, (*_turn(*half), *half))
                 self._work += _SPLIT
                 continue
-            if position < 0 or narrow or late or self._work > _WORK:
+            if position < 0 or narrow or late or self._work > self._limit:
                 same = position < 0 or (narrow and self._label(low_course) == self._label(high_course))
                 label = self._label(low_course) if same else UNRESOLVED
                 found.append((low, high, label))
@@ -352,7 +372,8 @@ class Sections:
             )  # fmt: skip
             self._work += _SPLIT + _BISECTIONS * (position + 1)
             splits += 1
-            waiting += sorted([(low, here), (there, high)], key=lambda ends: -min(abs(ends[0]), abs(ends[1])))
+            for part in ((low, here), (there, high)):
+                heappush(waiting, (*_turn(*part), *part))
         found.sort()
         edges, labels = [*(low for low, _, _ in found), ends[1]], [label for _, _, label in found]
         return _merged(edges, labels, _SLIVER * self.size[section.free])
@@ -403,6 +424,12 @@ class Sections:
         self._absorbing = np.vstack([self._absorbing[: len(self._absorbed)], *rows])
 
 
+def _turn(low: float, high: float) -> tuple[int, float]:
+    """When a piece is examined: first the wide ones, among these the one that is nearest to the equilibrium."""
+    width = (high - low) / max(abs(low), abs(high), 1e-300)
+    return sum(width <= narrow for narrow in _NARROW), min(abs(low), abs(high))
+
+
 def _touching(piece: tuple[float, float, int], sliver: float) -> bool:
     """Whether a piece is one of motions that touch a guard or meet a corner, to rounding."""
     low, high, label = piece
@@ -421,6 +448,19 @@ def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
                 labels[k] = labels[k - 1]
         pieces = Pieces(edges, labels)
     return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
+
+
+def _completed(pieces: Pieces, other: Pieces) -> Pieces:
+    """Labels along a section from two searches: of the first, and where that resolves nothing of the other."""
+    cuts = np.unique([*pieces.edges, *other.edges])
+    middles = 0.5 * (cuts[:-1] + cuts[1:])
+    labels = [
+        np.array([*one.labels, UNRESOLVED])[np.searchsorted(one.edges[:-1], middles, "right") - 1]
+        for one in (pieces, other)
+    ]
+    best = np.where(labels[0] == UNRESOLVED, labels[1], labels[0])
+    keep = np.flatnonzero(np.append(True, best[1:] != best[:-1]))
+    return Pieces([*map(float, cuts[keep]), float(cuts[-1])], [*map(int, best[keep])])
 
 
 def _first_difference(one: np.ndarray, other: np.ndarray) -> int:

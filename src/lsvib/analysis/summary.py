@@ -1,18 +1,13 @@
-"""Thresholds and linear stability of a drive as plain values, ready for JSON."""
+"""Thresholds of a drive as plain values, ready for JSON."""
 
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.analysis import chapter, thresholds
-from lsvib.analysis.conditions import conditions, critical_friction, critical_mass
-from lsvib.analysis.model_summary import model_stability_table, model_threshold_table
-from lsvib.analysis.spectrum import rigid_spectrum
-from lsvib.analysis.stability import Stability
+from lsvib.analysis.conditions import critical_friction, critical_mass
+from lsvib.analysis.model_summary import model_threshold_table
 from lsvib.analysis.support import critical_friction_by_eigenvalues
-from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
-from lsvib.models.parameters import LeadScrew, SupportDrive, parameters_of
+from lsvib.models.parameters import LeadScrew, SupportDrive, model_of, parameters_of
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
@@ -42,16 +37,16 @@ def threshold_table(
 ) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
-    A drive in place of ``changes`` stands for itself: all its parameters count. For another ``model`` than the
-    rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of ``screw_mass`` counts for
-    the critical friction alone, the only threshold of the drive with axial support; there ``by_eigenvalues`` is the
-    same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the chapter's ``expected``
-    value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if ``changes`` leave the
-    chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –, ``reason`` if there
-    is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0. Raises
-    ``InputError`` for unacceptable parameters.
+    A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For
+    another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_threshold_table`. A change of
+    ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
+    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``,
+    the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None
+    if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no number
+    –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω
+    > 0. Raises ``InputError`` for unacceptable parameters.
     """
-    changes = parameters_of(changes)
+    model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
         return model_threshold_table(model, changes)
     table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
@@ -87,7 +82,7 @@ def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, An
     }
     if name in _STATEMENTS:
         entry["statement"] = _STATEMENTS[name]
-    if kind is SupportDrive:
+    if isinstance(drive, SupportDrive):
         entry["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
     if reason:
         entry["reason"] = reason
@@ -105,38 +100,3 @@ def _value_or_reason(name: str, drive: LeadScrew) -> tuple[float | None, str | N
     except thresholds.NoThreshold as absent:
         return None, str(absent)
     return value, None if value is not None else _ABSENT[name]
-
-
-def stability_table(changes: LeadScrew | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
-    """Linear stability of steady sliding (eqs 8.18–8.21) of a drive: one given as such, or Table 8.1 with ``changes``.
-
-    For another ``model`` than the rigid one see :func:`lsvib.analysis.model_summary.model_stability_table`. Returns
-    ``stable`` (asymptotically), ``class`` (:class:`Stability`, lower case), ``eigenvalues`` [1/s], the ``steady_law``
-    s_0, the effective coefficients of both laws, the
-    steady deflection z_0 [rad], whether Γ₊ ≤ 0 (``paradox_region``), and the ``conditions`` of :func:`conditions`. With
-    a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.
-    """
-    changes = parameters_of(changes)
-    if model != "rigid":
-        return model_stability_table(model, changes)
-    drive = LeadScrew.of(changes)
-    c = coefficients(drive)
-    law = c.steady_law
-    if c.net_force == 0:
-        raise InputError(
-            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
-        )
-    kind, pair = rigid_spectrum(drive, c)
-    if abs(c.deflection) > sys.float_info.max:
-        raise InputError("These parameters give a steady deflection beyond 1.8e308 rad, the range of doubles.")
-    return {
-        "stable": kind in (Stability.STABLE_NODE, Stability.STABLE_FOCUS),
-        "class": kind.name.lower(),
-        "eigenvalues": [{"real": x.real, "imaginary": x.imag} for x in pair],
-        "steady_law": law,
-        "effective_inertia": {"plus": float(c.gamma[1]), "minus": float(c.gamma[-1]), "unit": "kg m2"},
-        "effective_damping": {"plus": float(c.damping[1]), "minus": float(c.damping[-1]), "unit": "N m s rad-1"},
-        "steady_deflection": {"value": float(c.deflection), "unit": "rad"},
-        "paradox_region": c.paradox,
-        "conditions": conditions(drive),
-    }

@@ -18,6 +18,10 @@ from lsvib.assess.window import corners, worst
 from lsvib.assess.words import VERDICTS
 from lsvib.errors import InputError
 
+_BEYOND = (
+    "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
+    "yet, only the onset."
+)
 _PUSHED = 5.0  # times the speed: a start that shows what a strong push does
 
 
@@ -192,11 +196,15 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str,
     corner = tuple(float(x) for x in places[int(lowest[name].corner[0])])
     corner = (int(corner[0]), *corner[1:])
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
+    if name == "falling_friction" and lowest[name].reserve[0] < 0:
+        beyond = Vibration("rigid", "unknown", reason=_BEYOND)
+        return Motion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
     strong = {"push": -_PUSHED} if name == "push_needed" else {}
     moved = vibration(sheet, values, corner, part, **strong)
     if moved.reason is not None and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
-    return Motion(name, dict(entries), values, corner, moved, survived_push(sheet, values, corner))
+    push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
+    return Motion(name, dict(entries), values, corner, moved, push)
 
 
 def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> Motion:

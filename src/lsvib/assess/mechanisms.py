@@ -47,7 +47,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
 
     ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
     [rad/s] and ``force`` [N]; ``direction`` of travel ±1. Besides the mechanisms: ``law``, s_0 = ±1, and
-    ``push_needed``, the reserve of Γ₊ where steady sliding under law − is stable but no longer the only motion (Sect.
+    ``push_needed``, the reserve of Γ₊, or Γ̃₊ with a support, where steady sliding under law − is stable but no longer the only motion (Sect.
     8.7). NaN where μ is not below cot λ.
     """
     at = sheets.point(sheet, values, direction, speed, force)
@@ -87,7 +87,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         full = _full_reserve("contact", {**p, **own}, law)
         found["thread_contact"] = np.where(rigid_stable, full, _larger(full, 0 * full))
     plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
-    of_plus = friction.effective_inertia(p["screw_inertia"], p["mass"], p["pitch_radius"], tangent, plus)
+    of_plus = friction.effective_inertia(p["screw_inertia"], mass, p["pitch_radius"], tangent, plus)
     reserve = _balance(p["screw_inertia"], of_plus - p["screw_inertia"])
     found["push_needed"] = np.where(law < 0, reserve, 1.0)
     valid = np.real(p["friction_coefficient"] * tangent) < 1
@@ -161,7 +161,8 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
         bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
         unstable = kind in ("flutter", "divergence")
         occurs["kinematic_constraint"] = kind == "kinematic"
-        occurs["mode_coupling"] = unstable and (stable or bare in ("flutter", "divergence"))
+        fed = occurs["negative_damping"]
+        occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
         occurs["negative_damping"] &= unstable or kind == "kinematic"
     if sheet.contact is not None:
         kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]

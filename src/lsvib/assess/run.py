@@ -13,17 +13,19 @@ from lsvib.assess.uncertainty import BLOCK, compute_blocks
 from lsvib.datasets.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
+from lsvib.models.numbers import NotNumber, shown, whole
 
 _MOST = 2**30  # samples: a thousand million
 _LARGEST_SEED = 2**32 - 1
+_MOST_THREADS = 4096  # more than any machine has
 
 
 def assess_file(
     path: Path,
     out: Path,
-    samples: int = BLOCK,
-    seed: int = 1,
-    threads: int = 1,
+    samples: Any = BLOCK,
+    seed: Any = 1,
+    threads: Any = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
@@ -32,7 +34,8 @@ def assess_file(
     the files are written, so that a run that was stopped goes on. Returns what ``assessment.json`` holds. Raises
     ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
-    _require_samples(samples, seed)
+    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
+    threads = _whole("threads", threads, 1, _MOST_THREADS)
     sheet = Sheet.read(path)
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)
@@ -51,13 +54,13 @@ def assess_file(
     return result
 
 
-def sample_share(path: Path, out: Path, samples: int, seed: int, share: str) -> int:
+def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> int:
     """Compute a share of the samples of an assessment ahead, as one of many jobs; return the number of its blocks.
 
     ``share``: 1/8, 2/8 and so on; :func:`assess_file` with the same file, ``out``, ``samples`` and ``seed`` then takes
     them up. Raises ``InputError`` in one sentence.
     """
-    _require_samples(samples, seed)
+    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
     part, _, parts = share.partition("/")
     if not (part.isascii() and part.isdigit() and parts.isascii() and parts.isdigit()):
         raise InputError(f"share = {share!r} is not a share such as 1/8.")
@@ -66,8 +69,21 @@ def sample_share(path: Path, out: Path, samples: int, seed: int, share: str) -> 
     return compute_blocks(Sheet.read(path), samples, seed, out / ".samples", int(part), int(parts))
 
 
-def _require_samples(samples: int, seed: int) -> None:
-    if not 64 <= samples <= _MOST or samples & (samples - 1):
-        raise InputError(f"samples = {samples} is not a power of two in the allowed range 64 <= samples <= {_MOST}.")
-    if not 0 <= seed <= _LARGEST_SEED:
-        raise InputError(f"seed = {seed} is outside the allowed range 0 <= seed <= {_LARGEST_SEED}.")
+def _samples(given: Any) -> int:
+    count = _whole("samples", given, 64, _MOST)
+    if count & (count - 1):
+        raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
+    return count
+
+
+def _whole(name: str, given: Any, least: int, most: int) -> int:
+    """A whole number in a range, from a number or text."""
+    try:
+        value = whole(given)
+    except NotNumber as error:
+        raise InputError(
+            f"{name} = {shown(given)} {error}; the allowed range is {least} <= {name} <= {most}."
+        ) from None
+    if not least <= value <= most:
+        raise InputError(f"{name} = {value} is outside the allowed range {least} <= {name} <= {most}.")
+    return value

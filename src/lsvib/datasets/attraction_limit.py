@@ -14,6 +14,7 @@ from lsvib.analysis.limit_process import fitted_order
 from lsvib.datasets import phase
 from lsvib.datasets.attraction import axis_coordinate
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters
 from lsvib.datasets.phase import attributes
 from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew, ThreadsDrive
@@ -53,18 +54,20 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     per_ray = attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's")
     return xr.Dataset(
         {
-            "rigid_label": (plane, label, phase.flag("attractor of the rigid drive", Attractor)),
-            "label": (("stiffness", *plane), np.array(labels), phase.flag("attractor with a compliant one", Attractor)),
-            "different": ("stiffness", [np.mean(other != label) for other in labels],
+            "rigid_label": (plane, label, phase.flag(f"{phase.ATTRACTOR}, of the rigid drive", Attractor)),
+            "label": (("contact_stiffness", *plane), np.array(labels), phase.flag(phase.ATTRACTOR, Attractor)),
+            "different": ("contact_stiffness", [np.mean(other != label) for other in labels],
                           attributes("1", "fraction of the cells whose attractor is not the rigid drive's")),
-            "displacement": (("stiffness", "ray"), displacement, per_ray),
-            "typical_displacement": ("stiffness", typical,
+            "displacement": (("contact_stiffness", "ray"), displacement, per_ray),
+            "typical_displacement": ("contact_stiffness", typical,
                                      attributes("1", "root mean square displacement of the boundary")),
             "order": ((), order, attributes("1", "order of the displacement in one over the stiffness")),
             "order_error": ((), error, attributes("1", "standard error of the order")),
         },
         coords={
-            "stiffness": ("stiffness", stiffness, attributes("N m-1", "stiffness of the contact", "$k_c$")),
+            **axis("contact_stiffness", stiffness),
+            **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
+            **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6")),
             "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
             **_plane(grid),
         },
@@ -78,7 +81,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that the slices tend to the rigid map, in first order, and that no cell is left open."""
-    stiffness, typical, order = dataset.stiffness.values, dataset.typical_displacement.values, float(dataset.order)
+    stiffness, typical, order = (
+        dataset.contact_stiffness.values,
+        dataset.typical_displacement.values,
+        float(dataset.order),
+    )
     unresolved = int((dataset.label == Attractor.UNRESOLVED).sum())
     return [
         Check.holds(

@@ -15,6 +15,7 @@ from lsvib.analysis.grid import Axis, Grid
 from lsvib.analysis.thresholds import global_stability_force
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters, labels
 from lsvib.datasets.phase import attributes
 from lsvib.models.parameters import LeadScrew
 
@@ -37,26 +38,22 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     variables, coordinates = {}, {}
     for name in SWEPT:
         values, basins = _swept(drive, name, phase.span(settings[name]))
-        coordinates[name] = (name, values, phase.parameter(name))
+        coordinates |= axis(f"swept_{name}", values)
         variables |= _along(name, basins, window)
         if name == "axial_force":
             areas = [b.area() for b in basins]
             words = "area of the basin, infinite where it has no bound"
-            variables["basin_area_axial_force"] = (name, areas, attributes("rad2 s-1", words))
+            variables["basin_area_axial_force"] = (f"swept_{name}", areas, attributes("rad2 s-1", words))
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
-    variables["global_stability_force"] = (
-        "support_damping",
-        [global_stability_force(drive.replace(support_damping=float(c))) for c in coordinates["support_damping"][1]],
-        attributes("N", "axial force beyond which steady sliding is globally stable", "$R$"),
+    stable = attributes("N", phase.GLOBAL_STABILITY, "$R$")
+    variables["swept_global_stability_force"] = (
+        "swept_support_damping",
+        [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
+        stable,
     )
-    variables["global_stability_force_of_drive"] = (
-        (),
-        global_stability_force(drive),
-        attributes("N", "axial force beyond which steady sliding of the drive that is swept is globally stable", "$R$"),
-    )
-    for name in SWEPT:
-        variables[f"swept_{name}"] = ((), getattr(drive, name), phase.parameter(name))
+    variables["global_stability_force"] = ((), global_stability_force(drive), stable)
+    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
     return xr.Dataset(
         variables,
         coords=coordinates,
@@ -70,18 +67,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
-    force, fraction = dataset.axial_force.values, dataset.fraction_axial_force.values
-    threshold = float(dataset.global_stability_force_of_drive)
+    force, fraction = dataset.swept_axial_force.values, dataset.fraction_axial_force.values
+    threshold = float(dataset.global_stability_force)
     beyond = force < threshold
-    touching = dataset.boundary_axial_force.values == Boundary.TOUCHING_MOTION
+    touching = dataset.boundary_kind_axial_force.values == Boundary.TOUCHING_MOTION
     scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
     spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
     order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
     reading = dataset.reading_fraction.values
-    damping, limit = dataset.support_damping.values, dataset.global_stability_force.values
-    stable = dataset.boundary_support_damping.values == Boundary.NONE
+    damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
+    stable = dataset.boundary_kind_support_damping.values == Boundary.NONE
     return [
         Check.holds(
             "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
@@ -94,7 +91,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Over the damping, too, the basin is the whole plane exactly where R lies beyond the threshold",
             "end of Sect. 8.7",
             f"{int(stable.sum())} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
-            bool((stable == (limit > float(dataset.swept_axial_force))).all()),
+            bool((stable == (limit > float(dataset.axial_force))).all()),
         ),
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
@@ -151,12 +148,12 @@ def _along(name: str, basins: Sequence[Basin], window: Window) -> phase.Variable
     """Fraction of the window and kind of boundary along a sweep."""
     return {
         f"fraction_{name}": (
-            name,
+            f"swept_{name}",
             [b.fraction(window) for b in basins],
             attributes("1", "fraction of the window that steady sliding attracts, exact"),
         ),
-        f"boundary_{name}": (
-            name,
+        f"boundary_kind_{name}": (
+            f"swept_{name}",
             np.array([b.boundary for b in basins], np.int8),
             phase.flag("what bounds the basin", Boundary),
         ),
@@ -172,9 +169,13 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
     regions = [sampled(b.flow, b.clipped(w), _ARC) for b, w in zip(basins, windows, strict=True)]
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
-    named = ("axial_force", "support_damping")
-    parameters = {f"case_{name}": ("case", [getattr(d, name) for d in drives], phase.parameter(name)) for name in named}
+    named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
+    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    parameters = {
+        f"case_{name}": own[name] for name in own if name in named or name in ("axial_force", "support_damping")
+    }
     return {
+        **labels("case", drives, named),
         **parameters,
         **phase.lines(drives),
         **_points("boundary", lines, "on the exact boundary"),
@@ -186,7 +187,7 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
             [w[2:] for w in windows],
             attributes("rad s-1", "bottom and top edge", r"$\dot u$"),
         ),
-        "case_boundary": (
+        "case_boundary_kind": (
             "case",
             np.array([b.boundary for b in basins], np.int8),
             phase.flag("what bounds the basin", Boundary),
@@ -245,10 +246,10 @@ def _readings(drive: LeadScrew, masses: Sequence[float], forces: Sequence[float]
     table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
     return {
         "reading_fraction": (
-            ("reading_mass", "reading_force"),
+            ("reading_mass", "reading_axial_force"),
             table,
             attributes("1", "fraction of the window that steady sliding attracts, exact"),
         ),
-        "reading_mass": ("reading_mass", list(masses), phase.parameter("mass")),
-        "reading_force": ("reading_force", list(forces), phase.parameter("axial_force")),
+        **axis("reading_mass", masses),
+        **axis("reading_axial_force", forces),
     }

@@ -1,30 +1,24 @@
 """The drive with compliant threads as pieces of a dataset: its cycles as curves, its contact as coordinates."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from lsvib.analysis.cycles import SteadyState, steady_state
 from lsvib.datasets import phase
 from lsvib.datasets.phase import Variables
-from lsvib.datasets.variables import ASSUMED, attributes
+from lsvib.datasets.variables import attributes
 from lsvib.models.automaton import Automaton
 from lsvib.models.parameters import ThreadsDrive
 from lsvib.models.threads import seated_state, threads_drive
+
+CRITICAL_MASS_WITH_CONTACT = "mass at which steady sliding with the contact loses its stability"
 
 
 def compliant_cycle(drive: ThreadsDrive, start: dict[str, float]) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     automaton = threads_drive(drive)
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
-
-
-def contact_parameter(name: str, assumed: bool) -> dict[str, Any]:
-    """Return the attributes of a contact's parameter; if it is ``assumed``, with a comment that says so."""
-    known = ThreadsDrive.model_fields[name].json_schema_extra
-    comment = {"comment": ASSUMED} if assumed else {}
-    return attributes(known["unit"], known["long_name"], f"${known['symbol']}$", **comment)
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
@@ -43,10 +37,10 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
     time, angle, velocity = curves.reshape(3, *shape)
     return {
         f"{prefix}_time": (dims, time, attributes("s", "time along the cycle", "$t$")),
-        f"{prefix}_angle": (dims, angle, attributes("rad", "deviation on the cycle", "$u$")),
+        f"{prefix}_angle": (dims, angle, attributes("rad", "deviation on the limit cycle", "$u$")),
         f"{prefix}_velocity": (
             dims,
             velocity,
-            attributes("rad s-1", "rate of the deviation on the cycle", r"$\dot u$"),
+            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
         ),
     }

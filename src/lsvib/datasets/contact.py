@@ -14,12 +14,15 @@ import xarray as xr
 from lsvib.analysis import contact_force
 from lsvib.analysis.contact_force import Arc, Flow, Outcome, Paradox
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import ASSUMED, attributes, flags
+from lsvib.datasets.parameters import drive_parameters, labels
+from lsvib.datasets.variables import attributes, flags
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import ThreadsDrive
 
 _LAWS = (1, -1)
+# The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
+_NO_EFFECT = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 _UNIT = "kg-1 m-2"
 _ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
 _VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
@@ -50,28 +53,28 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     return xr.Dataset(
         {
             "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
-            "force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
+            "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
             "start_outcome": (
                 ("case", "start"),
                 np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
                 _outcomes("what becomes of the contact force of a motion"),
             ),
-            "outcome": (
-                ("case", "force", "rate"),
+            "grid_outcome": (
+                ("case", "grid_contact_force", "grid_contact_force_rate"),
                 np.array(outcomes, dtype=np.int8).reshape(len(cases), force.size, rate.size),
-                _outcomes("what becomes of the contact force"),
+                _outcomes("what becomes of the contact force from each state of the grid"),
             ),
-            "equilibrium": (
+            "equilibrium_contact_force": (
                 "law",
                 np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
                 _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
             ),
-            "eigenvalue_real": (
+            "scaled_eigenvalue_real_part": (
                 ("case", "law", "eigenvalue"),
                 eigenvalues.real,
                 attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
             ),
-            "eigenvalue_imaginary": (
+            "scaled_eigenvalue_imaginary_part": (
                 ("case", "law", "eigenvalue"),
                 eigenvalues.imag,
                 attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
@@ -80,31 +83,28 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
         | _by_newton(drives)
         | (_manifolds(cases, settings["samples"], limit, scale) if paradox is Paradox.INDETERMINATE else {}),
         coords={
-            "force": ("force", force, _force("contact force of the grid")),
-            "rate": ("rate", rate, _rate("rate of the grid")),
+            "grid_contact_force": ("grid_contact_force", force, _force("contact force of the grid")),
+            "grid_contact_force_rate": ("grid_contact_force_rate", rate, _rate("rate of the grid")),
             "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
             "law_side": (
                 "law",
                 [flow.side for flow in cases[0].values()],
                 attributes("1", "sign where the law holds"),
             ),
-            "effective_inertia": (
+            "effective_inertia_of_law": (
                 "law",
                 [float(c.gamma[law]) for law in _LAWS],
-                attributes("kg m2", "effective inertia", r"$\Gamma_s$"),
+                attributes("kg m2", "effective inertia of the law", r"$\Gamma_s$"),
             ),
-            "contact_damping": (
-                "case",
-                [drive.contact_damping for drive in drives],
-                attributes("N s m-1", "damping of the thread contact", "$c_c$", comment=ASSUMED),
-            ),
-            "damping_ratio": (
+            **labels("case", drives, ("contact_damping",)),
+            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            **drive_parameters(drives, along=("contact_damping",), no_effect=_NO_EFFECT),
+            "contact_damping_ratio": (
                 "case",
                 [flows[-1].damping for flows in cases],
                 attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
             ),
             "force_scale": ((), scale, attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
-            "mass": ((), base.mass, attributes("kg", "translating mass", "$m$", comment=ASSUMED)),
         },
     )
 
@@ -151,10 +151,14 @@ def _manifolds(cases: Sequence[dict[int, Flow]], count: int, limit: float, scale
         for outwards in (laws[1].side, -laws[1].side)
     ]
     lines = np.array(lines).reshape(len(cases), 4, count, 2)
-    branch = ("case", "branch", "sample")
+    manifold = ("case", "manifold", "sample")
     return {
-        "manifold_force": (branch, _scaled(lines[..., 0], scale, int(Paradox.INDETERMINATE)), _force("manifold")),
-        "manifold_rate": (branch, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold_force": (
+            manifold,
+            _scaled(lines[..., 0], scale, int(Paradox.INDETERMINATE)),
+            _force("contact force on a manifold of the saddle"),
+        ),
+        "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
     }
 
 
@@ -178,12 +182,12 @@ def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.Data
 
 def saddle_energy(case: xr.Dataset) -> float:
     """Energy integral at the saddle."""
-    return float(_potential(case, case.equilibrium.sel(law=1)))
+    return float(_potential(case, case.equilibrium_contact_force.sel(law=1)))
 
 
 def energy_spread(case: xr.Dataset) -> float:
     """Largest spread of the energy along a motion, relative to the largest of its two parts on the way."""
-    parts = _potential(case, case.contact_force), case.force_rate**2 / 2
+    parts = _potential(case, case.contact_force), case.contact_force_rate**2 / 2
     total = sum(parts)
     size = xr.concat([abs(part) for part in parts], "part").max(["part", "sample"])
     return float(((total.max("sample") - total.min("sample")) / size).max())
@@ -191,7 +195,7 @@ def energy_spread(case: xr.Dataset) -> float:
 
 def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
-    plus, minus = (case.effective_inertia.sel(law=law, drop=True) for law in _LAWS)
+    plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in _LAWS)
     x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
     stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
     return stiffness * x**2 / 2 - x / minus
@@ -238,7 +242,7 @@ def _by_newton(drives: Sequence[ThreadsDrive]) -> dict[str, tuple]:
         ]
     )
     return {
-        "equilibrium_by_newton": (
+        "equilibrium_contact_force_by_newton": (
             "law",
             [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS],
             _force("zero of N'' by the equations of motion"),
@@ -257,7 +261,7 @@ def _outcomes(long_name: str) -> dict[str, Any]:
 
 
 def _force(long_name: str) -> dict[str, Any]:
-    return attributes(_UNIT, long_name, r"$\chi$")
+    return attributes(_UNIT, long_name, r"$\chi$", comment="chi = N b_s / W, (8.8)")
 
 
 def _rate(long_name: str) -> dict[str, Any]:
@@ -277,9 +281,10 @@ def energy_check(dataset: xr.Dataset) -> Check:
 
 def newton_checks(dataset: xr.Dataset) -> list[Check]:
     """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
-    gap = float(np.abs(dataset.equilibrium / dataset.equilibrium_by_newton - 1).max())
+    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
     first, second = (
-        dataset.eigenvalue_real.isel(eigenvalue=k) + 1j * dataset.eigenvalue_imaginary.isel(eigenvalue=k)
+        dataset.scaled_eigenvalue_real_part.isel(eigenvalue=k)
+        + 1j * dataset.scaled_eigenvalue_imaginary_part.isel(eigenvalue=k)
         for k in (0, 1)
     )
     off = [

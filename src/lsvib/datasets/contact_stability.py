@@ -17,7 +17,9 @@ from lsvib.analysis.threads import (
     unstable_contact_stiffness,
 )
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import ASSUMED, attributes
+from lsvib.datasets.compliant import CRITICAL_MASS_WITH_CONTACT
+from lsvib.datasets.parameters import axis, drive_parameters, labels, origin_of
+from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.linear import threads_model
@@ -26,6 +28,7 @@ from lsvib.models.parameters import LeadScrew, ThreadsDrive
 _LAW = 1  # R Ω > 0
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _CLOSE = 0.01  # of a limit, at the stiffest contact
+_CONTACT = ("contact_stiffness", "contact_damping")
 _PARAMETERS = [name for name in LeadScrew.model_fields if name not in ("mass", "axial_force")]
 
 
@@ -56,17 +59,21 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
     lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
     elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
-    mass_words = attributes("kg", "mass at which steady sliding loses its stability", r"$m_\mathrm{cr}$")
+    mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
     return xr.Dataset(
         {
-            "critical_mass": (("curve", "contact_damping"), np.where(grid < LARGEST_MASS, grid, np.nan), mass_words),
+            "curve_critical_mass": (
+                ("curve_contact_stiffness", "curve_contact_damping"),
+                np.where(grid < LARGEST_MASS, grid, np.nan),
+                mass_words,
+            ),
             "stable_again": (
-                ("curve", "contact_damping"),
+                ("curve_contact_stiffness", "curve_contact_damping"),
                 again,
                 attributes("kg", "mass from which on steady sliding is stable again, missing if from none"),
             ),
             "stable_at_every_mass": (
-                ("curve", "contact_damping"),
+                ("curve_contact_stiffness", "curve_contact_damping"),
                 (grid >= LARGEST_MASS).astype(np.int8),
                 attributes(
                     "1",
@@ -75,28 +82,28 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                     flag_meanings="no yes",
                 ),
             ),
-            "contact_critical_mass": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words),
+            "critical_mass_with_contact": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words),
             "growth_rate": (
-                ("mass", "damping", "stiffness"),
+                ("mass", "growth_contact_damping", "growth_contact_stiffness"),
                 growth,
                 attributes("s-1", "largest real part of the eigenvalues", r"max Re $s$"),
             ),
-            "unstable_stiffness": (
-                "damping",
+            "unstable_contact_stiffness": (
+                "growth_contact_damping",
                 above,
                 attributes("N m-1", "contact stiffness beyond which Lemma 8.1 is proved", "$k_c$"),
             ),
-            "least_damping": (
-                "stiffness",
+            "least_contact_damping": (
+                "growth_contact_stiffness",
                 [row[-1][0] for row in dampings_of],
                 attributes("N s m-1", "contact damping above which the smaller mass is stable for all", "$c_c$"),
             ),
             "window_of_soft_contact": (
-                ("stiffness", "end"),
+                ("growth_contact_stiffness", "end"),
                 window,
                 attributes("N s m-1", "ends of an interval of smaller dampings at which it is stable, too", "$c_c$"),
             ),
-            "least_damping_of_stiff_contact": (
+            "least_contact_damping_of_stiff_contact": (
                 (),
                 least_damping_of_stiff_contact(drive.replace(mass=light)),
                 attributes("N s m-1", "its limit for a stiff contact", "$c_c$"),
@@ -113,29 +120,31 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
         },
         coords={
-            "curve": ("curve", curves, _contact("contact_stiffness")),
-            "contact_damping": ("contact_damping", along, _contact("contact_damping")),
-            "contact_stiffness": (
+            **axis("curve_contact_stiffness", curves),
+            **axis("curve_contact_damping", along),
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(
+                contacts,
                 "contact",
-                [d.contact_stiffness for d in contacts],
-                _contact("contact_stiffness"),
+                along=_CONTACT,
+                axes=("mass",),
+                printed=("Sect. 8.6", "Sect. 8.6.1"),
+                no_effect=("axial_force", "input_speed"),
             ),
-            "contact_damping_drawn": (
-                "contact",
-                [d.contact_damping for d in contacts],
-                _contact("contact_damping"),
+            **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
+            **axis("growth_contact_damping", dampings),
+            **axis("growth_contact_stiffness", stiffness),
+            "critical_mass": (
+                (),
+                rigid,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
             ),
-            "mass": ("mass", [float(heavy), float(light)], attributes("kg", "translating mass", "$m$")),
-            "damping": ("damping", dampings, _contact("contact_damping")),
-            "stiffness": ("stiffness", stiffness, _contact("contact_stiffness")),
-            "rigid_critical_mass": ((), rigid, attributes("kg", "critical mass of the rigid drive (8.20)")),
-            **{name: ((), getattr(drive, name), _parameter(name)) for name in _PARAMETERS},
         },
         attrs={
             "title": "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
             "source": "lsvib, characteristic polynomial in rational numbers, eigenvalues by LAPACK",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
-            "comment": f"R Omega > 0; the contacts and the masses are {ASSUMED}",
+            "comment": "R Omega > 0",
         },
     )
 
@@ -143,23 +152,23 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
-    rigid, own = float(dataset.rigid_critical_mass), dataset.contact_critical_mass.values
+    rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     sides = [_sides(drive, *values) for values in zip(own, *_contacts(dataset), strict=True)]
-    whole, every = dataset.critical_mass.values, dataset.stable_at_every_mass.values == 1
+    whole, every = dataset.curve_critical_mass.values, dataset.stable_at_every_mass.values == 1
     soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
-    softest = float(dataset.curve.values[soft].max(initial=0.0))
+    softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
     heavy, light = (dataset.isel(mass=k) for k in (0, 1))
-    beyond = heavy.stiffness > dataset.unstable_stiffness
+    beyond = heavy.growth_contact_stiffness > dataset.unstable_contact_stiffness
     grows = heavy.growth_rate > 0
     wrong, compared = _against_signs(dataset, drive)
-    stiff = heavy.growth_rate.isel(stiffness=-1).values
-    scale, last = float(dataset.growth_scale), float(dataset.stiffness[-1])
-    half = scale * dataset.damping.values / 2
+    stiff = heavy.growth_rate.isel(growth_contact_stiffness=-1).values
+    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    half = scale * dataset.growth_contact_damping.values / 2
     ratio = stiff / (half + np.sqrt(half**2 + scale * last))
-    elastic = light.growth_rate.isel(damping=0).values
-    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_damping_of_stiff_contact)
-    enough = light.damping > light.least_damping
-    least = dataset.least_damping.values
+    elastic = light.growth_rate.isel(growth_contact_damping=0).values
+    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
+    enough = light.growth_contact_damping > light.least_contact_damping
+    least = dataset.least_contact_damping.values
     return [
         Check.holds(
             "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
@@ -181,13 +190,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{int(np.isfinite(whole).sum())} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
             f"{int(every.sum())} never do, {int(np.isfinite(dataset.stable_again).sum())} regain it, k_c <= "
             f"{softest:.0e} N/m",
-            bool((whole[~every] < rigid).all()) and softest < float(dataset.unstable_stiffness[0]),
+            bool((whole[~every] < rigid).all()) and softest < float(dataset.unstable_contact_stiffness[0]),
         ),
         Check.holds(
             "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
             "Lemma 8.1",
             f"{int((grows & beyond).sum())} of {int(beyond.sum())} contacts",
-            bool(grows.where(beyond, True).all() and beyond.any("stiffness").all()),
+            bool(grows.where(beyond, True).all() and beyond.any("growth_contact_stiffness").all()),
         ),
         Check.holds(
             "At the stiffest contact its growth rate is the positive root of s² = b (c_c s + k_c), b = β |Γ_0| / "
@@ -223,11 +232,6 @@ def _span(settings: Mapping[str, Any]) -> np.ndarray:
     return np.geomspace(*(settings[key] for key in ("start", "stop", "count")))
 
 
-def _contact(name: str) -> dict[str, Any]:
-    known = ThreadsDrive.model_fields[name].json_schema_extra
-    return attributes(known["unit"], known["long_name"], f"${known['symbol']}$", comment=ASSUMED)
-
-
 def _stable(drive: ThreadsDrive, stiffness: float, damping: float) -> list[tuple[float, float]]:
     """Intervals of stable masses [kg] with a contact."""
     return stable_masses(drive.replace(contact_stiffness=float(stiffness), contact_damping=float(damping)))
@@ -243,7 +247,7 @@ def _growth(drive: ThreadsDrive, stiffness: np.ndarray) -> np.ndarray:
 
 
 def _contacts(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    return dataset.contact_stiffness.values, dataset.contact_damping_drawn.values
+    return dataset.contact_stiffness.values, dataset.contact_damping.values
 
 
 def _sides(drive: Mapping[str, float], mass: float, stiffness: float, damping: float) -> tuple[float, float]:
@@ -258,14 +262,9 @@ def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int
     """Number of growth rates whose sign is not that of the exact conditions, and of all."""
     wrong = 0
     for m, own in enumerate(dataset.mass.values):
-        for i, c in enumerate(dataset.damping.values):
-            for j, k in enumerate(dataset.stiffness.values):
+        for i, c in enumerate(dataset.growth_contact_damping.values):
+            for j, k in enumerate(dataset.growth_contact_stiffness.values):
                 contact = ThreadsDrive.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
                 stable = routh_hurwitz(threads_model(contact, _LAW, exact=True).polynomial())
                 wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
     return wrong, dataset.growth_rate.size
-
-
-def _parameter(name: str) -> dict[str, Any]:
-    known = LeadScrew.model_fields[name].json_schema_extra
-    return attributes(known["unit"], known["long_name"])

@@ -25,32 +25,34 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
-    inertia = dataset.effective_inertia
-    predicted = contact.energy(elastic, elastic.force, elastic.rate) < contact.saddle_energy(elastic)
-    predicted = predicted & (elastic.force > elastic.equilibrium.sel(law=1))
-    wrong = int(((elastic.outcome == Outcome.BOUNDED) != predicted).sum())
-    found = [int((elastic.outcome == kind).sum()) for kind in (Outcome.BOUNDED, Outcome.MINUS_INFINITY)]
-    centre = elastic.eigenvalue_real.sel(law=-1), elastic.eigenvalue_imaginary.sel(law=-1)
-    focus = damped.eigenvalue_real.sel(law=-1), damped.eigenvalue_imaginary.sel(law=-1)
+    inertia = dataset.effective_inertia_of_law
+    predicted = contact.energy(
+        elastic, elastic.grid_contact_force, elastic.grid_contact_force_rate
+    ) < contact.saddle_energy(elastic)
+    predicted = predicted & (elastic.grid_contact_force > elastic.equilibrium_contact_force.sel(law=1))
+    wrong = int(((elastic.grid_outcome == Outcome.BOUNDED) != predicted).sum())
+    found = [int((elastic.grid_outcome == kind).sum()) for kind in (Outcome.BOUNDED, Outcome.MINUS_INFINITY)]
+    centre = elastic.scaled_eigenvalue_real_part.sel(law=-1), elastic.scaled_eigenvalue_imaginary_part.sel(law=-1)
+    focus = damped.scaled_eigenvalue_real_part.sel(law=-1), damped.scaled_eigenvalue_imaginary_part.sel(law=-1)
     bounded = damped.start_outcome.values == Outcome.BOUNDED
     ends = damped.contact_force.values[bounded, -1]
     gap = float(np.abs(ends * float(inertia.sel(law=-1)) - 1).max(initial=0.0))
     unbounded = dataset.start_outcome.values == Outcome.MINUS_INFINITY
-    leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.force.min())
+    leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.grid_contact_force.min())
     return [
         *contact.newton_checks(dataset),
         Check.holds(
             "Each equilibrium lies on the side on which its law holds: there are two solutions",
             "Sect. 8.1, Fig. 8.1",
-            ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium) + " 1/(kg m²)",
-            bool((dataset.equilibrium * dataset.law_side > 0).all()),
+            ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium_contact_force) + " 1/(kg m²)",
+            bool((dataset.equilibrium_contact_force * dataset.law_side > 0).all()),
         ),
         Check.holds(
             "The equilibrium of law + is a saddle, without contact damping and with it",
             "Sect. 8.2, eq. 8.11, Fig. 8.1",
-            f"eigenvalues {dataset.eigenvalue_real.sel(law=1).values.round(4).tolist()}",
-            bool((dataset.eigenvalue_real.sel(law=1).prod("eigenvalue") < 0).all())
-            and bool((dataset.eigenvalue_imaginary.sel(law=1) == 0).all()),
+            f"eigenvalues {dataset.scaled_eigenvalue_real_part.sel(law=1).values.round(4).tolist()}",
+            bool((dataset.scaled_eigenvalue_real_part.sel(law=1).prod("eigenvalue") < 0).all())
+            and bool((dataset.scaled_eigenvalue_imaginary_part.sel(law=1) == 0).all()),
         ),
         Check.holds(
             "The equilibrium of law − is a centre without contact damping",
@@ -68,8 +70,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
             "Sect. 8.2, Fig. 8.1",
-            f"{found[0]} and {found[1]} of {elastic.outcome.size} starts",
-            min(found) > 0 and sum(found) == elastic.outcome.size,
+            f"{found[0]} and {found[1]} of {elastic.grid_outcome.size} starts",
+            min(found) > 0 and sum(found) == elastic.grid_outcome.size,
         ),
         Check.holds(
             "Motions drawn as unbounded leave the picture towards minus infinity",

@@ -22,12 +22,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that nothing is in equilibrium and that every contact force ends growing in the first quadrant."""
-    growing = dataset.outcome == Outcome.PLUS_INFINITY
-    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.force_rate)]
+    growing = dataset.grid_outcome == Outcome.PLUS_INFINITY
+    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.contact_force_rate)]
     rising = [(x[..., 1] > x[..., 0]) & (x[..., 0] > 0) for x in last]
     drawn = rising[0] & rising[1] & (dataset.start_outcome.values == Outcome.PLUS_INFINITY)
-    rate = dataset.eigenvalue_real.sel(law=1).max("eigenvalue").values[:, None]
-    saddle = float(dataset.equilibrium.sel(law=1))
+    rate = dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue").values[:, None]
+    saddle = float(dataset.equilibrium_contact_force.sel(law=1))
     slope = last[1][..., 1] / ((last[0][..., 1] - saddle) / float(dataset.force_scale))
     gap = np.abs(slope / rate - 1).max()
     return [
@@ -35,9 +35,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "The equilibria 1/Γ₊ and 1/Γ₋ both lie on the side of the other law: there is no solution",
             "Sect. 8.2, Fig. 8.2",
-            f"{', '.join(f'{x:.4g}' for x in dataset.equilibrium.values)} 1/(kg m²), signs of the sides "
+            f"{', '.join(f'{x:.4g}' for x in dataset.equilibrium_contact_force.values)} 1/(kg m²), signs of the sides "
             f"{dataset.law_side.values.tolist()}",
-            bool((dataset.equilibrium * dataset.law_side < 0).all()),
+            bool((dataset.equilibrium_contact_force * dataset.law_side < 0).all()),
         ),
         Check.holds(
             "Every start ends growing in the first quadrant, without contact damping and with it",

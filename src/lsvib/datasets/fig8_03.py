@@ -8,11 +8,13 @@ import xarray as xr
 
 from lsvib.analysis.stability import Stability, eigenvalues, stability_class
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters, labels
 from lsvib.datasets.variables import flags
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 
 _HALVINGS = 100
+_CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -32,12 +34,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         {
             "stability": (
-                ("inertia", "damping"),
+                ("effective_inertia", "effective_damping"),
                 kinds,
                 {"units": "1", "long_name": "class of the steady sliding", **flags(Stability)},
             ),
             "node_focus_damping": (
-                "positive_inertia",
+                "node_focus_inertia",
                 _node_focus_boundary(positive, stiffness),
                 {
                     "units": "N m s rad-1",
@@ -45,45 +47,41 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                     "symbol": "$C_0$",
                 },
             ),
-            "case_inertia": ("case", [_effective(case)[0] for case in cases], _inertia_attributes()),
-            "case_damping": ("case", [_effective(case)[1] for case in cases], _damping_attributes()),
+            "case_effective_inertia": ("case", [_effective(case)[0] for case in cases], _inertia_attributes()),
+            "case_effective_damping": ("case", [_effective(case)[1] for case in cases], _damping_attributes()),
         },
         coords={
-            "inertia": ("inertia", inertia, _inertia_attributes()),
-            "damping": ("damping", damping, _damping_attributes()),
-            "positive_inertia": ("positive_inertia", positive, _inertia_attributes()),
-            "case": ("case", np.arange(len(cases)), {"units": "1", "long_name": "index of the drive"}),
-            "case_mass": (
-                "case",
-                [case.mass for case in cases],
-                {"units": "kg", "long_name": "translating mass", "symbol": "$m$"},
+            "effective_inertia": ("effective_inertia", inertia, _inertia_attributes()),
+            "effective_damping": ("effective_damping", damping, _damping_attributes()),
+            "node_focus_inertia": ("node_focus_inertia", positive, _inertia_attributes()),
+            **labels("case", cases, _CHANGED),
+            **drive_parameters(
+                cases,
+                along=_CHANGED,
+                printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6"),
+                no_effect=("input_speed", "axial_force"),  # but for the sign of the net force
             ),
-            "case_translation_damping": (
-                "case",
-                [case.translation_damping for case in cases],
-                {"units": "N s m-1", "long_name": "damping of the translating mass", "symbol": "$c_x$"},
-            ),
-            "stiffness": ((), stiffness, {"units": "N m rad-1", "long_name": "torsional stiffness", "symbol": "$k$"}),
         },
         attrs={
             "title": "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
             "source": "lsvib, eigenvalues in closed form (8.18)",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.4, Fig. 8.3",
+            "comment": "R Omega > 0 at every case, so that law + is that of steady sliding",
         },
     )
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
-    inertia = dataset.inertia.values[:, None]
-    damping = dataset.damping.values[None, :]
+    inertia = dataset.effective_inertia.values[:, None]
+    damping = dataset.effective_damping.values[None, :]
     kinds = dataset.stability.values
-    stiffness = float(dataset.stiffness)
+    stiffness = float(dataset.coupling_stiffness)
     regular = kinds != Stability.DEGENERATE
     stable = np.isin(kinds, [Stability.STABLE_NODE, Stability.STABLE_FOCUS])
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
     saddles = (kinds == Stability.SADDLE) == (inertia < 0)
-    ratio = dataset.node_focus_damping**2 / (4 * stiffness * dataset.positive_inertia)
+    ratio = dataset.node_focus_damping**2 / (4 * stiffness * dataset.node_focus_inertia)
     worst = float(ratio[int(np.argmax(np.abs(ratio.values - 1)))])
     largest = _distance_from_lapack(inertia, damping, stiffness)
     return [

@@ -22,7 +22,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (8.19), that the origin repels, and that one limit cycle attracts from inside and outside."""
     holds = all(float(dataset[f"margin_{key}"][0]) > 0 for key in MARGINS)
-    growth = dataset.growth_rate.values[0]
+    growth = dataset.eigenvalue_real_part.values[0]
     first, last = radii(dataset)
     amplitudes = dataset.amplitude.values[0].ravel()
     cycles = bool((dataset.attractor.values == Attractor.OTHER_CYCLE).all())

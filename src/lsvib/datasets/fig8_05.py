@@ -19,7 +19,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that only the second condition of (8.19) fails, and that the origin attracts."""
     second = float(dataset.margin_force_with_motion[0])
     others = float(dataset.margin_self_locking[0]), float(dataset.margin_negative_effective_damping[0])
-    growth = dataset.growth_rate.values[0]
+    growth = dataset.eigenvalue_real_part.values[0]
     first, last = radii(dataset)
     settled = dataset.attractor.values == Attractor.STEADY_SLIDING
     return [

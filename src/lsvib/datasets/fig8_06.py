@@ -11,6 +11,7 @@ from lsvib.analysis import chapter, thresholds
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.datasets import mass_readings, phase, printed
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters, labels, start_state
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, rigid_drive
@@ -49,16 +50,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         | mass_readings.variables([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
         | phase.portraits(insets, settings["starts"], settings["duration"], settings["samples"]),
         coords={
-            "force": ("force", forces, phase.parameter("axial_force")),
-            "reading": ("reading", np.array(settings["mass_readings"], float), phase.parameter("mass")),
-            "mass": ((), drive.mass, phase.parameter("mass")),
-            "friction_coefficient": ((), drive.friction_coefficient, phase.parameter("friction_coefficient")),
+            **axis("swept_axial_force", forces),
+            **axis("reading_mass", settings["mass_readings"]),
+            **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
+            **start_state(settings["initial"], "of the motions whose steady vibration swept_amplitude tells"),
             "lead_tangent": (
                 (),
                 float(drive.exact().tan_lead),
                 phase.attributes("1", "tangent of the lead angle", r"$\tan\lambda$"),
             ),
-            **phase.cases(insets, ["axial_force"]),
+            **labels("case", insets, ("axial_force",)),
             **phase.rule_coordinate(),
             **{n: ((), value, phase.attributes("N", n.replace("_", " "), "$R$")) for n, value in values.items()},
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _FORCES},
@@ -84,19 +85,23 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _curve(drives: list[LeadScrew], steady: list[SteadyState]) -> phase.Variables:
     return {
-        "vibration_amplitude": (
-            "force",
+        "swept_amplitude": (
+            "swept_axial_force",
             [s.amplitude for s in steady],
-            phase.attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
+            phase.attributes("rad", phase.AMPLITUDE),
         ),
         "smallest_velocity": (
-            "force",
+            "swept_axial_force",
             [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady],
             phase.attributes("rad s-1", "smallest rate of the deviation", r"$\dot u$"),
         ),
-        "regime": ("force", np.array([_regime(s) for s in steady], np.int8), phase.flag("kind of motion", Regime)),
+        "regime": (
+            "swept_axial_force",
+            np.array([_regime(s) for s in steady], np.int8),
+            phase.flag("kind of motion", Regime),
+        ),
         "net_force": (
-            "force",
+            "swept_axial_force",
             [float(coefficients(d).net_force) for d in drives],
             phase.attributes("N", "axial force less the drag of the translation", r"$\tilde R$"),
         ),
@@ -139,7 +144,7 @@ def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     onset, stick, detach = (float(dataset[name]) for name in _FORCES)
     stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
-    force, amplitude, regime = (dataset[name].values for name in ("force", "vibration_amplitude", "regime"))
+    force, amplitude, regime = (dataset[name].values for name in ("swept_axial_force", "swept_amplitude", "regime"))
     below = amplitude[force < onset]
     slip, last = (force > onset) & (force < stick), force > detach
     slope = amplitude[slip] / dataset.net_force.values[slip]

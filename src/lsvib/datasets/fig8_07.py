@@ -11,6 +11,7 @@ from lsvib.analysis.painleve import Existence, existence
 from lsvib.core import planar
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters, labels
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, rigid_drive
@@ -30,10 +31,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     xi = coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     ends = np.array([_end_of_flow(drive, start) for start in settings["starts"]])
-    assumed = ["mass", "axial_force", "support_damping"]
     return xr.Dataset(
         {
-            "existence": (("angle", "velocity"), kinds, phase.flag("solutions for the contact force", Existence)),
+            "existence": (
+                ("grid_angle_deviation", "grid_velocity_deviation"),
+                kinds,
+                phase.flag("solutions for the contact force", Existence),
+            ),
             "law_minus_angle": (
                 "start",
                 ends[:, 0],
@@ -47,10 +51,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         }
         | phase.portraits([drive], settings["starts"], settings["duration"], settings["samples"]),
         coords={
-            "angle": ("angle", angle, phase.attributes("rad", "deviation of the coupling deflection", "$u$")),
-            "velocity": ("velocity", velocity, phase.attributes("rad s-1", "rate of the deviation", r"$\dot u$")),
-            "equilibrium": ((), equilibrium, phase.attributes("rad", "equilibrium of the equation of law -", "$u_0$")),
-            **phase.cases([drive], assumed, assumed),
+            **phase.grid_axes(angle, velocity),
+            "equilibrium_angle": (
+                (),
+                equilibrium,
+                phase.attributes("rad", "equilibrium of the equation of law -", "$u_0$"),
+            ),
+            **labels("case", [drive], ()),
+            **drive_parameters([drive], printed=("Sect. 8.6",)),
             **phase.rule_coordinate(),
         },
         attrs={
@@ -64,8 +72,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map by signs alone, the motions of each sector, and where the flow of law −1 leads."""
     stop = float(dataset.stop_velocity[0])
-    q = np.sign(_beyond_line(dataset, dataset.angle, dataset.velocity)).values
-    direction = np.sign(dataset.velocity - stop).values[None, :]
+    q = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
+    direction = np.sign(dataset.grid_velocity_deviation - stop).values[None, :]
     by_sign = np.where(q * direction > 0, Existence.INCONSISTENT, Existence.INDETERMINATE)
     regular = (dataset.existence.values != Existence.BOUNDARY) & (q * direction != 0)
     wrong = int(np.sum((by_sign != dataset.existence.values) & regular))
@@ -77,9 +85,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     impulse = dataset.event_sign.values[0, :, 0] == signs
     slips = np.where(signs > 0, MotionMode.SLIP_FORWARD_NEGATIVE, MotionMode.SLIP_BACKWARD_POSITIVE)
     follows = (dataset["mode"].values[0, :, 0] == slips) & ~seized
-    gap = np.abs(dataset.law_minus_angle.values / float(dataset.equilibrium) - 1).max()
+    gap = np.abs(dataset.law_minus_angle.values / float(dataset.equilibrium_angle) - 1).max()
     leftover = np.abs(dataset.law_minus_velocity.values).max()
-    virtual = float(_beyond_line(dataset, float(dataset.equilibrium), 0.0))
+    virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
     return [
         Check.holds(
             "The existence analysis finds no solution where sgn Q = sgn θ' and two where they differ, nowhere else",
@@ -102,7 +110,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "The flow of law -1 converges to u_0 = r_m (xi_+ - xi_-) R / k, to 1e-12",
             "Sect. 8.6",
-            f"u_0 = {float(dataset.equilibrium):.9g} rad, relative distance {gap:.1e}, rate {leftover:.1e} rad/s",
+            f"u_0 = {float(dataset.equilibrium_angle):.9g} rad, relative distance {gap:.1e}, rate {leftover:.1e} rad/s",
             gap < 1e-12 and leftover < 1e-9,
         ),
         Check.holds(

@@ -11,6 +11,7 @@ from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters
 from lsvib.datasets.variables import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -28,31 +29,56 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     critical = critical_mass(drive)
     if critical is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
-    mass = _masses(settings["mass"]["start"], settings["mass"]["stop"], settings["mass"]["count"], critical)
+    marks = {name: _mass(drive, inertia) for name, inertia in _marks(drive).items()}
+    start, stop, count = (settings["mass"][key] for key in ("start", "stop", "count"))
+    mass = _masses(start, stop, count, critical, list(marks.values()))
     inertia = np.array([_inertia(drive, m) for m in mass])
     pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
     dampings = np.array(settings["dampings"], dtype=float)
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
     return xr.Dataset(
         {
-            "real_part": (("eigenvalue", "mass"), pair.real.T, attributes("s-1", "real part", r"Re $\varepsilon$")),
-            "imaginary_part": (
+            "eigenvalue_real_part": (
+                ("eigenvalue", "mass"),
+                pair.real.T,
+                attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
+            ),
+            "eigenvalue_imaginary_part": (
                 ("eigenvalue", "mass"),
                 pair.imag.T,
-                attributes("rad s-1", "imaginary part", r"Im $\varepsilon$"),
+                attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
             ),
-            "effective_inertia": ("mass", inertia, attributes("kg m2", "effective inertia", r"$\Gamma_+$")),
+            "effective_inertia_plus": (
+                "mass",
+                inertia,
+                attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+            ),
             "loss_of_stability": (
-                "damping",
+                "swept_support_damping",
                 losses,
                 attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
             ),
         },
         coords={
-            "mass": ("mass", mass, attributes("kg", "translating mass", "$m$")),
+            **axis("mass", mass),
+            **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
-            "damping": ("damping", dampings, attributes("N m s rad-1", "support damping", "$c$")),
-            "critical_mass": ((), critical, attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+            **axis("swept_support_damping", dampings),
+            "critical_mass": (
+                (),
+                critical,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
+            "meeting_mass": (
+                (),
+                marks["meeting_mass"],
+                attributes("kg", "mass at which both eigenvalues meet and turn real", "$m$"),
+            ),
+            "peak_mass": (
+                (),
+                marks["peak_mass"],
+                attributes("kg", "mass of the largest imaginary part of an eigenvalue", "$m$"),
+            ),
             "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs={
@@ -66,12 +92,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical mass, and that the spectrum loses stability there and nowhere else, at any damping."""
     critical = float(dataset.critical_mass)
-    largest = dataset.real_part.max("eigenvalue")
+    largest = dataset.eigenvalue_real_part.max("eigenvalue")
     below = bool((largest.where(dataset.mass < critical, drop=True) < 0).all())
-    heavy = dataset.real_part.where(dataset.mass > critical, drop=True)
+    heavy = dataset.eigenvalue_real_part.where(dataset.mass > critical, drop=True)
     saddle = bool((heavy.prod("eigenvalue") < 0).all())
     losses = dataset.loss_of_stability.values
     worst = float(losses[np.argmax(np.abs(losses - critical))])
+    peak = float(dataset.eigenvalue_imaginary_part.max())
+    ratio = peak * float(dataset.support_damping) / float(dataset.coupling_stiffness)
+    oscillating = dataset.mass.values[(dataset.eigenvalue_imaginary_part != 0).any("eigenvalue").values]
+    meeting = float(dataset.meeting_mass)
     return [
         printed.check("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
         Check.within(
@@ -82,6 +112,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             1e-12,
             "kg",
             "both exact; rounding only",
+        ),
+        Check.holds(
+            "The imaginary parts peak at k / C_0 and are zero before m_cr, from where C_0² = 4 k Γ_0 on",
+            "eq. 8.18, Fig. 8.8",
+            f"largest one {peak:.8g} rad/s at {float(dataset.peak_mass):.6g} kg, zero from {meeting:.6g} kg on",
+            abs(ratio - 1) < 1e-6 and bool((oscillating < meeting * (1 + 1e-12)).all()) and meeting < critical,
         ),
         Check.holds(
             "Below m_cr both eigenvalues have a negative real part",
@@ -116,8 +152,22 @@ def _loss_of_stability(drive: LeadScrew, critical: float) -> float:
     return unstable
 
 
-def _masses(start: float, stop: float, count: int, critical: float) -> np.ndarray:
-    """Masses [kg] from start to stop without m_cr: evenly spaced ones, and ever closer ones on both sides of m_cr."""
+def _marks(drive: LeadScrew) -> dict[str, float]:
+    """Effective inertias [kg m²] at which the eigenvalues (8.18) meet and at which their imaginary parts are largest.
+
+    Im² ε = k/Γ − C²/4Γ² vanishes at Γ = C²/4k and is largest, k²/C², at Γ = C²/2k.
+    """
+    square = drive.support_damping**2 / drive.coupling_stiffness
+    return {"meeting_mass": square / 4, "peak_mass": square / 2}
+
+
+def _mass(drive: LeadScrew, inertia: float) -> float:
+    """Mass [kg] of an effective inertia Γ₊ = I (1 − m/m_cr) [kg m²]."""
+    return critical_mass(drive) * (1 - inertia / drive.screw_inertia)
+
+
+def _masses(start: float, stop: float, count: int, critical: float, marks: list[float]) -> np.ndarray:
+    """Masses [kg] from start to stop without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
     near = critical * np.geomspace(1e-6, 0.1, count // 4)
-    mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near]))
+    mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near, marks]))
     return mass[(mass >= start) & (mass <= stop) & (mass != critical)]

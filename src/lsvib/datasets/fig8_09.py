@@ -11,9 +11,12 @@ from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.impact import seizure_speeds
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters, labels
 from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import rigid_drive
+
+_SWEEP = "of the last case with another axial force, from the first start"
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -32,10 +35,15 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | _sensitivity(drives[-1], forces, settings["starts"][0]),
         coords={
-            **phase.cases(drives, ["mass", "axial_force"], ["axial_force"]),
+            **labels("case", drives, ("mass",)),
+            **drive_parameters(drives, along=("mass",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **phase.rule_coordinate(),
-            "force": ("force", forces, phase.parameter("axial_force", ["axial_force"])),
-            "critical_mass": ((), critical, phase.attributes("kg", "critical mass", r"$m_\mathrm{cr}$")),
+            **axis("swept_axial_force", forces),
+            "critical_mass": (
+                (),
+                critical,
+                phase.attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
         },
         attrs={
             "title": "Figure 8.9: trajectories below and above the critical mass",
@@ -47,11 +55,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
-    gamma, mass, critical = dataset.effective_inertia.values, dataset.mass.values, float(dataset.critical_mass)
+    gamma, mass, critical = dataset.effective_inertia_plus.values, dataset.mass.values, float(dataset.critical_mass)
     light, heavy = dataset.attractor.values
     amplitude = dataset.amplitude.values[1].ravel()
     spread = float(np.ptp(amplitude) / amplitude.max()) if amplitude.max() > 0 else np.inf
-    labels = dataset.force_attractor.values
+    labels = dataset.swept_attractor.values
+    forces = dataset.swept_axial_force.values
     speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
     swing = float(np.ptp(speed) / (speed.max() + speed.min()))
     return [
@@ -79,9 +88,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "The axial force, which the text leaves out, changes neither the kind of motion in (b) nor, by 2 %, "
             "the impact speed that the peak force is proportional to",
             "Sect. 8.6.1, Figs 8.9b, 8.10b",
-            f"R from {float(dataset.force[0]):g} to {float(dataset.force[-1]):g} N: sprag-slip, impact speed "
-            f"{speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
-            f"{dataset.force_amplitude.values.max():.3g} down to {dataset.force_amplitude.values.min():.3g} rad",
+            f"R from {forces[0]:g} to {forces[-1]:g} N: sprag-slip, "
+            f"impact speed {speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
+            f"{dataset.swept_amplitude.values.max():.3g} down to {dataset.swept_amplitude.values.min():.3g} rad",
             bool((labels == Attractor.SPRAG_SLIP_CYCLE).all()) and swing < 0.02,
         ),
     ]
@@ -98,7 +107,19 @@ def _sensitivity(drive: LeadScrew, forces: np.ndarray, start: Mapping[str, float
         rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
     label, amplitude, speed = np.array(rows, dtype=float).T
     return {
-        "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor in case (b)", Attractor)),
-        "force_amplitude": ("force", amplitude, phase.attributes("rad", "amplitude in case (b)")),
-        "impact_speed": ("force", speed, phase.attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
+        "swept_attractor": (
+            "swept_axial_force",
+            label.astype(np.int8),
+            phase.flag(phase.ATTRACTOR, Attractor) | {"comment": _SWEEP},
+        ),
+        "swept_amplitude": (
+            "swept_axial_force",
+            amplitude,
+            phase.attributes("rad", phase.AMPLITUDE, comment=_SWEEP),
+        ),
+        "impact_speed": (
+            "swept_axial_force",
+            speed,
+            phase.attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+        ),
     }

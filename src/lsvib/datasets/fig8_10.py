@@ -11,7 +11,8 @@ from lsvib.analysis.cycles import Attractor, SteadyState, orbit_extremes, steady
 from lsvib.analysis.orbits import Orbit
 from lsvib.datasets import phase, printed
 from lsvib.datasets.checks import Check
-from lsvib.datasets.compliant import compliant_cycle, contact_parameter, cycle_curves
+from lsvib.datasets.compliant import compliant_cycle, cycle_curves
+from lsvib.datasets.parameters import axis, drive_parameters, start_state
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import quantity
 from lsvib.models.automaton import Automaton
@@ -45,12 +46,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         | _comparison(drive, cycle, rigid_cycle)
         | _sensitivity(drive, forces, start),
         coords={
-            "force": ("force", forces, phase.parameter("axial_force", ["axial_force"])),
-            **{name: ((), value, contact_parameter(name, False)) for name, value in contact.items()},
-            "mass": ((), drive.mass, phase.parameter("mass")),
-            "axial_force": ((), drive.axial_force, phase.parameter("axial_force", ["axial_force"])),
-            "input_speed": ((), drive.input_speed, phase.parameter("input_speed")),
-            "printed_peak_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
+            **axis("swept_axial_force", forces),
+            **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
+            "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
         attrs={
             "title": "Figure 8.10: sprag-slip vibration with compliant threads",
@@ -62,16 +61,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
-    force, peak = dataset.force.values, dataset.force_peak_normal_force.values
+    force, peak = dataset.swept_axial_force.values, dataset.swept_peak_normal_force.values
     claim = chapter.PEAK_FORCE
     farthest = float(np.max(np.abs(peak / claim.value - 1)))
-    labels = np.append(dataset.force_attractor.values, [dataset.attractor, dataset.rigid_attractor])
-    near = dataset.force_orbit_distance.values
+    labels = np.append(dataset.swept_attractor.values, [dataset.attractor, dataset.rigid_attractor])
+    near = dataset.swept_orbit_distance.values
     sprags = dataset["mode"].values == ThreadsMode.REST_POSITIVE
     late = dataset.normal_force.values[sprags & (dataset.time.values > 0.5 * float(dataset.time[-1]))]
     highest = float(late.max()) if late.size else np.nan
     return [
-        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_force),
+        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
         Check.holds(
             f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "
             "text leaves out",
@@ -91,15 +90,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "With either model and for every R the motion ends on a sprag-slip cycle, which repeats to 1e-9",
             "Sect. 8.6.1, Fig. 8.10",
             f"{int((labels == Attractor.SPRAG_SLIP_CYCLE).sum())} of {labels.size}, residual "
-            f"{float(dataset.residual):.1e}",
-            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all() and float(dataset.residual) <= 1e-9),
+            f"{float(dataset.period_residual):.1e}",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all() and float(dataset.period_residual) <= 1e-9),
         ),
         Check.holds(
             "Largest sample of N(t) in the second half of the motion is the exact peak of the cycle, to 1e-6: the "
             "peak is at an event, which is a sample, and the motion is on its cycle",
             "resolution of Fig. 8.10b",
-            f"{highest:.9g} N against {float(dataset.peak_force):.9g} N",
-            bool(abs(highest / dataset.peak_force - 1) <= 1e-6),
+            f"{highest:.9g} N against {float(dataset.peak_normal_force):.9g} N",
+            bool(abs(highest / dataset.peak_normal_force - 1) <= 1e-6),
         ),
     ]
 
@@ -107,12 +106,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _motion(motion: Motion, samples: int) -> phase.Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
     times, states, codes = phase.sample(motion, samples)
-    row = motion.automaton.observables["normal_force"][0]  # the same in every mode
+    # The same rows in every mode.
+    row, deflection = (motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection"))
     return {
         "time": ("sample", times, attributes("s", "time", "$t$")),
         "angle_deviation": ("sample", states[:, 0], quantity("angle_deviation")),
         "velocity_deviation": ("sample", states[:, 1], quantity("velocity_deviation")),
         "normal_force": ("sample", states @ row[:-1] + row[-1], quantity("normal_force")),
+        "coupling_deflection": ("sample", states @ deflection[:-1] + deflection[-1], quantity("coupling_deflection")),
+        **{name: ("sample", states[:, 2 + k], quantity(name)) for k, name in enumerate(motion.automaton.states[2:])},
         "mode": ("sample", codes, phase.flag("mode of motion", ThreadsMode)),
     }
 
@@ -135,8 +137,8 @@ def _peak(automaton: Automaton, cycle: SteadyState) -> phase.Variables:
 
 def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase.Variables:
     return {
-        "peak_time": ("peak_sample", times, attributes("s", "time after the start of a sprag", "$t$")),
-        "peak_normal_force": ("peak_sample", force, quantity("normal_force")),
+        "close_up_time": ("close_up_sample", times, attributes("s", "time after the start of a sprag", "$t$")),
+        "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
         "sprag_duration": ((), sprag, attributes("s", "time from N = 0 until the screw stands")),
     }
 
@@ -144,21 +146,26 @@ def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase
 def _comparison(drive: LeadScrew, cycle: SteadyState, rigid: SteadyState) -> phase.Variables:
     """The cycle in numbers, beside the rigid one."""
     values = _cycle_values(drive, cycle, rigid)
-    named = {"attractor": ((), np.int8(cycle.label), phase.flag("attractor with compliant threads", Attractor))}
-    named["rigid_attractor"] = ((), np.int8(rigid.label), phase.flag("attractor of the rigid drive", Attractor))
-    for name, steady, words in (("", cycle, "with compliant threads"), ("rigid_", rigid, "of the rigid drive")):
+    named = {"attractor": ((), np.int8(cycle.label), phase.flag(phase.ATTRACTOR, Attractor))}
+    named["rigid_attractor"] = (
+        (),
+        np.int8(rigid.label),
+        phase.flag(f"{phase.ATTRACTOR}, of the rigid drive", Attractor),
+    )
+    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
         row = np.eye(1, steady.state.size + 1)[0]  # u
         low, high = steady.extremes(row)
-        named[f"{name}amplitude"] = ((), 0.5 * (high - low), attributes("rad", f"amplitude of the cycle {words}"))
-        named[f"{name}period"] = ((), steady.period, attributes("s", f"period of the cycle {words}", "$T$"))
+        named[f"{name}amplitude"] = ((), 0.5 * (high - low), attributes("rad", phase.AMPLITUDE + words))
+        named[f"{name}period"] = ((), steady.period, attributes("s", phase.PERIOD + words, "$T$"))
     residual = attributes("1", "relative change of the section state over a period")
     return named | {
-        "peak_force": ((), values[0], attributes("N", "largest contact force on the cycle", "$N$")),
+        "peak_normal_force": ((), values[0], _PEAK),
         "orbit_distance": ((), values[1], _DISTANCE),
-        "residual": ((), cycle.residual, residual),
+        "period_residual": ((), cycle.residual, residual),
     }
 
 
+_PEAK = attributes("N", "largest normal force on the cycle", "$N$")
 _DISTANCE = attributes(
     "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed"
 )
@@ -182,7 +189,7 @@ def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Mapping[str, fl
         rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
     label, peak, distance = np.array(rows, dtype=float).T
     return {
-        "force_attractor": ("force", label.astype(np.int8), phase.flag("attractor with compliant threads", Attractor)),
-        "force_peak_normal_force": ("force", peak, attributes("N", "largest contact force on the cycle", "$N$")),
-        "force_orbit_distance": ("force", distance, _DISTANCE),
+        "swept_attractor": ("swept_axial_force", label.astype(np.int8), phase.flag(phase.ATTRACTOR, Attractor)),
+        "swept_peak_normal_force": ("swept_axial_force", peak, _PEAK),
+        "swept_orbit_distance": ("swept_axial_force", distance, _DISTANCE),
     }

@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.analysis.cycles import Attractor
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters, labels
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind
 
@@ -25,7 +26,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),
         coords={
-            **phase.cases(drives, ["mass", "axial_force", "support_damping"], ["axial_force", "support_damping"]),
+            **labels("case", drives, ("support_damping",)),
+            **drive_parameters(drives, along=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **phase.rule_coordinate(),
         },
         attrs={
@@ -42,7 +44,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     sprags = dataset.attractor.values == Attractor.SPRAG_SLIP_CYCLE
     seizes = (dataset.event_kind == EventKind.SEIZURE) & (dataset.event_time > 0)
     slope, offset = dataset.contact_line_slope, dataset.contact_line_angle
-    terms = [dataset.event_angle, -slope * dataset.event_velocity_before, -offset]
+    terms = [dataset.event_angle_deviation_before, -slope * dataset.event_velocity_deviation_before, -offset]
     distance = abs(sum(terms)) / sum(abs(term) for term in terms)
     worst = float(distance.where(seizes).max())
     count = int(seizes.sum())

@@ -10,16 +10,17 @@ from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
 from lsvib.analysis.impact import mean_load
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import axis, drive_parameters, start_state
 from lsvib.errors import InputError
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import MotionMode, rigid_drive
 
 _QUANTITIES = {
-    "vibration_amplitude": ("rad", "amplitude of the steady vibration, half its peak-to-peak", ""),
+    "amplitude": ("rad", phase.AMPLITUDE, ""),
     "mean_deflection": ("rad", "mean coupling deflection", r"$\langle z \rangle$"),
     "mean_normal_force": ("N", "mean magnitude of the normal force, impulses included", r"$\langle |N| \rangle$"),
     "mean_impulsive_force": ("N", "part of the mean normal force that comes from impulses", ""),
-    "mean_axial_force": ("N", "mean axial contact force, impulses included", ""),
+    "mean_axial_contact_force": ("N", "mean axial contact force, impulses included", ""),
     "mean_contact_torque": ("N m", "mean contact torque on the screw, impulses included", ""),
     "mean_coupling_torque": ("N m", "mean coupling torque less the mean damping torque", ""),
 }
@@ -29,8 +30,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules of resuming after a seizure.
 
     ``settings``: ``drive``; ``support_damping`` [N m s/rad] with ``start``, ``stop``, ``count``; ``initial`` state
-    (u [rad], w [rad/s]). Below ``resting_damping`` the screw rests after a seizure under the first rule, so that the
-    rules differ; there the values lie closer. Raises ``InputError``.
+    (u [rad], w [rad/s]). Below ``resting_support_damping`` the screw rests after a seizure under the first rule, so
+    that the rules differ; there the values lie closer. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     start = [settings["initial"]["u"], settings["initial"]["w"]]
@@ -47,20 +48,20 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             labels[i, j] = steady.label
             for name, value in zip(table, _values(damped, steady), strict=True):
                 table[name][i, j] = value
-    dims = ("rule", "damping")
+    dims = ("rule", "support_damping")
     return xr.Dataset(
         {name: (dims, values, phase.attributes(*_QUANTITIES[name])) for name, values in table.items()}
-        | {"attractor": (dims, labels, phase.flag("attractor that the motion reaches", Attractor))},
+        | {"attractor": (dims, labels, phase.flag(phase.ATTRACTOR, Attractor))},
         coords={
-            "damping": ("damping", damping, phase.parameter("support_damping")),
+            **axis("support_damping", damping),
             **phase.rule_coordinate(),
-            "resting_damping": (
+            "resting_support_damping": (
                 (),
                 limit,
                 phase.attributes("N m s rad-1", "damping below which the screw rests after a seizure", "$c$"),
             ),
-            "mass": ((), drive.mass, phase.parameter("mass")),
-            "axial_force": ((), drive.axial_force, phase.parameter("axial_force", ["axial_force"])),
+            **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(settings["initial"], "of the motions whose cycles are found"),
         },
         attrs={
             "title": "Figure 8.12: effect of the support damping on the steady vibration",
@@ -72,14 +73,15 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the trends over the damping, and both balances of momentum over a cycle."""
-    limit = float(dataset.resting_damping)
-    amplitude, force = dataset.vibration_amplitude.values, dataset.mean_normal_force.values
+    limit = float(dataset.resting_support_damping)
+    amplitude, force = dataset.amplitude.values, dataset.mean_normal_force.values
     deflection = np.abs(dataset.mean_deflection.values)
-    slips, damped = dataset.damping.values >= limit, dataset.damping.values > 0
+    slips, damped = dataset.support_damping.values >= limit, dataset.support_damping.values > 0
     sprags = dataset.attractor.values == Attractor.SPRAG_SLIP_CYCLE
     gap = float(np.max(np.abs(amplitude[0] / amplitude[1] - 1)[slips]))
-    lowest = float(dataset.damping.values[np.argmin(force[0])])
-    axial = _worst(dataset.mean_axial_force.values / float(dataset.axial_force))
+    least = dataset.support_damping.values[damped][0]
+    lowest = float(dataset.support_damping.values[np.argmin(force[0])])
+    axial = _worst(dataset.mean_axial_contact_force.values / float(dataset.axial_force))
     torque = _worst(dataset.mean_contact_torque.values / dataset.mean_coupling_torque.values)
     return [
         Check.holds(
@@ -98,7 +100,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "The mean deflection of the coupling grows with the damping, with or without rest after a seizure",
             "Sect. 8.6.1, Fig. 8.12",
             f"|<z>| from {deflection[0, 0]:.5g} to {deflection[0, -1]:.5g} rad; by the rule at once, idle at "
-            f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {dataset.damping.values[damped][0]:.2g} N m s/rad",
+            f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {least:.2g} N m s/rad",
             bool((np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all()),
         ),
         Check.holds(

@@ -11,7 +11,8 @@ from lsvib.analysis.threads import critical_mass_of_contact
 from lsvib.core import flows
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
-from lsvib.datasets.compliant import compliant_cycle, contact_parameter, cycle_curves
+from lsvib.datasets.compliant import CRITICAL_MASS_WITH_CONTACT, compliant_cycle, cycle_curves
+from lsvib.datasets.parameters import axis, drive_parameters, labels, start_state
 from lsvib.datasets.phase import attributes
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -23,12 +24,12 @@ _CONTACT = ("contact_stiffness", "contact_damping")
 _TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
 _TRIES = 40
 _NUMBERS = {
-    "attractor": ("1", "attractor of the motion"),
+    "attractor": ("1", phase.ATTRACTOR),
     "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
     "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
     "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
-    "period": ("s", "period of the steady vibration", "$T$"),
-    "residual": ("1", "relative change of the section state over a period"),
+    "period": ("s", phase.PERIOD, "$T$"),
+    "period_residual": ("1", "relative change of the section state over a period"),
 }
 _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 
@@ -58,39 +59,37 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         for k, row in zip(stiffness, grid, strict=True)
     ]
     single = [_numbers(steady) for steady in cycles]
-    stiffness_label, damping_label = (contact_parameter(name, True) for name in _CONTACT)
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
         | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
         | {name: _table(("contact",), name, single) for name in _NUMBERS}
-        | {f"grid_{name}": _table(("stiffness", "damping"), name, grid) for name in _ON_THE_GRID}
         | {
-            "boundary_damping": (
-                "stiffness",
+            f"grid_{name}": _table(("grid_contact_stiffness", "grid_contact_damping"), name, grid)
+            for name in _ON_THE_GRID
+        }
+        | {
+            "boundary_contact_damping": (
+                "grid_contact_stiffness",
                 [limit[0] for limit in limits],
                 attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
             ),
             "boundary_deflection": (
-                "stiffness",
+                "grid_contact_stiffness",
                 [limit[1] for limit in limits],
                 attributes("rad", "largest coupling deflection at that damping", "$z$"),
             ),
         },
         coords={
-            "contact_stiffness": ("contact", [c.contact_stiffness for c in contacts], stiffness_label),
-            "contact_damping": ("contact", [c.contact_damping for c in contacts], damping_label),
-            "critical_mass": (
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motions whose cycles are found"),
+            "critical_mass_with_contact": (
                 "contact",
                 [critical_mass_of_contact(c) for c in contacts],
-                attributes(
-                    "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$"
-                ),
+                attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$"),
             ),
-            "stiffness": ("stiffness", stiffness, stiffness_label),
-            "damping": ("damping", damping, damping_label),
-            "mass": ((), drive.mass, phase.parameter("mass")),
-            "axial_force": ((), drive.axial_force, phase.parameter("axial_force", ["axial_force"])),
-            "input_speed": ((), drive.input_speed, phase.parameter("input_speed")),
+            **axis("grid_contact_stiffness", stiffness),
+            **axis("grid_contact_damping", damping),
             "steady_deflection": (
                 (),
                 float(coefficients(drive).deflection),
@@ -109,12 +108,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
     deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
     fastest = dataset.largest_acceleration.values
-    critical = dataset.critical_mass.values
+    critical = dataset.critical_mass_with_contact.values
     times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
-    labels, residual = dataset.attractor.values, float(dataset.residual.max())
-    limit, edge = dataset.boundary_damping.values, np.abs(dataset.boundary_deflection.values)
-    above = dataset.damping.values > limit[:, None]
+    labels, residual = dataset.attractor.values, float(dataset.period_residual.max())
+    limit, edge = dataset.boundary_contact_damping.values, np.abs(dataset.boundary_deflection.values)
+    above = dataset.grid_contact_damping.values > limit[:, None]
     grid, cycles = dataset.grid_largest_deflection.values, dataset.grid_attractor.values == Attractor.SPRAG_SLIP_CYCLE
+    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
     next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
     return [
         Check.holds(
@@ -151,8 +151,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
             "sweep over the contact parameters",
-            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {float(dataset.stiffness[0]):.0e} to "
-            f"{float(dataset.stiffness[-1]):.0e} N/m; |max z| up to {edge.max():.1e} rad on it; negative for "
+            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
+            f"N/m; |max z| up to {edge.max():.1e} rad on it; negative for "
             f"{int((grid[above] < 0).sum())} of {int(above.sum())} contacts above, positive for "
             f"{int((next_below > 0).sum())} of {next_below.size} next below",
             bool((edge <= _TURNS).all() and (grid[above] < 0).all() and (next_below > 0).all()),
@@ -179,7 +179,7 @@ def _numbers(steady: SteadyState) -> dict[str, float]:
         "sprag_deflection": _extremes(steady.orbit, deflection, sprags)[1],
         "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
         "period": steady.period,
-        "residual": steady.residual,
+        "period_residual": steady.residual,
     }
 
 
@@ -195,7 +195,7 @@ def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[floa
 
 def _table(dims: tuple[str, ...], name: str, values) -> tuple:
     table = np.array([[x[name] for x in row] if isinstance(row, list) else row[name] for row in values], dtype=float)
-    if name == "attractor":
+    if name == "attractor":  # also on the grid
         return dims, table.astype(np.int8), phase.flag(_NUMBERS[name][1], Attractor)
     return dims, table, attributes(*_NUMBERS[name])
 

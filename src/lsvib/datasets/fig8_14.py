@@ -14,10 +14,12 @@ from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.thresholds import global_stability_force
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters, labels
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, rigid_drive
 
+_CHANGED = ("mass", "axial_force")  # in which the cases differ
 _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 
@@ -35,14 +37,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     heavy = drives[-1]
     threshold = global_stability_force(heavy)
     bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
-    labels = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase.RULES] for r in bracket]
+    attractors = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase.RULES] for r in bracket]
     return xr.Dataset(
         phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | {
             "grid_attractor": (
-                ("case", "angle", "velocity"),
+                ("case", "grid_angle_deviation", "grid_velocity_deviation"),
                 np.array([_basin(d, angle, velocity) for d in drives]),
-                phase.flag("attractor of the motion from each state of the grid", Attractor),
+                phase.flag(phase.ATTRACTOR, Attractor),
             ),
             "corner_angle": (
                 "case",
@@ -56,25 +58,29 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
             "bracket_attractor": (
                 ("bracket", "rule"),
-                np.array(labels, np.int8),
+                np.array(attractors, np.int8),
                 phase.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
             ),
         },
         coords={
-            **phase.cases(drives, ["mass", "axial_force", "support_damping"]),
+            **labels("case", drives, _CHANGED),
+            **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
             **phase.rule_coordinate(),
-            "angle": ("angle", angle, phase.attributes("rad", "deviation at the start", "$u$")),
-            "velocity": ("velocity", velocity, phase.attributes("rad s-1", "rate at the start", r"$\dot u$")),
+            **phase.grid_axes(angle, velocity),
             "corner_distance": (
                 "corner_distance",
                 _DISTANCES,
                 phase.attributes("rad", "distance of the start below the corner, at standstill"),
             ),
-            "bracket": ("bracket", bracket, phase.attributes("N", "axial force beside the threshold", "$R$")),
+            "bracket_axial_force": (
+                "bracket",
+                bracket,
+                phase.attributes("N", "axial force beside the threshold", "$R$"),
+            ),
             "global_stability_force": (
                 (),
                 threshold,
-                phase.attributes("N", "axial force below which steady sliding is globally stable, beyond m_cr", "$R$"),
+                phase.attributes("N", phase.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"),
             ),
         },
         attrs={
@@ -87,7 +93,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
-    mass, force, gamma = dataset.mass.values, dataset.axial_force.values, dataset.effective_inertia.values
+    mass, force, gamma = dataset.mass.values, dataset.axial_force.values, dataset.effective_inertia_plus.values
     printed, beyond = (slice(0, 2), slice(2, 4))
     result = [
         Check.holds(

@@ -11,7 +11,8 @@ from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.modes import Mode, eigenvalues, undamped_class
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import ASSUMED, attributes, flags
+from lsvib.datasets.parameters import ASSUMED, axis, drive_parameters
+from lsvib.datasets.variables import flags
 from lsvib.errors import InputError
 from lsvib.models.linear import support_model, values_of
 from lsvib.models.parameters import LeadScrew, SupportDrive
@@ -40,7 +41,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
     branches = support.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, _LAW)
-    known = {name: SupportDrive.model_fields[name].json_schema_extra for name in _PARAMETERS}
+    parameters = drive_parameters(
+        drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
+        axes=("friction_coefficient", "support_stiffness"),
+        printed=("Fig. 8.15", "Sect. 8.8.1"),
+        no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+    )
+    # The text names Table 7.1, which is not in the chapter.
+    for name in ("pitch_radius", "lead_angle", "screw_inertia"):
+        parameters[name][2]["comment"] = "the text names Table 7.1; with these the printed critical friction comes out"
+    parameters["coupling_stiffness"][2].update(
+        origin=ASSUMED, comment="Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
+    )
     return xr.Dataset(
         {
             "stability": (
@@ -48,8 +60,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 undamped_class(support_model(grid, _LAW)),
                 {"units": "1", "long_name": "class of the steady sliding", **flags(Mode)},
             ),
-            "lower_boundary": ("boundary_friction", branches[:, 0], _stiffness("lower boundary of mode coupling")),
-            "upper_boundary": ("boundary_friction", branches[:, 1], _stiffness("upper boundary of mode coupling")),
+            "lower_boundary": (
+                "boundary_friction_coefficient",
+                branches[:, 0],
+                _stiffness("lower boundary of mode coupling"),
+            ),
+            "upper_boundary": (
+                "boundary_friction_coefficient",
+                branches[:, 1],
+                _stiffness("upper boundary of mode coupling"),
+            ),
             "critical_friction": ((), critical, _friction("critical friction coefficient, closed form")),
             "critical_friction_by_eigenvalues": (
                 (),
@@ -58,25 +78,19 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
         },
         coords={
-            "friction_coefficient": ("friction_coefficient", friction, _friction("friction coefficient")),
-            "support_stiffness": ("support_stiffness", stiffness, _stiffness("axial stiffness of the support")),
+            **axis("friction_coefficient", friction),
+            **axis("support_stiffness", stiffness),
             "printed_critical_friction": printed.variable(
                 chapter.THRESHOLDS["critical_friction"], "critical friction coefficient"
             ),
-            "boundary_friction": ("boundary_friction", curve, _friction("friction coefficient")),
-            **{
-                name: (
-                    (),
-                    getattr(drive, name),
-                    attributes(known[name]["unit"], known[name]["long_name"], **_note(name)),
-                )
-                for name in _PARAMETERS
-            },
+            **axis("boundary_friction_coefficient", curve),
+            **parameters,
         },
         attrs={
             "title": "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
             "source": "lsvib, generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.1, Fig. 8.15",
+            "comment": "R Omega > 0; undamped",
         },
     )
 
@@ -97,7 +111,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     kinematic = kinds == Mode.KINEMATIC
     right = kinematic == (friction > critical)[:, None]
     lower, upper = (
-        dataset[name].reindex(boundary_friction=friction).values[:, None]
+        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
         for name in ("lower_boundary", "upper_boundary")
     )
     between = (stiffness > lower) & (stiffness < upper)
@@ -167,9 +181,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "printed form of (8.30) is equal to it, to 1e-12",
             "eqs 8.30, 8.31, 8.32",
             f"{odd} exceptions among {friction.size} friction coefficients; {real} of "
-            f"{dataset.sizes['boundary_friction']} places with both branches; the printed form differs by "
+            f"{dataset.sizes['boundary_friction_coefficient']} places with both branches; the printed form differs by "
             f"{rewritten:.1e} of b_2²",
-            odd == 0 and real == dataset.sizes["boundary_friction"] and rewritten < 1e-12,
+            odd == 0 and real == dataset.sizes["boundary_friction_coefficient"] and rewritten < 1e-12,
         ),
         Check.holds(
             "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
@@ -208,13 +222,6 @@ def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, in
     return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
 
 
-def _note(name: str) -> dict[str, str]:
-    """What the chapter leaves open: Table 7.1, of which Fig. 8.15 takes k, is not in it."""
-    if name != "coupling_stiffness":
-        return {}
-    return {"comment": f"{ASSUMED}; both branches of (8.29) are in proportion to it"}
-
-
 def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
     """Friction coefficients from start to stop, both included, crowded at both ends, and those of the map between."""
     crowded = start + (stop - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
@@ -223,7 +230,7 @@ def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
 
 def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
     """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
-    own = {**drive, "friction_coefficient": dataset.boundary_friction.values}
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
     b_1, b_2, b_3 = support.boundary_coefficients(own, _LAW)
     k = drive["coupling_stiffness"]
     terms = [

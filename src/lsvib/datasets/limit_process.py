@@ -11,8 +11,9 @@ from lsvib.analysis import limit_process
 from lsvib.analysis.limit_process import Branch, Family, Outcome, Region
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
-from lsvib.datasets.compliant import contact_parameter
+from lsvib.datasets.parameters import axis, drive_parameters, start_state
 from lsvib.datasets.phase import RULES, attributes, flag
+from lsvib.datasets.variables import SIGNS
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.threads import threads_drive
 
@@ -20,14 +21,14 @@ _CONVERGED = 1e-3  # deviation at the stiffest contact
 _ORDER = 0.8
 _APART = 10.0  # so many times smaller a deviation tells one rule from the other
 _QUANTITIES = {
-    "distance": ("1", "distance of the motion from the rigid one in the phase plane"),
+    "motion_distance": ("1", "distance of the motion from the rigid one in the phase plane"),
     "rest_error": ("s", "time at rest less that of the rigid motion"),
     "impulse_error": ("1", "relative error of the normal impulse of the impact"),
     "period_error": ("1", "relative error of the period"),
     "rests": ("1", "number of rests"),
     "stop_time": ("s", "time that an impact takes, until the screw first stands"),
 }
-_BY_RULE = ("distance", "rest_error", "period_error")
+_BY_RULE = ("motion_distance", "rest_error", "period_error")
 
 
 class Verdict(IntEnum):
@@ -54,9 +55,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         for r in settings["axial_forces"]
         for c in settings["support_dampings"]
     ]
-    start = [settings["start"]["u"], settings["start"]["w"]]
+    start = settings["start"]
     speed, ratio = settings["speed"], settings["damping_ratio"]
-    branches = [list(limit_process.branches(drive, speed, settings["duration"], start)) for drive in drives]
+    branches = [
+        list(limit_process.branches(drive, speed, settings["duration"], [start["u"], start["w"]])) for drive in drives
+    ]
     size = (len(Family), sum(map(len, branches)), stiffness.size)
     found = {name: np.full((*size, len(RULES)) if name in _BY_RULE else size, np.nan) for name in _QUANTITIES}
     for family in Family:
@@ -67,23 +70,27 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 automaton = threads_drive(compliant)
                 for branch in row:
                     for name, value in limit_process.deviations(branch, compliant, automaton).items():
-                        found[name][family, i, j] = value
+                        found["motion_distance" if name == "distance" else name][family, i, j] = value
                     i += 1
     flat = [branch for row in branches for branch in row]
     fitted = stiffness >= settings["fit_from"]
     variables = {name: (_dims(name), found[name], attributes(*_QUANTITIES[name])) for name in _QUANTITIES}
-    for name in ("distance", "rest_error", "impulse_error", "period_error", "stop_time"):
+    for name in ("motion_distance", "rest_error", "impulse_error", "period_error", "stop_time"):
         variables |= _orders(name, stiffness[fitted], found[name][:, :, fitted])
     rebound = [[limit_process.rebound_force(limit_process.stiffened(drives[0], f, k, ratio), speed) for k in stiffness]
                for f in Family]  # fmt: skip
     variables["rebound_force"] = (
-        ("family", "stiffness"),
+        ("family", "contact_stiffness"),
         rebound,
         attributes("N", "force with which the contact throws the nut back"),
     )
     horizon = np.array([branch.rigid[0].end_time for branch in flat])
-    variables["duration"] = ("branch", horizon, attributes("s", "duration of the rigid motion, a period for a cycle"))
-    variables["verdict"] = (
+    variables["rigid_duration"] = (
+        "branch",
+        horizon,
+        attributes("s", "duration of the rigid motion, a period for a cycle"),
+    )
+    variables["rule_followed"] = (
         ("family", "branch"),
         _verdicts(flat, variables, horizon),
         flag("rule that the motion follows", Verdict),
@@ -92,11 +99,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         variables,
         coords={
             "family": ("family", np.array(Family, dtype=np.int8), flag("how the damping of the contact grows", Family)),
-            "stiffness": ("stiffness", stiffness, contact_parameter("contact_stiffness", False)),
+            **axis("contact_stiffness", stiffness),
             **phase.rule_coordinate(),
             **_branch_coordinates(flat),
-            "mass": ((), base.mass, phase.parameter("mass")),
-            "damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
+            **drive_parameters([b.drive for b in flat], "branch", along=("axial_force", "support_damping")),
+            **start_state(start, "of the cycles"),
+            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before an impact", r"$\dot\theta$")),
+            "nut_damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
             "fit_from": ((), settings["fit_from"], attributes("N m-1", "least stiffness that orders are fitted to")),
         },
         attrs={
@@ -111,31 +120,32 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the orders in the viscous limit, the rule that each branch follows, and that the elastic limit differs."""
     viscous, ratio, elastic = (dataset.sel(family=int(family)) for family in Family)
     impact = dataset.region.values != Region.CYCLE
-    follows = np.isin(viscous.verdict.values, [Verdict.CONTACT_SIGN, Verdict.BOTH])
-    order = viscous.distance_order.values[:, 0]
+    follows = np.isin(viscous.rule_followed.values, [Verdict.CONTACT_SIGN, Verdict.BOTH])
+    order = viscous.motion_distance_order.values[:, 0]
     differ = dataset.rules_differ.values == 1
-    told = viscous.verdict.values == Verdict.CONTACT_SIGN
+    told = viscous.rule_followed.values == Verdict.CONTACT_SIGN
     others = {
         name: viscous[f"{name}_order"].values[..., 0] if name in _BY_RULE else viscous[f"{name}_order"].values
         for name in ("rest_error", "impulse_error", "period_error")
     }
-    lost = int((elastic.verdict.values == Verdict.NEITHER).sum())
-    excess, slow = ratio.impulse_error.values[impact, -1], ratio.distance_order.values[:, 0]
-    far = ratio.distance.values[:, -1, 0]
-    nearest = float(np.nanmin(elastic.distance.values[:, -1, 0]))
+    lost = int((elastic.rule_followed.values == Verdict.NEITHER).sum())
+    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
+    far = ratio.motion_distance.values[:, -1, 0]
+    nearest = float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
     stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
-    fitted = dataset.stiffness.values >= float(dataset.fit_from)
+    fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
     rests, rigid_rests = elastic.rests.values[:, -1], viscous.rests.values[:, -1]
     count = follows.size
+    closest = viscous.motion_distance.values[:, -1, 0].max()
     return [
         Check.holds(
             "Viscous limit: on every branch the motion converges to the rigid one under the rule contact_sign, its "
             f"distance with an order of at least {_ORDER:g}",
             "Sect. 8.2, rule of resuming",
             f"{int(follows.sum())} of {count} branches, distance at most "
-            f"{viscous.distance.values[:, -1, 0].max():.1e} at k_c = c_c = {float(dataset.stiffness[-1]):.0e}, orders "
-            f"{order.min():.3f} to {order.max():.3f}, standard errors up to "
-            f"{viscous.distance_order_error.values[:, 0].max():.3f}",
+            f"{closest:.1e} at k_c = c_c = {float(dataset.contact_stiffness[-1]):.0e}, "
+            f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to "
+            f"{viscous.motion_distance_order_error.values[:, 0].max():.3f}",
             bool(follows.all()),
         ),
         Check.holds(
@@ -156,7 +166,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.2",
             f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
             f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
-            f"{float(dataset.stiffness[-1]):.0e} N/m",
+            f"{float(dataset.contact_stiffness[-1]):.0e} N/m",
             bool((np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER),
         ),
         Check.holds(
@@ -168,7 +178,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "Elastic limit: after an impact the rest is a chain of short rests",
             "limit process",
-            f"at k_c = {float(dataset.stiffness[-1]):.0e} N/m {int(rests[impact].min())} to "
+            f"at k_c = {float(dataset.contact_stiffness[-1]):.0e} N/m {int(rests[impact].min())} to "
             f"{int(rests[impact].max())} rests, in the viscous limit at most {int(rigid_rests[impact].max())}",
             bool((rests[impact] > rigid_rests[impact]).all()),
         ),
@@ -176,21 +186,26 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
             "distance falls slowly or not at all",
             "limit process",
-            f"zeta = {float(dataset.damping_ratio):g}: impulse too large by {excess.min():.1%} to {excess.max():.1%}, "
-            f"distance at least {far.min():.2g}, orders {slow.min():.2f} to {slow.max():.2f}; force of the rebound "
-            f"{float(ratio.rebound_force[-1]):.3g} N, in the viscous limit {float(viscous.rebound_force[-1]):.1e} N",
+            f"zeta = {float(dataset.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
+            f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
+            f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
+            f"{float(viscous.rebound_force[-1]):.1e} N",
             bool((excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER),
         ),
     ]
 
 
 def _dims(name: str) -> tuple[str, ...]:
-    return ("family", "branch", "stiffness", "rule") if name in _BY_RULE else ("family", "branch", "stiffness")
+    return (
+        ("family", "branch", "contact_stiffness", "rule")
+        if name in _BY_RULE
+        else ("family", "branch", "contact_stiffness")
+    )
 
 
 def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase.Variables:
     fits = np.apply_along_axis(lambda error: limit_process.fitted_order(stiffness, error), 2, errors)
-    dims = tuple(dim for dim in _dims(name) if dim != "stiffness")
+    dims = tuple(dim for dim in _dims(name) if dim != "contact_stiffness")
     words = name.replace("_", " ")
     return {
         f"{name}_order": (dims, fits[:, :, 0], attributes("1", f"order of the {words} in one over the stiffness")),
@@ -200,9 +215,9 @@ def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase.Varia
 
 def _verdicts(branches: list[Branch], variables: phase.Variables, horizon: np.ndarray) -> np.ndarray:
     """A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins."""
-    distance, rest = variables["distance"][1][:, :, -1], variables["rest_error"][1][:, :, -1]
+    distance, rest = variables["motion_distance"][1][:, :, -1], variables["rest_error"][1][:, :, -1]
     deviation = np.fmax(distance, np.abs(rest) / horizon[:, None])
-    follows = (variables["distance_order"][1] >= _ORDER) & (deviation < _CONVERGED)
+    follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < _CONVERGED)
     follows &= deviation < _APART * deviation[..., ::-1]
     agree = np.array([not branch.differ for branch in branches])
     follows[:, agree, 1] = follows[:, agree, 0]
@@ -210,19 +225,18 @@ def _verdicts(branches: list[Branch], variables: phase.Variables, horizon: np.nd
 
 
 def _branch_coordinates(branches: list[Branch]) -> phase.Variables:
-    drives, hits = [b.drive for b in branches], [b.impact for b in branches]
-    signs = {"flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "negative none positive"}
+    hits = [b.impact for b in branches]
+    signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
     region = np.array([Region.CYCLE if hit is None else hit.region for hit in hits], dtype=np.int8)
     after = np.array([[limit_process.outcome(motion) for motion in b.rigid] for b in branches], dtype=np.int8)
-    names = ("axial_force", "support_damping")
     return {
         "branch": ("branch", np.arange(len(branches)), attributes("1", "index of the branch")),
-        **{name: ("branch", [getattr(d, name) for d in drives], phase.parameter(name, names)) for name in names},
         "impact_sign": ("branch", np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8),
                         attributes("1", "sign of the impact, none for a cycle", **signs)),
         "region": ("branch", region, flag("where the screw stands after the impact", Region)),
         "rules_differ": ("branch", np.array([b.differ for b in branches], dtype=np.int8),
                          attributes("1", "the rigid motion depends on the rule of resuming",
                                     flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")),
-        "outcome": (("branch", "rule"), after, flag("what follows the first seizure of the rigid drive", Outcome)),
+        "outcome_after_seizure": (("branch", "rule"), after,
+                                  flag("what follows the first seizure of the rigid drive", Outcome)),
     }  # fmt: skip

@@ -16,23 +16,23 @@ from lsvib.models.parameters import LeadScrew
 
 
 def variables(drives: Sequence[LeadScrew]) -> phase.Variables:
-    """Return effective coefficients under both laws, and the two upper thresholds, along ``reading`` of the mass."""
+    """Return effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
     exact = [coefficients(d) for d in drives]
     variables = {}
     for law, sign, symbol in ((1, "plus", "+"), (-1, "minus", "-")):
-        variables[f"inertia_{sign}"] = (
-            "reading",
+        variables[f"reading_effective_inertia_{sign}"] = (
+            "reading_mass",
             [float(c.gamma[law]) for c in exact],
             phase.attributes("kg m2", f"effective inertia of law {symbol}", f"$\\Gamma_{symbol}$"),
         )
-        variables[f"damping_{sign}"] = (
-            "reading",
+        variables[f"reading_effective_damping_{sign}"] = (
+            "reading_mass",
             [float(c.damping[law]) for c in exact],
             phase.attributes("N m s rad-1", f"effective damping of law {symbol}", f"$C_{symbol}$"),
         )
     for name in ("stick_force", "detach_force"):
-        variables[f"{name}_of_reading"] = (
-            "reading",
+        variables[f"reading_{name}"] = (
+            "reading_mass",
             [getattr(thresholds, name)(d) for d in drives],
             phase.attributes("N", f"{name.replace('_', ' ')} for this mass", "$R$"),
         )
@@ -43,18 +43,18 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     result = []
     stated = float(dataset.mass)
-    printed_for = float(dataset.reading.values[dataset.reading.values != stated][0])
-    ours, theirs = dataset.sel(reading=stated), dataset.sel(reading=printed_for)
+    printed_for = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
+    ours, theirs = dataset.sel(reading_mass=stated), dataset.sel(reading_mass=printed_for)
     for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
         words = f"Effective damping C{symbol}, of any mass"
-        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"damping_{sign}"]))
+        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"reading_effective_damping_{sign}"]))
     for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
         words = (
             f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
-            f"(with the stated m = {stated:g} kg it is {float(ours[f'inertia_{sign}']):.3g} kg m2)"
+            f"(with the stated m = {stated:g} kg it is {float(ours[f'reading_effective_inertia_{sign}']):.3g} kg m2)"
         )
-        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"inertia_{sign}"]))
-    stick = float(theirs.stick_force_of_reading), float(theirs.detach_force_of_reading)
+        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"reading_effective_inertia_{sign}"]))
+    stick = float(theirs.reading_stick_force), float(theirs.reading_detach_force)
     expected = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
     result.append(
         Check.holds(

@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.analysis.conditions import conditions
 from lsvib.analysis.stability import eigenvalues
 from lsvib.datasets import phase
+from lsvib.datasets.parameters import drive_parameters, labels
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 
@@ -33,14 +34,15 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
         phase.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
         | {f"margin_{key}": ("case", [margins[key]], phase.attributes(*words)) for key, words in MARGINS.items()}
         | {
-            "growth_rate": (
+            "eigenvalue_real_part": (
                 ("case", "eigenvalue"),
                 pair.real[None],
-                phase.attributes("s-1", "real part of the origin's eigenvalue", r"Re $\varepsilon$"),
+                phase.attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
             )
         },
         coords={
-            **phase.cases([drive], ["mass", "translation_damping", "axial_force"], ["axial_force"]),
+            **labels("case", [drive], ()),
+            **drive_parameters([drive], printed=("Sect. 8.5.1",)),
             **phase.rule_coordinate(),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), phase.attributes("1", "index of the eigenvalue", "$i$")),
         },

@@ -10,7 +10,8 @@ from lsvib.analysis.conditions import critical_mass
 from lsvib.analysis.modes import Mode, eigenvalues, reciprocal_squares, undamped_class
 from lsvib.analysis.nut import effective_screw_inertia, kinematic_inertia, kinematic_mass
 from lsvib.datasets.checks import Check
-from lsvib.datasets.variables import ASSUMED, attributes, flags
+from lsvib.datasets.parameters import axis, drive_parameters, origin_of, parameter
+from lsvib.datasets.variables import attributes, flags
 from lsvib.errors import InputError
 from lsvib.models.linear import determinant, nut_model, values_of
 from lsvib.models.parameters import NutDrive
@@ -42,11 +43,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
-    known = {name: NutDrive.model_fields[name].json_schema_extra for name in _PARAMETERS}
     return xr.Dataset(
         {
-            "critical_mass": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
-            "critical_mass_by_eigenvalues": (
+            "critical_mass_with_nut": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
+            "critical_mass_with_nut_by_eigenvalues": (
                 "nut_inertia",
                 [_by_eigenvalues(nut, rigid) for nut in nuts],
                 _mass("where an eigenvalue 1/omega^2 passes through zero"),
@@ -54,37 +54,43 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "stability": (
                 ("friction_coefficient", "nut_inertia"),
                 undamped_class(nut_model(grid, _LAW)),
-                {"units": "1", "long_name": "class of the steady sliding, undamped", **flags(Mode)},
+                {"units": "1", "long_name": "class of the steady sliding", "comment": "undamped", **flags(Mode)},
             ),
-            "boundary": (
+            "boundary_nut_inertia": (
                 "friction_coefficient",
                 _boundary(drive, friction),
                 attributes("kg m2", "inertia of the nut at which (8.33) begins to hold, missing if at none", "$I_2$"),
             ),
         },
         coords={
-            "nut_inertia": ("nut_inertia", inertia, attributes("kg m2", "moment of inertia of the nut", "$I_2$")),
-            "friction_coefficient": (
-                "friction_coefficient",
-                friction,
-                attributes("1", "friction coefficient of the threads", r"$\mu$"),
+            **axis("nut_inertia", inertia),
+            **axis("friction_coefficient", friction),
+            "critical_mass": (
+                (),
+                rigid,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
             ),
-            "rigid_critical_mass": ((), rigid, attributes("kg", "critical mass of the rigid drive (8.20)")),
             "drawn_friction_coefficient": (
                 (),
                 drive.friction_coefficient,
-                attributes("1", "friction coefficient of the critical masses", r"$\mu$"),
+                parameter(
+                    "drawn_friction_coefficient",
+                    origin_of("friction_coefficient", drive.friction_coefficient),
+                    comment="of the critical masses",
+                ),
             ),
-            **{
-                name: ((), getattr(drive, name), attributes(known[name]["unit"], known[name]["long_name"]))
-                for name in _PARAMETERS
-            },
+            **drive_parameters(
+                drive,
+                axes=("nut_inertia", "friction_coefficient"),
+                printed=("Sect. 8.6",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
         },
         attrs={
             "title": "Stability of steady sliding with a rotating nut",
             "source": "lsvib, generalised eigenvalues of the matrices of Sect. 8.8.2, condition (8.33) in closed form",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.2, eq. 8.33, Remarks 8.5 and 8.6; docs/lemmas.md",
-            "comment": f"R Omega > 0; mass and nut are {ASSUMED}",
+            "comment": "R Omega > 0; the dampings enter only where a check repeats the classes with damping",
         },
     )
 
@@ -102,8 +108,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     other = int(np.sum(~kinematic & (kinds != Mode.STABLE)))
     opposite = int(np.sum(clear & ((determinant(nut_model(grid, _LAW).mass) < 0) != kinematic)))
     differ, compared = _with_damping(dataset, drive, clear)
-    rigid = float(dataset.rigid_critical_mass)
-    own, theirs = dataset.critical_mass.values, dataset.critical_mass_by_eigenvalues.values
+    rigid = float(dataset.critical_mass)
+    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
     side = int(np.sum(clear & (kinematic == _stable_side(dataset))))
     return [
@@ -186,7 +192,7 @@ def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
 
 def _stable_side(dataset: xr.Dataset) -> np.ndarray:
     """Points that the boundary says are stable: beyond it; where there is none, all without self-locking."""
-    boundary = dataset.boundary.values[:, None]
+    boundary = dataset.boundary_nut_inertia.values[:, None]
     locking = (dataset.friction_coefficient.values > np.tan(float(dataset.lead_angle)))[:, None]
     return np.where(np.isnan(boundary), ~locking, dataset.nut_inertia.values > boundary)
 

@@ -12,18 +12,22 @@ from typing import Any, get_args
 import numpy as np
 
 from lsvib.analysis.cycles import Attractor, SteadyState, steady_state
-from lsvib.datasets.variables import ASSUMED, attributes, flags, quantity
+from lsvib.analysis.impact import event_impulses
+from lsvib.datasets.parameters import Variables
+from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, MotionMode, Resume, rigid_drive
 
+_STATES = ("angle_deviation", "velocity_deviation")
 RULES = get_args(Resume)  # the first is the limit of a compliant contact, the second the chapter's reading
-_GREEK = ("Omega", "lambda", "mu")
+ATTRACTOR = "attractor that the motion reaches"
+PERIOD = "period of the steady vibration"
+AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
+GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 _ARC = 17  # samples of an arc between two events, if there is room
-
-Variables = dict[str, tuple]
 
 
 def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
@@ -31,17 +35,21 @@ def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
     return attributes("1", long_name, **flags(kinds))
 
 
-def parameter(name: str, assumed: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the attributes of a drive's parameter; if it is among ``assumed``, with a comment that says so."""
-    known = LeadScrew.model_fields[name].json_schema_extra
-    symbol = f"$\\{known['symbol']}$" if known["symbol"] in _GREEK else f"${known['symbol']}$"
-    comment = {"comment": ASSUMED} if name in assumed else {}
-    return attributes(known["unit"], known["long_name"], symbol, **comment)
-
-
 def span(settings: Mapping[str, Any]) -> np.ndarray:
     """Return evenly spaced values from ``start`` to ``stop``, both included, ``count`` of them."""
     return np.linspace(settings["start"], settings["stop"], settings["count"])
+
+
+def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
+    """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
+    return {
+        "grid_angle_deviation": ("grid_angle_deviation", angle, attributes("rad", "deviation, of the grid", "$u$")),
+        "grid_velocity_deviation": (
+            "grid_velocity_deviation",
+            velocity,
+            attributes("rad s-1", "rate of the deviation, of the grid", r"$\dot u$"),
+        ),
+    }
 
 
 def rule_coordinate() -> Variables:
@@ -53,14 +61,6 @@ def rule_coordinate() -> Variables:
             values,
             attributes("1", "rule of resuming after a seizure", flag_values=values, flag_meanings=" ".join(RULES)),
         )
-    }
-
-
-def cases(drives: Sequence[LeadScrew], names: Sequence[str], assumed: Sequence[str] = ()) -> Variables:
-    """Return the coordinates ``case`` and, along it, the parameters ``names`` of the drives."""
-    index = {"case": ("case", np.arange(len(drives)), attributes("1", "index of the case"))}
-    return index | {
-        name: ("case", np.array([getattr(drive, name) for drive in drives]), parameter(name, assumed)) for name in names
     }
 
 
@@ -76,7 +76,7 @@ def portraits(
     states = [np.array([start["u"], start["w"]]) for start in starts]
     steady = [[[_attractor(d, rule, x) for x in states] for rule in RULES] for d in drives]
     followed = [[follow(rigid_drive(d), x, duration) for x in states] for d in drives]
-    return lines(drives) | motions(followed, samples) | attractors(steady, samples)
+    return lines(drives) | motions(drives, followed, samples) | attractors(steady, samples)
 
 
 def lines(drives: Sequence[LeadScrew]) -> Variables:
@@ -98,7 +98,7 @@ def lines(drives: Sequence[LeadScrew]) -> Variables:
             [-drive.input_speed for drive in drives],
             attributes("rad s-1", "rate of the deviation at which the screw stands still", r"$-\Omega$"),
         ),
-        "effective_inertia": (
+        "effective_inertia_plus": (
             "case",
             [float(c.gamma[1]) for c in exact],
             attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
@@ -106,48 +106,56 @@ def lines(drives: Sequence[LeadScrew]) -> Variables:
     }
 
 
-def motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
+def motions(drives: Sequence[LeadScrew], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     """Return sampled motions, dimensions (case, start, sample), and their events, (case, start, event)."""
-    sampled = [[sample(motion, samples) for motion in row] for row in followed]
+    sampled = [[_sample(motion, samples) for motion in row] for row in followed]
     dims = ("case", "start", "sample")
-    time, states, modes = (np.array([[s[i] for s in row] for row in sampled]) for i in range(3))
+    time, states, _ = (np.array([[s[i] for s in row] for row in sampled]) for i in range(3))
+    pairs = [list(zip(*rows, strict=True)) for rows in zip(followed, sampled, strict=True)]
+    modes = np.array([[motion.automaton.codes[s[2]] for motion, s in row] for row in pairs])
+    observed = {
+        name: np.array([[motion.automaton.observe(name, *s[1:]) for motion, s in row] for row in pairs])
+        for name in ("normal_force", "coupling_deflection")
+    }
     variables = {
         "time": (dims, time, attributes("s", "time", "$t$")),
         "angle_deviation": (dims, states[..., 0], quantity("angle_deviation")),
         "velocity_deviation": (dims, states[..., 1], quantity("velocity_deviation")),
         "mode": (dims, modes, flag("mode of motion", MotionMode)),
+        **{name: (dims, values, quantity(name)) for name, values in observed.items()},
     }
-    return variables | _events(followed)
+    variables["normal_force"][2]["comment"] = WITHOUT_IMPULSES
+    return variables | _events(drives, followed)
 
 
-def _events(followed: Sequence[Sequence[Motion]]) -> Variables:
+def _events(drives: Sequence[LeadScrew], followed: Sequence[Sequence[Motion]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
     dims = ("case", "start", "event")
     size = (len(followed), len(followed[0]), max(1, max(m.time.size for row in followed for m in row)))
-    numbers = {name: np.full(size, np.nan) for name in ("time", "angle", "velocity_before")}
+    states = [(f"{name}_{when}", k, when) for when in ("before", "after") for k, name in enumerate(_STATES)]
+    numbers = {name: np.full(size, np.nan) for name in ("time", *(name for name, _, _ in states), *IMPULSES)}
     kind, sign = np.full(size, -1, dtype=np.int8), np.zeros(size, dtype=np.int8)
-    for i, row in enumerate(followed):
+    for i, (drive, row) in enumerate(zip(drives, followed, strict=True)):
         for j, motion in enumerate(row):
             here = (i, j, slice(motion.time.size))
             kind[here], sign[here] = motion.kind, motion.sign
-            for name, values in zip(numbers, (motion.time, *motion.before.T), strict=True):
-                numbers[name][here] = values
+            numbers["time"][here] = motion.time
+            for name, column, when in states:
+                numbers[name][here] = getattr(motion, when)[:, column]
+            impulses = event_impulses(drive, motion)
+            for name in IMPULSES:
+                numbers[name][here] = getattr(impulses, name.removesuffix("_impulse"))
     kinds = flags(EventKind)
     kinds = {
         "flag_values": np.append(kinds["flag_values"], np.int8(-1)),
         "flag_meanings": kinds["flag_meanings"] + " none",
     }
-    signs = {"flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "negative none positive"}
     return {
         "event_time": (dims, numbers["time"], attributes("s", "time of the event")),
         "event_kind": (dims, kind, attributes("1", "kind of the event", **kinds)),
-        "event_sign": (dims, sign, attributes("1", "sign of the impulse or of the new contact force", **signs)),
-        "event_angle": (dims, numbers["angle"], attributes("rad", "deviation at the event", "$u$")),
-        "event_velocity_before": (
-            dims,
-            numbers["velocity_before"],
-            attributes("rad s-1", "rate of the deviation before the event", r"$\dot u$"),
-        ),
+        "event_sign": (dims, sign, SIGNS),
+        **{f"event_{name}": (dims, numbers[name], quantity(_STATES[k], when)) for name, k, when in states},
+        **{f"event_{name}": (dims, numbers[name], known) for name, known in IMPULSES.items()},
     }
 
 
@@ -163,13 +171,13 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
         if case[0][0].orbit is not None:
             points[:] = sample(case[0][0].orbit, samples)[1]
     return {
-        "attractor": (dims, table("label", np.int8), flag("attractor that the motion reaches", Attractor)),
+        "attractor": (dims, table("label", np.int8), flag(ATTRACTOR, Attractor)),
         "amplitude": (
             dims,
             table("amplitude", float),
-            attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
+            attributes("rad", AMPLITUDE),
         ),
-        "period": (dims, table("period", float), attributes("s", "period of the steady vibration", "$T$")),
+        "period": (dims, table("period", float), attributes("s", PERIOD, "$T$")),
         "cycle_angle": (("case", "sample"), cycle[..., 0], attributes("rad", "deviation on the limit cycle", "$u$")),
         "cycle_velocity": (
             ("case", "sample"),
@@ -182,7 +190,16 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
 def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sample a motion at ``count`` times, each event twice: in the state before it and in the one after.
 
-    Returns times [s] (count), states (count, n), mode codes (count). Samples are shared out by duration, with a few for
+    Returns times [s] (count), states (count, n), mode codes (count). Raises ``InputError`` as :func:`_sample`.
+    """
+    times, states, modes = _sample(motion, count)
+    return times, states, motion.automaton.codes[modes]
+
+
+def _sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times, states and indices of modes, as :func:`sample`.
+
+    Samples are shared out by duration, with a few for
     the shortest arc. Raises ``InputError`` if there are fewer than two for each arc.
     """
     modes, starts, ends, durations = motion.arcs()
@@ -199,7 +216,7 @@ def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     states, _ = motion.at(times)
     last = np.cumsum(share) - 1
     states[last - share + 1], states[last] = starts, ends
-    return times, states, np.repeat(motion.automaton.codes[modes], share)
+    return times, states, np.repeat(modes, share)
 
 
 def _attractor(drive: LeadScrew, rule: Resume, state: np.ndarray) -> SteadyState:

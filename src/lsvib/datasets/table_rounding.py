@@ -12,6 +12,7 @@ from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.rounding import HALF_UNITS, ROUND, propagated
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters, origin_of, parameter
 from lsvib.datasets.variables import attributes, flags
 from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
@@ -24,6 +25,8 @@ _PRINTED_HALF_UNITS = {
     "stick_force": 0.05,
     "detach_force": 0.05,
 }
+_PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
+_NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
 _HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
 
 Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
@@ -45,9 +48,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drives["stick_force"])
     other = drives["stick_force"].replace(support_damping=damping)
     parts = ("threshold", "parameter")
+    screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return xr.Dataset(
         {
-            "residual": ("threshold", in_print / computed - 1, attributes("1", "printed less computed, relative")),
+            "print_residual": (
+                "threshold",
+                in_print / computed - 1,
+                attributes("1", "printed less computed, relative"),
+            ),
             "print_half_unit": (
                 "threshold",
                 np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
@@ -78,7 +86,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                     flag_meanings="no yes",
                 ),
             ),
-            "matching_damping": (
+            "matching_support_damping": (
                 (),
                 damping,
                 attributes("N m s rad-1", "support damping at which the stick force is the printed one", "$c$"),
@@ -88,7 +96,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 functions["detach_force"](other),
                 attributes("N", "detach force with that damping", "$R$"),
             ),
-            "matching_damping_plus": (
+            "matching_effective_damping_plus": (
                 (),
                 float(coefficients(other).damping[1]),
                 attributes("N m s rad-1", "effective damping of law + with that damping", "$C_+$"),
@@ -105,7 +113,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed"))
                 for n, value in zip(_PRINTED_HALF_UNITS, computed, strict=True)
             },
-            "support_damping": ((), base.support_damping, attributes("N m s rad-1", "support damping, as printed")),
+            **drive_parameters(
+                list(drives.values()),
+                "threshold",
+                along=("mass", "translation_damping"),
+                printed=_PLACES,
+                no_effect=_NO_EFFECT,
+            ),
+            "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
         },
         attrs={
             "title": "Rounding of Table 8.1 and the printed thresholds",
@@ -119,10 +134,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check which residuals the rounding explains, and which it does not."""
     residual, allowed = _residual_and_rounding(dataset)
     mass, friction, onset, stick, detach = (int(Threshold[name]) for name in _PRINTED_HALF_UNITS)
-    damping, half = float(dataset.matching_damping), HALF_UNITS["support_damping"]
+    damping, half = float(dataset.matching_support_damping), HALF_UNITS["support_damping"]
     force, claim = float(dataset.matching_detach_force), chapter.EFFECTIVE_DAMPING[1]
     distance = abs(force - chapter.THRESHOLDS["detach_force"].value)
-    plus = float(dataset.matching_damping_plus)
+    plus = float(dataset.matching_effective_damping_plus)
 
     def words(*which: int) -> str:
         return "; ".join(f"{Threshold(k).name}: {residual[k]:.2e} against {allowed[k]:.2e}" for k in which)
@@ -167,7 +182,7 @@ def _residual_and_rounding(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]
     """|Residual| of each threshold, and the largest that the values with three digits and its own print explain."""
     precise = dataset.one_digit.values == 0
     allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
-    return np.abs(dataset.residual.values), allowed
+    return np.abs(dataset.print_residual.values), allowed
 
 
 def _own(changes: Mapping[str, float]) -> dict[str, float]:

@@ -10,16 +10,10 @@ import xarray as xr
 
 from lsvib.analysis.cycles import orbit_extremes, steady_state
 from lsvib.analysis.impact import event_impulses
-from lsvib.datasets.variables import flags, quantity
+from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, flags, quantity
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
-
-_IMPULSES = (
-    ("normal", "N s", "normal impulse of the threads"),
-    ("axial", "N s", "impulse of the threads along the axis"),
-    ("torque", "N m s", "impulse of the threads about the axis"),
-)
 
 
 def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
@@ -36,7 +30,7 @@ def simulate(scene: Scene | LeadScrew | Mapping[str, Any] | str | Path | None = 
     >>> import lsvib
     >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
     >>> int(motion.sizes["event"])
-    10
+    12
     """
     own = {key: value for key, value in changes.items() if key in Scene.model_fields}
     checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
@@ -55,7 +49,7 @@ def as_scene(
     if isinstance(scene, Scene):
         values = scene.model_dump()
     elif isinstance(scene, LeadScrew):
-        values = {"drive": scene}
+        values = {"model": scene.model, "drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
@@ -86,7 +80,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
-            data[name][2]["comment"] = "without the impulses of seizures, which are in event_normal_impulse"
+            data[name][2]["comment"] = WITHOUT_IMPULSES
     data |= _events(scene, motion)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
     form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
@@ -110,19 +104,11 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     )
 
 
-def _events(scene: Scene, motion: Motion) -> dict[str, tuple]:
+def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
     events = {
         "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
         "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(scene.kind.events)}),
-        "event_sign": (
-            motion.sign,
-            {
-                "long_name": "sign of the impulse of a seizure, or of the normal force after a contact reversal",
-                "units": "1",
-                "flag_values": np.array([-1, 0, 1], dtype=np.int8),
-                "flag_meanings": "negative none positive",
-            },
-        ),
+        "event_sign": (motion.sign, SIGNS),
         "event_mode": (
             motion.automaton.codes[motion.mode],
             {"long_name": "mode of motion after the event", "units": "1", **flags(scene.kind.modes)},
@@ -130,14 +116,11 @@ def _events(scene: Scene, motion: Motion) -> dict[str, tuple]:
     }
     if motion.automaton.sprag_kinds:
         impulses = event_impulses(scene.drive, motion)
-        for part, unit, words in _IMPULSES:
-            values = getattr(impulses, part)
-            events[f"event_{part}_impulse"] = (values, {"long_name": f"{words} of the event", "units": unit})
+        for name, known in IMPULSES.items():
+            events[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
-            attributes = quantity(name)
-            attributes["long_name"] += f", {when} the event"
-            events[f"event_{name}_{when}"] = (states[:, column], attributes)
+            events[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
     return {name: ("event", values, attributes) for name, (values, attributes) in events.items()}
 
 

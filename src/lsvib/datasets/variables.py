@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-ASSUMED = "assumed: not stated in the text"
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
@@ -31,12 +30,27 @@ def flags(kinds) -> dict[str, Any]:
     }
 
 
-def quantity(name: str) -> dict[str, str]:
-    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive."""
+def quantity(name: str, when: str = "") -> dict[str, str]:
+    """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
     long_name, units, symbol = _LONG_NAMES[name]
-    return {"long_name": long_name, "units": units, "symbol": symbol}
+    return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
 
 
 def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
     """Return the attributes of a variable; an empty symbol is left out."""
     return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
+
+
+# Of events: the impulses of seizures, zero in other events, and a sign.
+IMPULSES = {
+    "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),
+    "axial_impulse": attributes("N s", "impulse of the threads along the axis of the event"),
+    "torque_impulse": attributes("N m s", "impulse of the threads about the axis of the event"),
+}
+WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_impulse"
+SIGNS = attributes(
+    "1",
+    "sign of the impulse of a seizure, or of the normal force after a contact reversal",
+    flag_values=np.array([-1, 0, 1], dtype=np.int8),
+    flag_meanings="negative none positive",
+)

@@ -48,7 +48,7 @@ def _entries(panels) -> tuple[list, list]:
 
 def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
     """Shade the basin of one case, draw its boundary, N = 0 and θ′ = 0."""
-    kind = style.flag_names(case.case_boundary)[int(case.case_boundary)]
+    kind = style.flag_names(case.case_boundary_kind)[int(case.case_boundary_kind)]
     region = np.column_stack([case.region_angle, case.region_velocity])
     for part in np.split(region, np.flatnonzero(np.isnan(region[:, 0]))):
         part = part[np.isfinite(part[:, 0])]
@@ -85,8 +85,8 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
 
 def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     """Draw the fraction over one parameter, coloured by what bounds the basin."""
-    values, fraction = dataset[name].values, dataset[f"fraction_{name}"].values
-    kinds = dataset[f"boundary_{name}"]
+    values, fraction = dataset[f"swept_{name}"].values, dataset[f"fraction_{name}"].values
+    kinds = dataset[f"boundary_kind_{name}"]
     for index, word in style.flag_names(kinds).items():
         colour, words = _KINDS[word]
         here = np.where(kinds.values == index, fraction, np.nan)
@@ -94,16 +94,16 @@ def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     changes = np.flatnonzero(np.diff(kinds.values))
     for k in changes:
         axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":")
-    axes.axvline(float(dataset[f"swept_{name}"]), color=style.GREY, linewidth=0.8, linestyle=(0, (5, 2)))
+    axes.axvline(float(dataset[name]), color=style.GREY, linewidth=0.8, linestyle=(0, (5, 2)))
     if name == "axial_force":
         axes.axvline(
-            float(dataset.global_stability_force_of_drive),
+            float(dataset.global_stability_force),
             color=style.VERMILION,
             linewidth=0.9,
             linestyle=(0, (2, 1.5)),
             label="force of global stability, a root",
         )
-    label = style.label(dataset[name], " ").strip()
+    label = style.label(dataset[f"swept_{name}"], " ").strip()
     if name == "support_damping":
         axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
         label = label.replace("[", "[10⁻³ ")

@@ -18,8 +18,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
     _critical_mass(mass, dataset)
     for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
-        _growth(axes, dataset.isel(mass=k), letter, float(dataset.rigid_critical_mass))
-    for k, value in enumerate(dataset.unstable_stiffness.values):
+        _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
+    for k, value in enumerate(dataset.unstable_contact_stiffness.values):
         heavy.axvline(value, color=_COLOURS[k], linewidth=0.6, linestyle=":")
     _least(least, dataset)
     mass.legend(loc="upper left", fontsize=6.5)
@@ -34,15 +34,15 @@ def _power(value: float) -> str:
 
 
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
-    rigid = float(dataset.rigid_critical_mass)
-    for k, colour in zip(range(dataset.sizes["curve"]), _COLOURS, strict=False):
-        curve = dataset.isel(curve=k)
-        name = f"$k_c$ = {_power(float(curve.curve))} N m⁻¹"
-        axes.plot(curve.contact_damping, curve.critical_mass, color=colour, label=name)
-    axes.plot(dataset.contact_damping_drawn, dataset.contact_critical_mass, "o", color=style.PURPLE, zorder=4,
+    rigid = float(dataset.critical_mass)
+    for k, colour in zip(range(dataset.sizes["curve_contact_stiffness"]), _COLOURS, strict=False):
+        curve = dataset.isel(curve_contact_stiffness=k)
+        name = f"$k_c$ = {_power(float(curve.curve_contact_stiffness))} N m⁻¹"
+        axes.plot(curve.curve_contact_damping, curve.curve_critical_mass, color=colour, label=name)
+    axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for damping, stiffness, value in zip(
-        *(dataset[name].values for name in ("contact_damping_drawn", "contact_stiffness", "contact_critical_mass")),
+        *(dataset[name].values for name in ("contact_damping", "contact_stiffness", "critical_mass_with_contact")),
         strict=True,
     ):
         words = f"{value:.2f} kg at $k_c$ = {_power(stiffness)}"
@@ -54,35 +54,49 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(
         xscale="log",
         title="(a) critical mass; steady sliding is lost above",
-        xlabel=style.label(dataset.contact_damping),
+        xlabel=style.label(dataset.curve_contact_damping),
         ylabel="Critical mass $m_\\mathrm{cr}$ [kg]",
         ylim=(0, 1.75 * rigid),
     )
 
 
 def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
-    for k, colour in zip(range(dataset.sizes["damping"]), _COLOURS, strict=False):
-        curve = dataset.isel(damping=k)
-        axes.plot(curve.stiffness, curve.growth_rate, color=colour,
-                  label=f"$c_c$ = {_power(float(curve.damping))} N s m⁻¹")  # fmt: skip
+    for k, colour in zip(range(dataset.sizes["growth_contact_damping"]), _COLOURS, strict=False):
+        curve = dataset.isel(growth_contact_damping=k)
+        axes.plot(curve.growth_contact_stiffness, curve.growth_rate, color=colour,
+                  label=f"$c_c$ = {_power(float(curve.growth_contact_damping))} N s m⁻¹")  # fmt: skip
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     sign = ">" if float(dataset.mass) > rigid else "<"
     axes.set_yscale("symlog", linthresh=_LINEAR)
     axes.set(
         xscale="log",
         title=f"({letter}) growth rate, $m$ = {phase.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$",
-        xlabel=style.label(dataset.stiffness),
+        xlabel=style.label(dataset.growth_contact_stiffness),
         ylabel="Largest real part [s⁻¹]",
     )
 
 
 def _least(axes: Axes, dataset: xr.Dataset) -> None:
-    axes.plot(dataset.stiffness, dataset.least_damping, color=style.BLUE)
-    axes.fill_between(dataset.stiffness, dataset.least_damping, axes.get_ylim()[1] * 3, color=style.SKY, alpha=0.3)
-    axes.fill_between(dataset.stiffness, *dataset.window_of_soft_contact.values.T, color=style.SKY, alpha=0.3)
-    limit = float(dataset.least_damping_of_stiff_contact)
+    axes.plot(dataset.growth_contact_stiffness, dataset.least_contact_damping, color=style.BLUE)
+    axes.fill_between(
+        dataset.growth_contact_stiffness,
+        dataset.least_contact_damping,
+        axes.get_ylim()[1] * 3,
+        color=style.SKY,
+        alpha=0.3,
+    )
+    axes.fill_between(
+        dataset.growth_contact_stiffness, *dataset.window_of_soft_contact.values.T, color=style.SKY, alpha=0.3
+    )
+    limit = float(dataset.least_contact_damping_of_stiff_contact)
     axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.text(float(dataset.stiffness[0]) * 2, limit, f"stiff limit: {limit:.4g} N s m⁻¹", fontsize=6.5, va="top")
+    axes.text(
+        float(dataset.growth_contact_stiffness[0]) * 2,
+        limit,
+        f"stiff limit: {limit:.4g} N s m⁻¹",
+        fontsize=6.5,
+        va="top",
+    )
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, fontsize=7)
     axes.text(0.05, 0.35, "stable, too", transform=axes.transAxes, fontsize=7)
     mass = phase.number(dataset.mass[1])
@@ -90,6 +104,6 @@ def _least(axes: Axes, dataset: xr.Dataset) -> None:
         xscale="log",
         yscale="log",
         title=f"(d) least contact damping, $m$ = {mass} kg",
-        xlabel=style.label(dataset.stiffness),
+        xlabel=style.label(dataset.growth_contact_stiffness),
         ylabel="Least contact damping [N s m⁻¹]",
     )

@@ -3,6 +3,7 @@
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from lsvib.figures import phase, style
 
@@ -29,9 +30,9 @@ def draw(dataset: xr.Dataset) -> Figure:
         if name in _REGIMES:
             colour, words = _REGIMES[name]
             inside = dataset.regime == value
-            curve = dataset.force[inside], dataset.vibration_amplitude[inside]
+            curve = dataset.swept_axial_force[inside], dataset.swept_amplitude[inside]
             axes.plot(*curve, color=colour, linewidth=2.2, label=words)
-    top = 1.12 * float(dataset.vibration_amplitude.max())
+    top = 1.12 * float(dataset.swept_amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
@@ -39,14 +40,22 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
         axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
     axes.set(
-        xlabel=style.label(dataset.force),
-        ylabel=style.label(dataset.vibration_amplitude, "amplitude of $u$"),
-        xlim=(float(dataset.force[0]), float(dataset.force[-1])),
+        xlabel=style.label(dataset.swept_axial_force),
+        ylabel=style.label(dataset.swept_amplitude, "amplitude of $u$"),
+        xlim=(float(dataset.swept_axial_force[0]), float(dataset.swept_axial_force[-1])),
         ylim=(-0.02 * top, top),
     )
+    marks = {"color": "white", "markeredgecolor": style.BLACK, "markersize": 4.5, "zorder": 4}
+    curve = dataset.swept_amplitude.interp(swept_axial_force=dataset.axial_force)
+    axes.plot(dataset.axial_force, curve, "o", **marks, label="force of a phase portrait")
     insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):
         _inset(small, dataset.sel(case=index))
+    for place in _PLACES[: len(insets)]:
+        left, bottom, width, height = place
+        axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
+                                 transform=axes.transAxes))  # fmt: skip
+    style.state_values(figure, dataset)
     phase.legend(figure, [axes, *insets], 4)
     return figure
 
@@ -56,11 +65,12 @@ def _inset(small: Axes, case: xr.Dataset) -> None:
     phase.draw_motions(small, case, widths=_THIN)
     phase.draw_cycle(small, case, width=1.4)
     phase.mark_origin(small)
-    phase.widen(small, case, 0.1)
+    phase.widen(small, case, 0.2)
     phase.draw_lines(small, case)
+    phase.guide(small, case, cycle=style.BLACK, size=7.5)
     small.locator_params(nbins=4)
     title = small.set_title(f"$R$ = {phase.number(case.axial_force)} N", fontsize=7, pad=4)
     title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})
-    small.tick_params(labelsize=6, pad=1.5)
-    small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)
-    small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=6.5, labelpad=0)
+    small.tick_params(labelsize=6.5, pad=1.5)
+    small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=7, labelpad=0)
+    small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=7, labelpad=0)

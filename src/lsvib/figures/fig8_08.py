@@ -6,48 +6,56 @@ from matplotlib.figure import Figure
 
 from lsvib.figures import style
 
-_LIMIT = 4000.0  # the eigenvalues diverge at the critical mass; the overview is cut here [1/s]
-_CLOSE = 5.0  # half width of the close-up [per mille of the critical mass]
-_LINEAR = 100.0  # the close-up is logarithmic beyond this [1/s]
+_LIMIT = 1.15  # half height of the overviews, in largest imaginary parts: real ones diverge and are cut here
+_CLOSE = (-16.0, 6.0)  # range of the close-ups [per mille of the critical mass]
+_CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}
+_LINEAR = 100.0  # the close-up of the real parts is logarithmic beyond this [1/s]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw (a) real and (b) imaginary parts against the mass, and (c) the real parts close to the critical mass."""
-    figure = style.new_figure(style.DOUBLE, 2.7)
-    real, imaginary, close = figure.subplots(1, 3)
-    critical, printed = float(dataset.critical_mass), float(dataset.printed_critical_mass)
-    _plot(real, dataset, dataset.mass, dataset.real_part)
-    _plot(imaginary, dataset, dataset.mass, dataset.imaginary_part)
-    for axes, title, variable in (
-        (real, "(a) real parts", dataset.real_part),
-        (imaginary, "(b) imaginary parts", dataset.imaginary_part),
-    ):
-        axes.axvline(critical, color=style.BLACK, linewidth=0.8, linestyle=":")
-        axes.axvline(printed, **style.PRINTED)
-        axes.set(
-            title=title,
-            xlabel=style.label(dataset.mass),
-            ylabel=style.label(variable),
-            xlim=(0, dataset.mass[-1]),
-            ylim=(-_LIMIT, _LIMIT),
-        )
-    real.legend(loc="upper left")
-    imaginary.text(critical * 1.05, 0.9 * _LIMIT, f"$m_\\mathrm{{cr}}$ =\n{critical:.3f} kg", va="top")
-    _plot(close, dataset, (dataset.mass / critical - 1) * 1e3, dataset.real_part)
-    close.axvline(0, color=style.BLACK, linewidth=0.8, linestyle=":")
-    aside = (printed / critical - 1) * 1e3
-    close.axvline(aside, **style.PRINTED)
-    close.text(aside - 0.2, 0.97, f"{printed:.2f} kg,\nprinted", ha="right", va="top", clip_on=True,
-               transform=close.get_xaxis_transform())  # fmt: skip
-    close.set_yscale("symlog", linthresh=_LINEAR)
-    close.set(
-        title="(c) real parts near $m_\\mathrm{cr}$",
-        xlabel=r"$(m - m_\mathrm{cr}) / m_\mathrm{cr}$ [‰]",
-        ylabel=style.label(dataset.real_part),
-        xlim=(-_CLOSE, _CLOSE),
+    """Draw real and imaginary parts against the mass, (a) and (b), and close to the critical mass, (c) and (d)."""
+    figure = style.new_figure(style.DOUBLE, 5.0)
+    (real, imaginary), (close_real, close_imaginary) = figure.subplots(2, 2)
+    critical = float(dataset.critical_mass)
+    printed, meeting, peak = (
+        (float(dataset[name]) / critical - 1) * 1e3 for name in ("printed_critical_mass", "meeting_mass", "peak_mass")
     )
+    largest = float(dataset.eigenvalue_imaginary_part.max())
+    for axes, title, variable in (
+        (real, "(a) real parts, cut above and below", dataset.eigenvalue_real_part),
+        (imaginary, "(b) imaginary parts", dataset.eigenvalue_imaginary_part),
+    ):
+        _plot(axes, dataset, dataset.mass, variable)
+        axes.axvline(critical, **_CRITICAL)
+        axes.set(title=title, xlabel=style.label(dataset.mass), ylabel=_name(variable))
+        axes.set(xlim=(0, dataset.mass[-1]), ylim=(-_LIMIT * largest, _LIMIT * largest))
+    imaginary.text(1.07 * critical, 0.85 * _LIMIT * largest, f"$m_\\mathrm{{cr}}$ = {critical:.3f} kg", va="top")
+    for axes, title, variable in (
+        (close_real, "(c) real parts near $m_\\mathrm{cr}$", dataset.eigenvalue_real_part),
+        (close_imaginary, "(d) imaginary parts near $m_\\mathrm{cr}$", dataset.eigenvalue_imaginary_part),
+    ):
+        _plot(axes, dataset, (dataset.mass / critical - 1) * 1e3, variable)
+        axes.axvline(0, **_CRITICAL)
+        axes.axvline(printed, **style.PRINTED, label=f"printed: {float(dataset.printed_critical_mass):.2f} kg")
+        axes.axvline(meeting, color=style.GREY, linewidth=0.8, linestyle=(0, (6, 2, 1, 2)),
+                     label=r"eigenvalues meet, $C_0^2 = 4 k \Gamma_0$")  # fmt: skip
+        axes.set(title=title, xlabel=r"$(m - m_\mathrm{cr}) / m_\mathrm{cr}$ [‰]", ylabel=_name(variable), xlim=_CLOSE)
+    close_real.set_yscale("symlog", linthresh=_LINEAR)
+    close_imaginary.set_ylim(-1.3 * largest, 1.3 * largest)
+    unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
+    close_imaginary.text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
+    entries = {
+        name: line for axes in (real, close_real) for line, name in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    style.state_values(figure, dataset)
+    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=5)
     return figure
+
+
+def _name(variable: xr.DataArray) -> str:
+    """Return a label without "of the eigenvalue", for which an axis has no room."""
+    return style.label(variable, variable.attrs["long_name"].partition(" of ")[0])
 
 
 def _plot(axes: Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray) -> None:

@@ -21,19 +21,19 @@ def draw(dataset: xr.Dataset) -> Figure:
         phase.draw_lines(axes, case)
         phase.label_axes(axes, dataset)
         axes.set_title(f"({'ab'[index]}) $m$ = {phase.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
-    (amplitude,) = last.plot(dataset.force, dataset.force_amplitude, color=style.BLUE)
+    (amplitude,) = last.plot(dataset.swept_axial_force, dataset.swept_amplitude, color=style.BLUE)
     last.set(
         title="(c) cycle of (b) against $R$",
-        xlabel=style.label(dataset.force),
-        ylabel=style.label(dataset.force_amplitude, "amplitude of $u$"),
+        xlabel=style.label(dataset.swept_axial_force),
+        ylabel=style.label(dataset.swept_amplitude, "amplitude of $u$"),
         ylim=(0, None),
         xlim=(0, None),
     )
-    last.plot(dataset.axial_force[1], dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
+    last.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
     last.yaxis.label.set_color(amplitude.get_color())
     last.tick_params(axis="y", which="both", right=False)
     right = last.twinx()
-    right.plot(dataset.force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
+    right.plot(dataset.swept_axial_force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
     right.set_ylabel(style.label(dataset.impact_speed, "impact speed"))
     right.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
     right.yaxis.label.set_color(style.VERMILION)

@@ -64,7 +64,7 @@ def _force(peaks: Axes, sliding: Axes, dataset: xr.Dataset) -> None:
     time = dataset.time * 1e3
     peaks.plot(time, dataset.normal_force / 1e3, color=style.BLUE, linewidth=0.8)
     sliding.plot(time, dataset.normal_force, color=style.BLUE, linewidth=0.8)
-    printed = float(dataset.printed_peak_force) / 1e3
+    printed = float(dataset.printed_peak_normal_force) / 1e3
     peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
     peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=6.5,
                transform=peaks.transAxes)  # fmt: skip
@@ -80,30 +80,34 @@ def _force(peaks: Axes, sliding: Axes, dataset: xr.Dataset) -> None:
 
 def _top(dataset: xr.Dataset) -> float:
     """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
-    return 1.15e-3 * max(float(dataset.printed_peak_force), float(dataset.normal_force.max()))
+    return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
 
 
 def _one_peak(axes: Axes, dataset: xr.Dataset) -> None:
     sprag = float(dataset.sprag_duration) * 1e6
-    time = dataset.peak_time * 1e6
-    axes.plot(time, dataset.peak_normal_force / 1e3, color=style.BLUE)
+    time = dataset.close_up_time * 1e6
+    axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
     axes.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
     axes.set(title="(c) one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
     axes.margins(x=0)
 
 
 def _sensitivity(axes: Axes, dataset: xr.Dataset) -> None:
-    printed = float(dataset.printed_peak_force) / 1e3
-    part = dataset.printed_peak_force.attrs["relative_tolerance"]
+    printed = float(dataset.printed_peak_normal_force) / 1e3
+    part = dataset.printed_peak_normal_force.attrs["relative_tolerance"]
     axes.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
     axes.text(0.98, 0.2, f"{printed:g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
               transform=axes.transAxes)  # fmt: skip
-    axes.plot(dataset.force, dataset.force_peak_normal_force / 1e3, color=style.BLUE)
-    axes.plot(dataset.axial_force, dataset.peak_force / 1e3, "o", color=style.BLUE)
-    axes.set(title="(d) dependence on $R$, assumed above", xlabel=style.label(dataset.force), ylabel="Peak of $N$ [kN]")
-    axes.set_xlim(0, float(dataset.force[-1]))
+    axes.plot(dataset.swept_axial_force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
+    axes.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
+    axes.set(
+        title="(d) dependence on $R$, assumed above",
+        xlabel=style.label(dataset.swept_axial_force),
+        ylabel="Peak of $N$ [kN]",
+    )
+    axes.set_xlim(0, float(dataset.swept_axial_force[-1]))
     axes.tick_params(axis="y", which="both", right=False)
     right = axes.twinx()
-    right.plot(dataset.force, 100 * dataset.force_orbit_distance, color=style.GREEN, linestyle="--")
+    right.plot(dataset.swept_axial_force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
     right.set_ylabel("Distance to the rigid cycle [%]", color=style.GREEN)
     right.set_ylim(0, None)

@@ -12,7 +12,7 @@ _RULES = {
 }
 # Variable, title, word on the axis, place of the close-up as fractions of the axes.
 _PANELS = (
-    ("vibration_amplitude", "(a) amplitude", "amplitude of $u$", (0.46, 0.50, 0.44, 0.42)),
+    ("amplitude", "(a) amplitude", "amplitude of $u$", (0.46, 0.50, 0.44, 0.42)),
     ("mean_deflection", "(b) mean deflection", "mean deflection", (0.25, 0.13, 0.27, 0.28)),
     ("mean_normal_force", "(c) mean contact force", "mean normal force", (0.55, 0.13, 0.38, 0.22)),
 )
@@ -27,14 +27,14 @@ def draw(dataset: xr.Dataset) -> Figure:
         _curves(axes, dataset, name)
         axes.set(
             title=title,
-            xlabel=style.label(dataset.damping, "damping"),
+            xlabel=style.label(dataset.support_damping, "damping"),
             ylabel=style.label(dataset[name], word),
-            xlim=(0, float(dataset.damping[-1])),
+            xlim=(0, float(dataset.support_damping[-1])),
         )
         axes.locator_params(axis="x", nbins=2)
         if name == "mean_normal_force":
             impulsive = dataset.mean_impulsive_force[0]
-            axes.plot(dataset.damping, impulsive, color=style.GREY, linewidth=1.0, label="part from impulses")
+            axes.plot(dataset.support_damping, impulsive, color=style.GREY, linewidth=1.0, label="part from impulses")
             axes.set_ylim(0, None)
         _close_up(axes.inset_axes(place), dataset, name)
     phase.legend(figure, panels, 3)
@@ -47,14 +47,14 @@ def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float = 1.0) -> N
         colour, dashes, words = _RULES[rule]
         curve = dataset.sel(rule=index)
         if rule == "at once":
-            curve = curve.isel(damping=dataset.damping.values > 0)
-        axes.plot(curve.damping * scale, curve[name], color=colour, linestyle=dashes, label=words)
+            curve = curve.isel(support_damping=dataset.support_damping.values > 0)
+        axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)
 
 
 def _close_up(small: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the curves around the damping below which the screw rests after a seizure."""
-    limit = float(dataset.resting_damping)
-    _curves(small, dataset.isel(damping=dataset.damping.values <= 2 * limit), name, scale=1e6)
+    limit = float(dataset.resting_support_damping)
+    _curves(small, dataset.isel(support_damping=dataset.support_damping.values <= 2 * limit), name, scale=1e6)
     small.axvline(limit * 1e6, color=style.BLACK, linewidth=0.7, linestyle=":")
     small.set_xlabel(r"$c$ [$10^{-6}$ N m s rad⁻¹]", fontsize=6, labelpad=0)
     small.locator_params(nbins=3)

@@ -27,7 +27,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _name(dataset: xr.Dataset, index: int) -> str:
     stiffness, damping = (dataset[f"contact_{word}"].values[index] for word in ("stiffness", "damping"))
-    critical = float(dataset.critical_mass[index])
+    critical = float(dataset.critical_mass_with_contact[index])
     words = f", $m_\\mathrm{{cr}}$ = {critical:.2f} kg"
     return f"$k_c$ = {_power(stiffness)} N m⁻¹, $c_c$ = {_power(damping)} N s m⁻¹{words}"
 
@@ -74,7 +74,7 @@ def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
     """Largest deflection over the contact parameters, with the line on which it vanishes."""
-    damping, stiffness = dataset.damping.values, dataset.stiffness.values
+    damping, stiffness = dataset.grid_contact_damping.values, dataset.grid_contact_stiffness.values
     largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
     mesh = axes.pcolormesh(
         damping,
@@ -85,9 +85,9 @@ def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
         vmax=largest,
         shading="nearest",
     )
-    axes.plot(dataset.boundary_damping, stiffness, color=style.BLACK)
+    axes.plot(dataset.boundary_contact_damping, stiffness, color=style.BLACK)
     axes.set(xscale="log", yscale="log", title="(c) largest deflection, 0 on the line: $c_c$ decides")
-    axes.set(xlabel=style.label(dataset.damping), ylabel=style.label(dataset.stiffness))
+    axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=style.label(dataset.grid_contact_stiffness))
     inside = (dataset.contact_damping >= damping[0]) & (dataset.contact_stiffness >= stiffness[0])
     for k in np.flatnonzero(inside.values)[: len(_COLOURS)]:
         axes.plot(dataset.contact_damping[k], dataset.contact_stiffness[k], "o", color=_COLOURS[k],
@@ -100,9 +100,9 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
     """Shortest time of the trajectory against the contact damping, for the softest and the stiffest contact."""
     speed = abs(float(dataset.input_speed))
     for row, colour in ((0, style.SKY), (-1, style.PURPLE)):
-        curve = dataset.isel(stiffness=row)
-        axes.plot(curve.damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
-                  label=f"$k_c$ = {_power(float(curve.stiffness))} N m⁻¹")  # fmt: skip
+        curve = dataset.isel(grid_contact_stiffness=row)
+        axes.plot(curve.grid_contact_damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
+                  label=f"$k_c$ = {_power(float(curve.grid_contact_stiffness))} N m⁻¹")  # fmt: skip
     for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
         axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour,
                   label="contacts of (a), each with its own $k_c$" if k == 0 else None)  # fmt: skip
@@ -110,7 +110,7 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
         xscale="log",
         yscale="log",
         title="(d) shortest time of the trajectory",
-        xlabel=style.label(dataset.damping),
+        xlabel=style.label(dataset.grid_contact_damping),
         ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]",
     )
     axes.yaxis.set_minor_formatter(NullFormatter())

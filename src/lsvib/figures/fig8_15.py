@@ -40,7 +40,14 @@ def draw(dataset: xr.Dataset) -> Figure:
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     for boundary, dashes in ((dataset.lower_boundary, "-"), (dataset.upper_boundary, "--")):
         name = f"{boundary.attrs['long_name'].split()[0]} branch of (8.29)"
-        axes.plot(dataset.boundary_friction, boundary, color=style.BLUE, linestyle=dashes, linewidth=1.4, label=name)
+        axes.plot(
+            dataset.boundary_friction_coefficient,
+            boundary,
+            color=style.BLUE,
+            linestyle=dashes,
+            linewidth=1.4,
+            label=name,
+        )
     critical = float(dataset.critical_friction)
     words = rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}"
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=words)

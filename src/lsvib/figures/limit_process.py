@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from lsvib.figures import phase, style
 
 _ERRORS = {  # colour, words, symbol
-    "distance": (style.BLUE, "distance in the phase plane", "o"),
+    "motion_distance": (style.BLUE, "distance in the phase plane", "o"),
     "rest_error": (style.GREEN, "time at rest / duration", "s"),
     "impulse_error": (style.ORANGE, "impulse", "^"),
     "period_error": (style.PURPLE, "period", "D"),
@@ -32,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _rebound(rebound, families)
     for axes in (distance, errors, others, rests, rebound):
         axes.set(xscale="log", yscale="log", xlabel="Contact stiffness $k_c$ [N m⁻¹]")
-        axes.set_xlim(float(dataset.stiffness[0]), float(dataset.stiffness[-1]))
+        axes.set_xlim(float(dataset.contact_stiffness[0]), float(dataset.contact_stiffness[-1]))
     phase.legend(figure, [errors], 3, _handles())
     return figure
 
@@ -49,21 +49,21 @@ def _handles() -> list[Line2D]:
 def _lines(axes: Axes, values: xr.DataArray, colour: str, dashes="-", label: str | None = None) -> None:
     """One thin line for each branch; where an error changes its sign the line dips."""
     for k, branch in enumerate(np.abs(values.values)):
-        axes.plot(values.stiffness, branch, color=colour, linestyle=dashes, linewidth=0.6, alpha=0.75,
+        axes.plot(values.contact_stiffness, branch, color=colour, linestyle=dashes, linewidth=0.6, alpha=0.75,
                   label=label if k == 0 else None)  # fmt: skip
 
 
 def _distances(axes: Axes, viscous: xr.Dataset) -> None:
     differ = viscous.rules_differ.values == 1
-    _lines(axes, viscous.distance.isel(rule=0), style.BLUE)
-    _lines(axes, viscous.distance.isel(rule=1)[differ], style.VERMILION, (0, (3, 1.5)))
+    _lines(axes, viscous.motion_distance.isel(rule=0), style.BLUE)
+    _lines(axes, viscous.motion_distance.isel(rule=1)[differ], style.VERMILION, (0, (3, 1.5)))
     _slope(axes, viscous, 2e-4)
     axes.set(title="(a) viscous limit: distance", ylabel="Distance to the rigid motion")
 
 
 def _slope(axes: Axes, viscous: xr.Dataset, height: float) -> None:
     """A triangle of order one."""
-    left, right = float(viscous.stiffness[-1]) / 2000, float(viscous.stiffness[-1]) / 20
+    left, right = float(viscous.contact_stiffness[-1]) / 2000, float(viscous.contact_stiffness[-1]) / 20
     axes.plot([left, right, left], [height, height / 100, height / 100], color=style.BLACK, linewidth=0.7, zorder=3)
     axes.plot([left, left], [height, height / 100], color=style.BLACK, linewidth=0.7, zorder=3)
     axes.text(left * 1.3, height / 80, "order 1", va="bottom", fontsize=6)
@@ -72,7 +72,7 @@ def _slope(axes: Axes, viscous: xr.Dataset, height: float) -> None:
 def _errors(axes: Axes, viscous: xr.Dataset) -> None:
     for name, (colour, words, _) in _ERRORS.items():
         values = viscous[name].isel(rule=0) if "rule" in viscous[name].dims else viscous[name]
-        values = values / viscous.duration if name == "rest_error" else values
+        values = values / viscous.rigid_duration if name == "rest_error" else values
         _lines(axes, values, colour, label=words)
     axes.set(title="(b) viscous limit: all errors", ylabel="Relative error")
 
@@ -89,8 +89,8 @@ def _orders(axes: Axes, viscous: xr.Dataset) -> None:
 
 
 def _others(axes: Axes, families: dict[str, xr.Dataset]) -> None:
-    _lines(axes, families[_ELASTIC].distance.isel(rule=0), style.GREY)
-    _lines(axes, families[_RATIO].distance.isel(rule=0), style.SKY)
+    _lines(axes, families[_ELASTIC].motion_distance.isel(rule=0), style.GREY)
+    _lines(axes, families[_RATIO].motion_distance.isel(rule=0), style.SKY)
     axes.set(title="(d) other limits: distance", ylabel="Distance to the rigid motion")
 
 
@@ -104,7 +104,7 @@ def _rests(axes: Axes, families: dict[str, xr.Dataset]) -> None:
 
 def _rebound(axes: Axes, families: dict[str, xr.Dataset]) -> None:
     for name, colour in ((_RATIO, style.SKY), (_VISCOUS, style.BLUE)):
-        axes.plot(families[name].stiffness, families[name].rebound_force, color=colour)
+        axes.plot(families[name].contact_stiffness, families[name].rebound_force, color=colour)
     forces = np.unique(np.abs(families[_VISCOUS].axial_force.values))
     for force in forces:
         axes.axhline(force, color=style.BLACK, linewidth=0.7, linestyle=":")

@@ -25,10 +25,12 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
-    rigid = float(dataset.rigid_critical_mass)
-    axes.plot(dataset.nut_inertia, dataset.critical_mass, color=style.BLUE, label="(8.33)")
+    rigid = float(dataset.critical_mass)
+    axes.plot(dataset.nut_inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="(8.33)")
     some = dataset.isel(nut_inertia=np.linspace(0, dataset.sizes["nut_inertia"] - 1, _MARKS).astype(int))
-    axes.plot(some.nut_inertia, some.critical_mass_by_eigenvalues, "o", color=style.VERMILION, label="by eigenvalues")
+    axes.plot(
+        some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, label="by eigenvalues"
+    )
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.text(float(dataset.nut_inertia[0]) * 1.3, rigid, f"rigid: {rigid:.3f} kg", color=style.GREY, fontsize=6.5,
               va="bottom")  # fmt: skip
@@ -48,7 +50,7 @@ def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
     kinematic = (dataset.stability == codes["kinematic"]).T
     colours = ListedColormap(["#FFFFFF", _KINEMATIC])
     axes.pcolormesh(dataset.friction_coefficient, dataset.nut_inertia, kinematic, cmap=colours, rasterized=True)
-    axes.plot(dataset.friction_coefficient, dataset.boundary, color=style.BLUE)
+    axes.plot(dataset.friction_coefficient, dataset.boundary_nut_inertia, color=style.BLUE)
     tangent = float(np.tan(dataset.lead_angle))
     axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
     axes.text(tangent, 0.92, r"$\tan\lambda$ ", fontsize=6.5, ha="right", transform=axes.get_xaxis_transform())

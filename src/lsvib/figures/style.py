@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any
 
@@ -54,6 +54,9 @@ _STYLE = {
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NOTE = 7  # size of the line under a picture [pt], legible in print
+_STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
+_LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
 
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
@@ -86,6 +89,76 @@ def unit(units: str) -> str:
     if units == "1":
         return ""
     return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(SUPERSCRIPTS), units) + "]"
+
+
+def number(value: float) -> str:
+    """Return a number for a text: a minus sign in place of a hyphen, a power of ten where it is short."""
+    text = f"{float(value):g}".replace("-", "−")
+    if float(value) == 0 or ("e" not in text and 0.01 <= abs(float(value)) < 1e5):
+        return text
+    mantissa, power = f"{float(value):.3e}".split("e")
+    factor = "" if float(mantissa) == 1 else f"{float(mantissa):g} \\times "
+    return f"${factor}10^{{{int(power)}}}$"
+
+
+def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
+    """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
+    values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
+    if values.size > _LISTED:
+        text = f"{number(values[0])} to {number(values[-1])}"
+    else:
+        text = ", ".join(number(value) for value in values)
+    name = variable.attrs.get("symbol", variable.attrs["long_name"])
+    return f"{name} = {text} {unit(variable.attrs['units']).strip('[]')}".strip()
+
+
+def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
+    """Return :func:`amount` of each parameter, as far as it is "printed" beyond Table 8.1, or "assumed", each once.
+
+    The attribute ``origin`` of a parameter says which; of several values it names those that are printed and not
+    assumed after the word "except".
+    """
+    found = []
+    for variable in dataset.variables.values():
+        origin = variable.attrs.get("origin", "")
+        if not origin.startswith(("printed", "assumed")) or origin == "printed: Table 8.1":
+            continue
+        rule, _, exceptions = origin.partition(", except ")
+        values = np.unique(variable.values)
+        excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
+        chosen = values[excepted != rule.startswith(kind)]
+        if chosen.size:
+            found.append(amount(xr.DataArray(variable), chosen))
+    return list(dict.fromkeys(found))
+
+
+def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Table 8.1.") -> None:
+    """Write under a picture which values it holds for, by the metadata of the dataset alone.
+
+    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed, then
+    ``rest``. The text is broken where it would be wider than the figure.
+    """
+    words = [
+        *_enumeration("As printed: ", amounts(dataset, "printed")),
+        *_enumeration("Assumed: ", amounts(dataset, "assumed")),
+    ]
+    words.append(rest if words else "All values: Table 8.1.")
+    note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
+    room = 0.98 * figure.bbox.width
+    lines: list[str] = []
+    for word in words:
+        note.set_text(f"{lines[-1]} {word}" if lines else word)
+        if lines and note.get_window_extent().width <= room:
+            lines[-1] = note.get_text()
+        else:
+            lines.append(word)
+    note.set_text("\n".join(lines))
+
+
+def _enumeration(start: str, items: Sequence[str]) -> list[str]:
+    """Return the pieces of "start a, b, c." that a line break may part."""
+    ends = [","] * (len(items) - 1) + ["."]
+    return [f"{start if k == 0 else ''}{item}{end}" for k, (item, end) in enumerate(zip(items, ends, strict=False))]
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:

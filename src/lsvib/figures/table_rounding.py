@@ -35,7 +35,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             change = 100 * np.abs(column.relative_change.values)
             axes.barh(place, change, left=width, color=colour, label=f"half a unit of {symbol}")
             width = width + change
-        residual = 100 * np.abs(dataset.residual.values)
+        residual = 100 * np.abs(dataset.print_residual.values)
         axes.plot(residual, place, "D", color=style.VERMILION, markersize=5, label="printed less computed, size",
                   clip_on=False)  # fmt: skip
         axes.set(title=words, xlabel="Part of the threshold [%]", xlim=(0, 1.15 * max(residual.max(), width.max())))

@@ -29,6 +29,7 @@ from lsvib.models.automaton import (
     oscillator,
 )
 from lsvib.models.coefficients import coefficients
+from lsvib.models.once import once
 from lsvib.models.parameters import PLACES, LeadScrew
 from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_drive
 
@@ -36,8 +37,9 @@ BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
 _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
+@once
 def backward_drive(drive: LeadScrew, touch: Decimal | None = None) -> Automaton:
-    """Build the automaton of a drive in reversed time, Ω > 0.
+    """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
     only. Raises ``InputError`` if Ω < 0: mirror the drive.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
 from lsvib.models import friction
+from lsvib.models.once import once
 from lsvib.models.parameters import PLACES, LeadScrew
 
 
@@ -25,6 +26,7 @@ class Coefficients:
         return self.gamma[1] <= 0
 
 
+@once
 def coefficients(drive: LeadScrew) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, to 50 digits."""
     d = drive.exact()

@@ -45,6 +45,7 @@ from lsvib.models.automaton import (
 )
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.model import Model
+from lsvib.models.once import once
 from lsvib.models.parameters import PLACES, LeadScrew
 
 
@@ -82,13 +83,19 @@ _FORWARD, _BACKWARD = "slip_forward_negative", "slip_backward_positive"  # the s
 
 
 def rigid_drive(drive: LeadScrew, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
-    """Build the rigid drive's automaton.
+    """Return the rigid drive's automaton.
 
     Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
     for motions that are known not to reach it – only outside the Painlevé region; ``resume``: see the module docstring.
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``InputError`` for ``rest=False`` in the Painlevé region.
     """
+    # Without seizures the rules of resuming make no difference.
+    return _automaton(drive, rest, resume if coefficients(drive).paradox else "contact_sign")
+
+
+@once
+def _automaton(drive: LeadScrew, rest: bool, resume: Resume) -> Automaton:
     c = coefficients(drive)
     d = drive.exact()
     with localcontext(prec=PLACES):

@@ -48,8 +48,9 @@ class Scene(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
-        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive  # of another kind: converted
-        return {**values, "drive": drive if type(drive) is kind else kind.of(drive)}
+        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
+        known = isinstance(drive, LeadScrew) and drive.model == kind.model  # of another model: converted
+        return {**values, "drive": drive if known else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two keys: initial state, words of physics and outputs, no term that physics omits."""
@@ -119,7 +120,7 @@ class _Loader(yaml.SafeLoader):
                         None, None, f"the key {key.value} is given twice", key.start_mark
                     )
                 seen.add((key.tag, key.value))
-        return super().construct_mapping(node, deep)
+        return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
 
     def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
         text = self.construct_scalar(node)

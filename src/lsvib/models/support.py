@@ -23,6 +23,7 @@ from decimal import localcontext
 from lsvib.errors import InputError
 from lsvib.models.automaton import Automaton, scaled
 from lsvib.models.mechanics import Solution, TwoBodies, constant, event_enum, mode_enum, plus, solved
+from lsvib.models.once import once
 from lsvib.models.parameters import PLACES, SupportDrive
 from lsvib.models.reach import SWINGS
 from lsvib.models.screw import Screw
@@ -35,12 +36,17 @@ SupportEvent = event_enum("SupportEvent", "slide")
 
 
 def support_drive(drive: SupportDrive, *, slide: bool = False, bearing: bool = False) -> Automaton:
-    """Build the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
+    """Return the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
 
     Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
     [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``EngineError`` if
     the rates of a mode cannot be separated in double precision.
     """
+    return _automaton(drive, slide, bearing)
+
+
+@once
+def _automaton(drive: SupportDrive, slide: bool, bearing: bool) -> Automaton:
     with localcontext(prec=PLACES):
         return two_bodies(_Build(drive, slide, bearing).bodies(), SupportMode, SupportEvent)
 

@@ -23,6 +23,7 @@ from lsvib.models.coefficients import coefficients
 from lsvib.models.flow import LinearMode, flow_of, linear_mode
 from lsvib.models.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.models.model import Model, seizures_only_by_contact
+from lsvib.models.once import once
 from lsvib.models.parameters import PLACES, ThreadsDrive
 from lsvib.models.reach import SWINGS
 
@@ -54,8 +55,9 @@ class ThreadsMode(IntEnum):
 _UNDER_LAW_PLUS = (ThreadsMode.SLIP_FORWARD_POSITIVE, ThreadsMode.SLIP_BACKWARD_NEGATIVE)
 
 
+@once
 def threads_drive(drive: ThreadsDrive) -> Automaton:
-    """Build the automaton of the drive with compliant threads.
+    """Return the automaton of the drive with compliant threads.
 
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``EngineError`` if the coordinates of a mode cannot be told apart in double precision.

@@ -1,0 +1,321 @@
+"""Drives as users know them: parameters, and all that can be asked of them.
+
+A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
+asked: making a drive, or asking for its stability, loads no engine.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from lsvib.errors import InputError
+from lsvib.models import numbers, parameters
+from lsvib.models.coefficients import Coefficients, coefficients
+from lsvib.models.parameters import LeadScrew
+from lsvib.results import StabilityReport, Threshold
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lsvib.analysis.basin import Basin
+    from lsvib.analysis.cycles import Attractor, SteadyState
+    from lsvib.analysis.grid import Grid
+    from lsvib.models.automaton import Automaton
+    from lsvib.models.scene import Scene
+
+__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction"]
+
+Progress = Callable[[int, int], None]
+RULES = ("contact_sign", "at_once")  # of resuming after a seizure, see :mod:`lsvib.models.rigid`
+_LONGEST = 1e9  # s, as of a scene
+_MOST_THREADS = 4096  # more than any machine has
+
+
+class _Drive(LeadScrew):
+    """What can be asked of a drive of any model."""
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """Coefficients of the equations of motion (8.13)–(8.17) of the rigid drive with these parameters, to 50 digits.
+
+        >>> import lsvib
+        >>> lsvib.RigidDrive(mass=11).coefficients.paradox
+        True
+        """
+        return coefficients(self)
+
+    def stability(self) -> StabilityReport:
+        """Return the linear stability of steady sliding (eqs 8.18–8.21).
+
+        Raises ``InputError`` if the contact carries no force.
+
+        >>> import lsvib
+        >>> report = lsvib.RigidDrive(mass=11).stability()
+        >>> report.stable, report.kind, report.conditions["paradox"].hold
+        (False, 'saddle', True)
+        """
+        from lsvib.analysis.stability_table import stability_table
+
+        return StabilityReport.of(stability_table(self, self.model))
+
+    def thresholds(self) -> dict[str, Threshold]:
+        """Return the thresholds of this very drive by name.
+
+        Of the rigid model the critical mass and friction and the forces of Sects 8.5 to 8.7 (all other parameters are
+        this drive's), of another the boundaries of stability in mass, friction and the damping that it adds. Raises
+        ``InputError`` if the contact carries no force.
+
+        >>> import lsvib
+        >>> mass = lsvib.RigidDrive().thresholds()["critical_mass"]
+        >>> f"{mass.value:.6f} {mass.unit}"
+        '10.106965 kg'
+        """
+        from lsvib.analysis.summary import threshold_table
+
+        return Threshold.by_name(threshold_table(self, self.model))
+
+    def automaton(self, *, physics: Sequence[str] | None = None, resume: str = "contact_sign") -> "Automaton":
+        """Return the tables that the engine runs; made once, and shared: do not change them.
+
+        ``physics``: the terms as in a scene, by default those that are not zero, and rest; ``resume``: the rule of
+        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.models.rigid`). Raises ``InputError``.
+
+        >>> import lsvib
+        >>> lsvib.RigidDrive().automaton().states
+        ('angle_deviation', 'velocity_deviation')
+        """
+        scene = self._scene({"u": 0.0, "w": 0.0}, 1.0, physics=physics, resume=resume)
+        return scene.kind.build(self, scene.terms, scene.resume)
+
+    def simulate(
+        self,
+        initial: Mapping[str, float],
+        duration: float,
+        *,
+        samples: int = 1001,
+        resume: str = "contact_sign",
+        physics: Sequence[str] | None = None,
+        outputs: Sequence[str] = ("normal_force", "coupling_torque"),
+    ) -> "xr.Dataset":
+        """Return the exact motion from a start, with its events.
+
+        Arguments: ``initial``, u [rad], w [rad/s], and what else the model has, by name; ``duration`` [s]; number of
+        ``samples``, both ends included; ``resume`` and ``physics`` as of :meth:`automaton`; ``outputs``, observables to
+        store. The dataset is that of :func:`lsvib.simulate`. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
+        >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
+        (1001, 12, 'N')
+        """
+        from lsvib.datasets.trajectory import run, trajectory
+
+        scene = self._scene(initial, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
+        return trajectory(scene, run(scene))
+
+    def steady_state(
+        self,
+        initial: Mapping[str, float],
+        *,
+        resume: str = "contact_sign",
+        physics: Sequence[str] | None = None,
+    ) -> "SteadyState":
+        """Return the attractor that the motion from a start reaches; arguments as of :meth:`simulate`.
+
+        Its ``label`` is an :class:`lsvib.Attractor`; ``period`` [s] and ``amplitude`` [rad], half the peak-to-peak of
+        u, are exact. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> found = drive.steady_state({"u": 0.1, "w": 0.0})
+        >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
+        ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
+        """
+        from lsvib.analysis.cycles import steady_state
+        from lsvib.models.motion import enter
+
+        scene = self._scene(initial, 1.0, resume=resume, physics=physics)
+        automaton = scene.kind.build(self, scene.terms, scene.resume)
+        state = scene.kind.initial_state(self, scene.initial)
+        enter(automaton, state)  # refuses what is no state
+        return steady_state(automaton, state)
+
+    def basin(self) -> "Basin":
+        """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
+
+        Its areas are in rad²/s. Raises ``InputError`` for other models, where steady sliding attracts nothing, and for
+        the few drives that docs/basin.md lists; ``EngineError``.
+
+        >>> import lsvib
+        >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
+        >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
+        ('TOUCHING_MOTION', True, False)
+        """
+        raise InputError(
+            f"the basin has a closed form for the rigid drive only; attraction maps that of model {self.model}."
+        )
+
+    def attraction(
+        self,
+        grid: "Grid | Mapping[str, Any]",
+        *,
+        quantities: Sequence[str] = ("label",),
+        resume: str = "contact_sign",
+        threads: int = 1,
+        refine: bool = False,
+        progress: Progress | None = None,
+    ) -> "xr.Dataset":
+        """Return the map of the attractors that motions reach from every cell of a grid.
+
+        Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
+        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s], seizures, first_event (the
+        label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``, which changes no number;
+        ``refine``, compute only what lies near boundaries (labels of the rigid drive; the dataset then holds blocks);
+        ``progress``, called with the numbers of rows done and in all. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> found = drive.attraction({"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)})
+        >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
+        ((30, 40), '0.9553 rad2 s-1')
+        """
+        return map_attraction(self, grid, quantities, resume, threads, refine, progress).dataset
+
+    def _scene(self, initial: Mapping[str, float], duration: float, **more: Any) -> "Scene":
+        from lsvib.models.scene import Scene
+
+        try:
+            end = numbers.number(duration)
+        except numbers.NotNumber as error:
+            raise InputError(f"duration = {numbers.shown(duration)} {error}.") from None
+        if not 0 < end <= _LONGEST:
+            raise InputError(
+                f"duration = {numbers.shown(duration)} is outside the allowed range 0 < duration <= {_LONGEST:g}."
+            )
+        return Scene(model=self.model, drive=self, initial=initial, t_end=end, **more)
+
+
+class RigidDrive(_Drive):
+    """A drive whose nut and screw are rigid: one degree of freedom (Sect. 5.3); parameters as below, in SI units.
+
+    >>> import lsvib
+    >>> lsvib.RigidDrive(mass=11, axial_force=-10).replace(mass=12)
+    RigidDrive(mass=12.0, axial_force=-10.0)
+    """
+
+    def basin(self) -> "Basin":
+        from lsvib.analysis.basin import basin
+
+        return basin(self)
+
+
+class ThreadsDrive(_Drive, parameters.ThreadsDrive):
+    """A drive with compliant threads (Sect. 5.5).
+
+    >>> import lsvib
+    >>> lsvib.ThreadsDrive(mass=9, contact_damping=5e4).stability().kind
+    'flutter'
+    """
+
+
+class SupportDrive(_Drive, parameters.SupportDrive):
+    """A drive with a compliant axial support of the screw (Sect. 5.6).
+
+    >>> import lsvib
+    >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
+    'kinematic'
+    """
+
+
+class NutDrive(_Drive, parameters.NutDrive):
+    """A drive whose nut can rotate on a spring (Sect. 5.8).
+
+    >>> import lsvib
+    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic"].hold
+    True
+    """
+
+
+DRIVES: dict[str, type[_Drive]] = {kind.model: kind for kind in (RigidDrive, ThreadsDrive, SupportDrive, NutDrive)}
+
+
+def drive_class(model: str) -> type[_Drive]:
+    """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
+    if not isinstance(model, str) or model not in DRIVES:
+        raise InputError(f"model = {numbers.shown(model)} is not one of {', '.join(DRIVES)}.")
+    return DRIVES[model]
+
+
+@dataclass(frozen=True)
+class AttractionMap:
+    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took."""
+
+    dataset: "xr.Dataset"
+    counts: "Mapping[Attractor, int]"
+    seconds: float
+
+
+def map_attraction(
+    drive: LeadScrew,
+    grid: "Grid | Mapping[str, Any]",
+    quantities: Sequence[str] = ("label",),
+    resume: str = "contact_sign",
+    threads: Any = 1,
+    refine: bool = False,
+    progress: Progress | None = None,
+) -> AttractionMap:
+    """Map the region of attraction of a drive; arguments as of :meth:`RigidDrive.attraction`.
+
+    The seconds are those of mapping, without compiling.
+    """
+    from lsvib.analysis import refinement
+    from lsvib.analysis.attraction import mapper
+    from lsvib.datasets.attraction import attraction_map, refined_map
+
+    workers = _threads(threads)
+    if resume not in RULES:
+        raise InputError(f"resume = {numbers.shown(resume)} is not one of {', '.join(RULES)}.")
+    starts = _grid(grid)
+    mapped = mapper(drive, drive.model, resume=resume)
+    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
+        raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
+    wanted = list(dict.fromkeys(["label", *quantities]))
+    if refine and (wanted != ["label"] or drive.model != "rigid"):
+        raise InputError("refine is for labels of the rigid drive, without other quantities.")
+    mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
+    begin = perf_counter()
+    if refine:
+        blocks = refinement.refine(mapped, starts)
+        seconds = perf_counter() - begin
+        return AttractionMap(refined_map(mapped, blocks), blocks.counts(), seconds)
+    found = mapped.cells(starts, quantities=wanted, threads=workers, progress=progress)
+    seconds = perf_counter() - begin
+    return AttractionMap(attraction_map(mapped, starts, found), refinement.count(found["label"]), seconds)
+
+
+def _threads(given: Any) -> int:
+    allowed = f"the allowed range is 1 <= threads <= {_MOST_THREADS}"
+    try:
+        count = numbers.whole(given)
+    except numbers.NotNumber as error:
+        raise InputError(f"threads = {numbers.shown(given)} {error}; {allowed}.") from None
+    if not 1 <= count <= _MOST_THREADS:
+        raise InputError(f"threads = {count} is outside the allowed range 1 <= threads <= {_MOST_THREADS}.")
+    return count
+
+
+def _grid(given: "Grid | Mapping[str, Any]") -> "Grid":
+    """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
+    from lsvib.analysis.grid import Grid
+
+    if isinstance(given, Grid):
+        return given
+    values = parameters.names_and_values("grid", given)
+    for name, span in values.items():
+        if isinstance(span, tuple | list):
+            if len(span) != 3:
+                raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
+            values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
+    return Grid.of(values)

@@ -1,0 +1,100 @@
+"""The results of the commands as text, for people; ``--json`` prints the same as one object."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+
+def print_json(value: Mapping[str, Any]) -> None:
+    """Print one JSON object."""
+    print(json.dumps(value, indent=2, allow_nan=False))
+
+
+def print_thresholds(table: Mapping[str, Any]) -> None:
+    """Print a table of :func:`lsvib.thresholds`."""
+    for name, entry in table.items():
+        if "stable_intervals" in entry:
+            _print_boundary(name, entry)
+            continue
+        if entry["value"] is None:
+            print(f"{name:22s} none: {entry['reason']}")
+            continue
+        line = f"{name:22s} {entry['value']:.12g} {entry['unit']}"
+        if entry["expected"] is not None:
+            verdict = "pass" if entry["passed"] else "FAIL"
+            line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
+        print(line)
+
+
+def print_stability(table: Mapping[str, Any]) -> None:
+    """Print a table of :func:`lsvib.stability`."""
+    neutral = table["class"] in ("neutral", "centre")
+    verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
+    kind = table["class"].replace("_", " ")
+    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
+    for value in table["eigenvalues"]:
+        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
+    _print_quantities(table.get("quantities", {}))
+    for quantity in ("effective_inertia", "effective_damping") if "effective_inertia" in table else ():
+        entry = table[quantity]
+        print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
+    _print_conditions(table["conditions"])
+    if "without_damping" in table:
+        print(f"without any damping: {table['without_damping']['class']}")
+        _print_quantities(table["without_damping"]["quantities"])
+        _print_conditions(table["without_damping"]["conditions"])
+
+
+def print_motion(result: Mapping[str, Any]) -> None:
+    """Print the summary of a motion."""
+    final = result["final_state"]
+    numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
+    print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
+    print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
+    print(f"attractor: {result['attractor'].replace('_', ' ')}")
+    print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
+    if result.get("peak_normal_impulse"):
+        print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
+
+
+def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
+    """Print the summary of a map; ``counts``, cells by attractor."""
+    for kind, cells in counts.items():
+        if cells and kind >= 0:
+            share = f"a fraction of {cells / result['cells']:.6g}"
+            print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
+    print(f"unresolved: {result['unresolved']} cells")
+    area = result["exact_basin_area"]
+    if area is not None:
+        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
+    print(f"{result['cells_per_second']:.3g} cells per second")
+
+
+def print_parameters(fields: Mapping[str, Any]) -> None:
+    """Print the parameters of a drive with units and allowed ranges."""
+    for key, entry in fields.items():
+        print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
+
+
+def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
+    """Print a boundary of stability, why there is none, and the intervals of the parameter that are stable."""
+    print(f"{name:27s} {_value(entry)}")
+    for interval in entry["stable_intervals"]:
+        high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
+        print(f"  {entry['stability']} stability from {interval['low']:.12g} {high} {entry['unit']}")
+    if "reason" in entry:
+        print(f"  {entry['reason']}")
+
+
+def _value(entry: Mapping[str, Any]) -> str:
+    return "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+
+
+def _print_quantities(quantities: Mapping[str, Any]) -> None:
+    for name, entry in quantities.items():
+        print(f"  {name}: {_value(entry)}")
+
+
+def _print_conditions(conditions: Mapping[str, Any]) -> None:
+    for name, condition in conditions.items():
+        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")
