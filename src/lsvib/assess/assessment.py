@@ -86,7 +86,10 @@ def assess(
     folder: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Assessment:
-    """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError`` in one sentence."""
+    """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`.
+
+    Raises ``InputError`` in one sentence.
+    """
     entries = nominal_draw(sheet)
     values = {key: float(value) for key, value in quantities(sheet, entries).items()}
     _require_a_drive(sheet, values)

@@ -86,6 +86,8 @@ def _boundaries(
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
         found[_BOUNDARIES["onset_force"]] = -lever * drive.translation_damping * direction * turning - weight
+    if sheet.support is not None:  # the other thresholds are those of a screw that cannot shift
+        return found
     for name in ("stick_force", "detach_force", "global_stability_force"):
         try:
             force = getattr(thresholds, name)(drive)

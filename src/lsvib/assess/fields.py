@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
@@ -87,7 +88,7 @@ def _curve(value: Any) -> Curve:
         raise NotQuantity("is not a list of at least two pairs [sliding speed, coefficient]")
     speeds = [quantity(row[0], "m/s")[0] for row in value]
     coefficients = [quantity(row[1], "")[0] for row in value]
-    if any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)) or speeds[0] < 0:
+    if any(b <= a for a, b in pairwise(speeds)) or speeds[0] < 0:
         raise NotQuantity("has sliding speeds that do not ascend from zero or above")
     if min(coefficients) < 0 or max(coefficients) > 3:
         raise NotQuantity("has a coefficient outside the allowed range 0 <= value <= 3")

@@ -47,8 +47,8 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
 
     ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
     [rad/s] and ``force`` [N]; ``direction`` of travel ±1. Besides the mechanisms: ``law``, s_0 = ±1, and
-    ``push_needed``, the reserve of Γ₊, or Γ̃₊ with a support, where steady sliding under law − is stable but no longer the only motion (Sect.
-    8.7). NaN where μ is not below cot λ.
+    ``push_needed``, the reserve of Γ₊ (Γ̃₊ with a support) under law −: below zero steady sliding is stable but no
+    longer the only motion (Sect. 8.7). NaN where μ is not below cot λ.
     """
     at = sheets.point(sheet, values, direction, speed, force)
     p = at.parameters

@@ -23,7 +23,8 @@ figcaption { color: var(--soft); font-size: .9rem; }
 table { border-collapse: collapse; width: 100%; margin: .75rem 0; font-size: .93rem; }
 th, td { text-align: left; vertical-align: top; padding: .4rem .6rem .4rem 0; border-bottom: 1px solid var(--line); }
 th { color: var(--soft); font-weight: 600; } td small { color: var(--soft); display: block; }
-code, pre { font: .85rem/1.4 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; white-space: pre-wrap; }
+code, pre { font: .85rem/1.4 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere;
+  white-space: pre-wrap; }
 pre { background: var(--tint); padding: .7rem; border-radius: .4rem; }
 .assumed { background: #fbf3d9; padding: 0 .3rem; border-radius: .2rem; }
 @media (max-width: 640px) {
@@ -31,7 +32,8 @@ pre { background: var(--tint); padding: .7rem; border-radius: .4rem; }
   thead { display: none; } tr { display: block; border-bottom: 1px solid var(--line); padding: .4rem 0; }
   td { display: block; border: 0; padding: .1rem 0; }
   td[data-name]::before { content: attr(data-name) ": "; color: var(--soft); }
-  td:first-child { font-weight: 600; } td:first-child small { font-weight: 400; } td:first-child::before { content: ""; }
+  td:first-child { font-weight: 600; }
+  td:first-child small { font-weight: 400; } td:first-child::before { content: ""; }
 }
 @media print {
   body { font-size: 10.5pt; max-width: none; padding: 0; } h2 { break-after: avoid; } tr { break-inside: avoid; }

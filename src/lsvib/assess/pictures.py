@@ -31,6 +31,8 @@ _COLOURS = {
 _NAMES = {"steady": "steady", "steady_until_pushed": "steady until pushed"}
 _FACTORS = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))  # marks of the axis of margins, wide to narrow
 _MOST = 10.0  # factor beyond which a margin is only told
+_SMALL = 1e-4  # below it a thousandth of the usual unit reads better
+_NOTABLE = 0.5  # of the speed: a swing that comes so near to standstill that its line is drawn
 _SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
 
 
@@ -77,36 +79,32 @@ def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
     return figure
 
 
-def margin_chart(assessment: Assessment, names: list[str]) -> Figure:
-    """Factors on each quantity at which the verdict on each mechanism changes."""
+def margin_chart(assessment: Assessment, name: str) -> Figure:
+    """Factors on each quantity at which the verdict on one mechanism changes."""
+    one = assessment.mechanisms[name]
     rows = [
-        (MECHANISMS[name][0], CHANGES[row.quantity], row.factor, assessment.mechanisms[name].occurs)
-        for name in names
-        for row in assessment.mechanisms[name].margins
+        (CHANGES[row.quantity], row.factor)
+        for row in one.margins
         if row.factor is not None and 1 / _MOST <= row.factor <= _MOST
     ]
-    figure = style.new_figure(WIDTH, 0.9 + 0.19 * max(len(rows), 1))
+    figure = style.new_figure(WIDTH, 0.75 + 0.2 * max(len(rows), 1))
     axis = figure.subplots()
-    for k, (_, _, factor, occurs) in enumerate(rows):
-        colour = style.GREEN if occurs else style.VERMILION
-        axis.barh(k, math.log10(factor), color=colour, height=0.65)
-        side = "left" if factor > 1 else "right"
-        axis.annotate(f"×{factor:.3g}", (math.log10(factor), k), (3 if factor > 1 else -3, 0), textcoords="offset points",
-                      ha=side, va="center", fontsize=6.5)  # fmt: skip
-    single = len({row[0] for row in rows}) == 1
-    axis.set_yticks(
-        range(len(rows)), [row[1] if single else f"{row[1]}\n({row[0].lower()})" for row in rows], fontsize=6.5
-    )
+    for k, (_, factor) in enumerate(rows):
+        place, right = math.log10(factor), factor > 1
+        axis.barh(k, place, color=style.GREEN if one.occurs else style.VERMILION, height=0.65)
+        axis.annotate(
+            f"×{factor:.3g}", (place, k), (3 if right else -3, 0), textcoords="offset points",
+            ha="left" if right else "right", va="center", fontsize=6.5,
+        )  # fmt: skip
+    axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
     axis.invert_yaxis()
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
-    span = max([abs(math.log10(row[2])) for row in rows], default=0.3) * 1.45 + 0.05
+    span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.5 + 0.05
     axis.set_xlim(-span, span)
     choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in _FACTORS]
     ticks = next((marks for marks in choices if len(marks) > 2), choices[-1])
     axis.set_xticks([math.log10(factor) for factor in ticks], [f"×{factor:g}" for factor in ticks])
-    axis.set_xlabel("Factor on the quantity")
-    handles = [Patch(color=style.VERMILION, label="starts the vibration"), Patch(color=style.GREEN, label="ends it")]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=7)
+    axis.set_xlabel(f"Factor at which it {'ends' if one.occurs else 'starts'}")
     return figure
 
 
@@ -115,13 +113,17 @@ def motion_chart(motion: Motion) -> Figure:
     figure = style.new_figure(WIDTH, 4.6)
     plane, history = figure.subplots(2, 1)
     moved = motion.vibration
-    plane.plot(1e3 * moved.angle, moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
-    plane.axhline(0, color=style.GREY, linewidth=0.6)
-    plane.set(xlabel="Twist of the coupling from steady running [mrad]", ylabel="Screw speed [rpm]")
+    turn, twist = (1e6, "µrad") if np.abs(moved.angle).max() < _SMALL else (1e3, "mrad")
+    plane.plot(turn * moved.angle, moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
+    if np.ptp(moved.speed) > _NOTABLE * np.abs(moved.speed).max():
+        plane.axhline(0, color=style.GREY, linewidth=0.6)
+    plane.set(xlabel=f"Twist of the coupling from steady running [{twist}]", ylabel="Screw speed [rpm]")
     plane.set_title("How the screw turns")
     time = moved.time
     unit, factor = ("ms", 1e3) if time[-1] < 1 else ("s", 1.0)
-    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < 1e-4 else (1e3, "mm")
+    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < _SMALL else (1e3, "mm")
+    if np.abs(moved.deviation).max() < 1e-3 * _SMALL:
+        size, micro = 1e9, "nm"
     history.plot(factor * time, size * moved.deviation, color=style.VERMILION, linewidth=0.9)
     history.set(xlabel=f"Time [{unit}]", ylabel=f"Load off its steady path [{micro}]")
     history.set_title("How the load moves")

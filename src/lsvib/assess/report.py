@@ -7,13 +7,15 @@ import yaml
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment, Mechanism, Motion
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.drive import QUANTITIES, random_entries
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
 from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, VERDICTS
 
 _TONES = {"vibrates": "bad", "may vibrate": "warn", "steady until pushed": "warn", "steady without reserve": "warn"}
+_MARGINS = 3  # causes whose margins are drawn
+_NEAR = 10.0  # factor within which a margin is worth a bar
 _UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
 
 
@@ -127,26 +129,30 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
 def _changes(assessment: Assessment) -> list[Html]:
     names = [
         name for name in shown_mechanisms(assessment)
-        if any(row.factor is not None for row in assessment.mechanisms[name].margins)
+        if any(row.factor and 1 / _NEAR <= row.factor <= _NEAR for row in assessment.mechanisms[name].margins)
     ]  # fmt: skip
     if not names:
         return []
     first = names[0]
     best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
     text = (
-        f"Per cent for per cent, the strongest single lever on {MECHANISMS[first][0].lower()} is the {CHANGES[best[0]]}: "
-        f"1 % more changes the reserve by {0.01 * best[1]:+.4f}."
+        f"Per cent for per cent, the strongest single lever on {MECHANISMS[first][0].lower()} is the "
+        f"{CHANGES[best[0]]}: 1 % more changes the reserve by {0.01 * best[1]:+.4f}."
     )
     return [
         page.heading("How close it is, and what to change"),
         page.paragraph(
-            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes. Bars that "
-            "would need more than a factor of ten either way are left out; the complete table is in assessment.json."
+            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes. Bars "
+            "that would need more than a factor of ten either way are left out; the complete table is in "
+            "assessment.json."
         ),
         page.side_by_side(
-            page.picture(
-                pictures.embedded(pictures.margin_chart, assessment, names),
-                "Factor on each quantity at which vibration starts (or ends).",
+            *(
+                page.picture(
+                    pictures.embedded(pictures.margin_chart, assessment, name),
+                    f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
+                )
+                for name in names[:_MARGINS]
             ),
             page.picture(
                 pictures.embedded(pictures.sensitivity_chart, assessment, first),
@@ -164,8 +170,8 @@ def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
         page.heading("Where it vibrates"),
         page.picture(
             pictures.embedded(pictures.operating_chart, charts, assessment),
-            "Operating chart at the middle values: what happens at each speed and force. The blue frame is the operating "
-            f"window; a force above zero opposes outward travel.{note}",
+            "Operating chart at the middle values: what happens at each speed and force. The blue frame is the "
+            f"operating window; a force above zero opposes outward travel.{note}",
         ),
     ]
 
@@ -191,9 +197,7 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     if motion is assessment.worst and motion is not assessment.nominal:
         spreads = assessment.sheet.spreads()
         values = ", ".join(
-            f"{path} = {shown(value, spreads[path].unit)}"
-            for path, value in motion.entries.items()
-            if spreads[path].uncertain
+            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
         )
         parts.append(page.paragraph(f"The values of this case: {values}."))
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
@@ -220,8 +224,8 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     if push is not None and math.isfinite(push) and push > 0:
         parts.append(
             page.paragraph(
-                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
-                f"{shown(lead * push, 'm/s')} at the load. {sentence}"
+                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
+                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
             )
         )
     elif push is not None and math.isinf(push):
@@ -235,8 +239,8 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
         )
     if moved.scene and moved.time.size:
         parts += [
-            page.paragraph("To run this motion yourself, save these lines as scene.yaml and call lsvib simulate --scene "
-                           "scene.yaml --out motion.nc"),
+            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
+            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
             page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
         ]  # fmt: skip
     return parts
@@ -254,8 +258,8 @@ def _uncertainty(assessment: Assessment) -> list[Html]:
     parts = [
         page.heading("How sure this is"),
         page.paragraph(
-            f"{spread.samples} drives were drawn from the given ranges and distributions. {percent(spread.any.value)} of "
-            f"them vibrate somewhere in the operating window (95 % sure: {percent(low)} to {percent(high)})."
+            f"{spread.samples} drives were drawn from the given ranges and distributions. {percent(spread.any.value)} "
+            f"of them vibrate somewhere in the operating window (95 % sure: {percent(low)} to {percent(high)})."
         ),
     ]
     charts = [
@@ -280,7 +284,8 @@ def _locking(assessment: Assessment) -> list[Html]:
     holds = (
         "The thread is self-locking: friction alone holds the load, and the motor has to drive it down as well as up."
         if assessment.self_locking
-        else f"The thread is not self-locking: the load can drive the screw back, with an efficiency of {percent(lowering)}."
+        else "The thread is not self-locking: the load can drive the screw back, with an efficiency of "
+        f"{percent(lowering)}."
     )
     third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
     rule = (

@@ -34,7 +34,7 @@ _STARTS = 4  # of the search for the worst case
 
 @dataclass(frozen=True)
 class Probability:
-    """How often a mechanism occurs: ``value`` [1], the ends of its confidence ``interval`` [1], ``counts`` by reserve."""
+    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; ``counts`` by reserve."""
 
     value: float
     interval: tuple[float, float]
@@ -129,7 +129,10 @@ def study(
 
 
 def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: int, parts: int) -> int:
-    """Compute and keep every ``parts``-th block from the ``part``-th (1, 2, …) on, for :func:`study`; return how many."""
+    """Compute and keep every ``parts``-th block from the ``part``-th (1, 2, …) on, for :func:`study`.
+
+    Returns the number of these blocks.
+    """
     entries = random_entries(sheet)
     blocks = range(part - 1, max(1, samples // BLOCK), parts) if entries else range(0)
     key = _key(sheet, samples, seed)
@@ -140,7 +143,7 @@ def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: in
 
 
 def _block(sheet: Sheet, entries: Sequence[str], count: int, seed: int, index: int) -> dict[str, Any]:
-    """Counts by mechanism over one block: how many occur, in classes of reserve, and the lowest reserve with its place."""
+    """Counts of occurrence over one block by mechanism and in classes of reserve; lowest reserve with its place."""
     if entries:
         sequence = qmc.Sobol(len(entries), scramble=True, rng=seed)
         if index:

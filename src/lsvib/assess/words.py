@@ -83,8 +83,8 @@ VERDICTS = {
 """The verdict in one sentence, by its name."""
 
 LEFT_OUT = (
-    "Bending of the screw: two bending modes of similar frequency can squeal on their own (Nam et al., Sensors 23:6169, "
-    "2023); long, thin screws need a calculation of their own.",
+    "Bending of the screw: two bending modes of similar frequency can squeal on their own (Nam et al., Sensors 23: "
+    "6169, 2023); long, thin screws need a calculation of their own.",
     "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
     "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small swings.",
     "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",
