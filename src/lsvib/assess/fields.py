@@ -12,6 +12,8 @@ from lsvib.assess.catalogue import ThreadSize, thread_size
 from lsvib.assess.spread import Spread, spread
 from lsvib.assess.units import NotQuantity, quantity
 
+_READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one
+
 
 @dataclass(frozen=True)
 class Allowed:
@@ -25,11 +27,9 @@ class Allowed:
         """Return the end of a sentence about a figure outside the range, or None."""
         if (figure > self.low or (figure == self.low and not self.open_low)) and figure <= self.high:
             return None
-        low = f"{self.low:g} {unit} {'<' if self.open_low else '<='} ".replace("  ", " ")
-        return (
-            f"= {figure:g} {unit}".rstrip()
-            + f" is outside the allowed range {low}value <= {self.high:g} {unit}".rstrip()
-        )
+        name, factor = _READABLE.get(unit, (unit, 1.0))
+        value, low, high = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, self.low, self.high))
+        return f"= {value} is outside the allowed range {low} {'<' if self.open_low else '<='} value <= {high}"
 
 
 def _field(*units: str, allowed: dict[str, Allowed]) -> Any:

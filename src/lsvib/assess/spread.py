@@ -111,7 +111,7 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     """Where a distribution begins and ends; all of its parameters checked."""
     if kind in ("uniform", "triangular"):
         if figures != sorted(figures) or figures[0] == figures[-1]:
-            raise NotQuantity(f"has {' '.join(_FORMS[kind])} that do not ascend")
+            raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that do not ascend")
         for figure in figures:
             _require(check(figure, unit))
         return figures[0], figures[-1]
@@ -127,7 +127,9 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     for end in (low, high):
         problem = check(end, unit)
         if problem:
-            raise NotQuantity(f"reaches {end:g} {unit} at four standard deviations, which {problem.removeprefix('= ')}")
+            raise NotQuantity(
+                f"reaches {end:.4g} {unit} at four standard deviations, which is{problem.partition(' is')[2]}"
+            )
     return low, high
 
 
