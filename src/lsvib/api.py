@@ -7,7 +7,7 @@ asked: making a drive, or asking for its stability, loads no engine.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib.errors import InputError
 from lsvib.models import numbers, parameters
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from lsvib.models.automaton import Automaton
     from lsvib.models.scene import Scene
 
-__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction"]
+__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction", "rule"]
 
 Progress = Callable[[int, int], None]
-RULES = ("contact_sign", "at_once")  # of resuming after a seizure, see :mod:`lsvib.models.rigid`
+# Of resuming after a seizure, see :mod:`lsvib.models.rigid`.
+RULES: tuple[Literal["contact_sign", "at_once"], ...] = ("contact_sign", "at_once")
 _LONGEST = 1e9  # s, as of a scene
 _MOST_THREADS = 4096  # more than any machine has
 
@@ -170,10 +171,11 @@ class _Drive(LeadScrew):
         """Return the map of the attractors that motions reach from every cell of a grid.
 
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
-        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s], seizures, first_event (the
-        label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``, which changes no number;
-        ``refine``, compute only what lies near boundaries (labels of the rigid drive; the dataset then holds blocks);
-        ``progress``, called with the numbers of rows done and in all. Raises ``InputError``, ``EngineError``.
+        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
+        seizures, first_event (the label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``,
+        which changes no number; ``refine``, compute only what lies near boundaries (labels of the rigid drive; the
+        dataset then holds blocks); ``progress``, called with the numbers of rows done and in all. Raises
+        ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
@@ -209,6 +211,32 @@ class RigidDrive(_Drive):
         from lsvib.analysis.basin import basin
 
         return basin(self)
+
+    def sweep(
+        self,
+        *,
+        initial: Mapping[str, float] | None = None,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+        **over: Sequence[float],
+    ) -> "xr.Dataset":
+        """Return what the drive ends on over values of some of its parameters, as a dataset.
+
+        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``initial``,
+        u [rad] and w [rad/s], by default next to steady sliding; ``resume`` as of :meth:`automaton`; number of
+        processes (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
+        all. Variables: attractor, amplitude [rad], period [s], multiplier [1], peak_normal_force [N],
+        peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
+        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
+        """
+        from lsvib.datasets.sweep import sweep
+
+        return sweep(self, over, initial, rule(resume), workers, progress)
 
 
 class ThreadsDrive(_Drive, parameters.ThreadsDrive):
@@ -275,8 +303,7 @@ def map_attraction(
     from lsvib.datasets.attraction import attraction_map, refined_map
 
     workers = _threads(threads)
-    if resume not in RULES:
-        raise InputError(f"resume = {numbers.shown(resume)} is not one of {', '.join(RULES)}.")
+    rule(resume)
     starts = _grid(grid)
     mapped = mapper(drive, drive.model, resume=resume)
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
@@ -293,6 +320,14 @@ def map_attraction(
     found = mapped.cells(starts, quantities=wanted, threads=workers, progress=progress)
     seconds = perf_counter() - begin
     return AttractionMap(attraction_map(mapped, starts, found), refinement.count(found["label"]), seconds)
+
+
+def rule(given: Any) -> Literal["contact_sign", "at_once"]:
+    """Return a rule of resuming after a seizure; raises ``InputError`` for anything else."""
+    for known in RULES:
+        if isinstance(given, str) and given == known:
+            return known
+    raise InputError(f"resume = {numbers.shown(given)} is not one of {', '.join(RULES)}.")
 
 
 def _threads(given: Any) -> int:

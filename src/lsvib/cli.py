@@ -8,7 +8,15 @@ from cyclopts import App, CycloptsError, Parameter
 
 from lsvib import __version__
 from lsvib.errors import InputError, LsvibError
-from lsvib.printing import print_json, print_map, print_motion, print_parameters, print_stability, print_thresholds
+from lsvib.printing import (
+    print_json,
+    print_map,
+    print_motion,
+    print_parameters,
+    print_stability,
+    print_sweep,
+    print_thresholds,
+)
 from lsvib.terminal import Progress, told
 
 app = App(
@@ -119,7 +127,7 @@ def simulate(
     model:
         Model of the drive: rigid (the default), threads, support or nut.
     """
-    from lsvib.datasets.trajectory import as_scene, run, summary, trajectory
+    from lsvib.datasets.trajectory import as_scene, attractor_of, motion_file, run, summary
     from lsvib.datasets.writer import write_dataset
     from lsvib.files import Outputs
 
@@ -130,9 +138,10 @@ def simulate(
         given["initial"] = _pairs(initial)
     checked = as_scene(scene, given, _pairs(changes))
     motion = run(checked)
-    result = summary(checked, motion)
+    steady = attractor_of(motion)
+    result = summary(checked, motion, steady)
     with outputs.writing() as (part,):
-        write_dataset(trajectory(checked, motion), part)
+        write_dataset(motion_file(checked, motion, steady), part, "lsvib.simulate")
     if as_json:
         print_json(result)
         return
@@ -203,7 +212,7 @@ def figure(
     from lsvib.figures.style import save
 
     with outputs.writing() as (data, verdicts, *pictures):
-        write_dataset(dataset, data)
+        write_dataset(dataset, data, f"lsvib.datasets.{name}.build")
         write_json([check.to_json() for check in checks], verdicts)
         save(drawn, *pictures)
     picture = paths[2][0]
@@ -272,7 +281,7 @@ def attraction(
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, area, found.seconds)
     with outputs.writing() as parts:
-        write_dataset(dataset, parts[0])
+        write_dataset(dataset, parts[0], "lsvib.attraction")
         if figure is not None:
             from lsvib.figures.attraction import draw
             from lsvib.figures.style import save
@@ -286,6 +295,7 @@ def attraction(
 
 
 @app.command
+<<<<<<< HEAD
 def assess(
     sheet: Path,
     *,
@@ -323,6 +333,52 @@ def assess(
         return
     print(result["sentence"])
     print(f"wrote {out / 'index.html'}, assessment.nc and assessment.json")
+=======
+def sweep(
+    *,
+    over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **_ONE_VALUE)],
+    changes: Changes = None,
+    initial: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **_ONE_VALUE),
+    ] = None,
+    resume: Annotated[str, Parameter(help="Motion after a seizure: contact_sign or at_once.")] = "contact_sign",
+    workers: Annotated[str, Parameter(help="Number of processes.")] = "1",
+    out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Sweep parameters of the rigid drive: what the motion ends on, how large and how fast, and the forces.
+
+    Examples of use:
+
+        lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
+
+        lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
+    """
+    from time import perf_counter
+
+    from lsvib.api import RigidDrive, rule
+    from lsvib.datasets.sweep import evenly
+    from lsvib.datasets.sweep import summary as swept_summary
+    from lsvib.datasets.sweep import sweep as swept
+    from lsvib.datasets.writer import write_dataset
+    from lsvib.files import Outputs
+
+    outputs = Outputs([(out, "netCDF")] if out else [])
+    axes = {name: evenly(name, text) for name, text in _pairs(over).items()}
+    start = _pairs(initial) if initial else None
+    begin = perf_counter()
+    found = swept(RigidDrive.of(_pairs(changes)), axes, start, rule(resume), workers, Progress("points"))
+    seconds = perf_counter() - begin
+    with outputs.writing() as parts:
+        for part in parts:
+            write_dataset(found, part)
+    result = swept_summary(found, seconds)
+    if as_json:
+        print_json(result)
+        return
+    print_sweep(result)
+>>>>>>> main
 
 
 @app.command

@@ -57,6 +57,13 @@ def print_motion(result: Mapping[str, Any]) -> None:
         print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
 
 
+def print_sweep(result: Mapping[str, Any]) -> None:
+    """Print the summary of a sweep."""
+    for kind, count in result["attractors"].items():
+        print(f"{kind.replace('_', ' ')}: {count} of {result['points']} points")
+    print(f"{result['points_per_second']:.3g} points per second")
+
+
 def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
     """Print the summary of a map; ``counts``, cells by attractor."""
     for kind, cells in counts.items():

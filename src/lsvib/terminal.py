@@ -48,8 +48,9 @@ class Progress:
             return
         self.shown = step
         end = "\n" if done == total or not terminal else ""
-        line = f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}"
-        print(line, end=end, file=sys.stderr, flush=True)
+        print(
+            f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True
+        )
 
 
 def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:

@@ -80,7 +80,8 @@ def test_slice_tends_to_the_rigid_map(tmp_path):
     spoilers = [
         set_to("typical_displacement", 1.0, -1),
         set_to("order", 0.5),
-        set_to("label", Attractor.UNRESOLVED, 0, 0, 0),
+        set_to("on_exact_boundary", 0, 2),
+        set_to("attractor", Attractor.UNRESOLVED, 0, 0, 0),
     ]
     assert_each_check_fails_on_some("attraction_limit", dataset, spoilers)
     assert_drawn_from_file("attraction_limit", dataset, tmp_path / "a.nc")

@@ -61,21 +61,17 @@ def drive_of(name):
     return tuned(*DRIVES[name])
 
 
-def check(name, start, t_end):
-    result = compare(drive_of(name), start, t_end, simulate)
-    assert isinstance(result.motion.automaton.tables.flow, BlockFlow)
-    result.check(name)
-    return len(result.kinds)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DRIVES)
 def test_motion(name):
-    assert check(name, BACKWARD, 0.006) > 0
+    result = compare(drive_of(name), BACKWARD, 0.006, simulate)
+    assert isinstance(result.motion.automaton.tables.flow, BlockFlow)
+    assert result.faults(name) == []
+    assert result.kinds
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("start", [BACKWARD, WOUND_UP])
 @pytest.mark.parametrize("name", DRIVES)
 def test_longer_motion(name, start):
-    check(name, start, 0.05)
+    assert compare(drive_of(name), start, 0.05, simulate).faults(name) == []

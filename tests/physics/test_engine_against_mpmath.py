@@ -29,13 +29,13 @@ def without_repeated_seizures(kinds: list[str]) -> list[str]:
     return [kind for kind, run in groupby(kinds) for kind in ([kind] if kind == "seizure" else run)]
 
 
-def check_random_motions(examples: int) -> dict[bool, set[str]]:
-    """Compare random motions; return the modes and event kinds that were visited, by whether Γ₊ ≤ 0.
+def compare_random_motions(examples: int) -> tuple[list[str], dict[bool, set[str]]]:
+    """Compare random motions; return what differs, and the modes and event kinds visited, by whether Γ₊ ≤ 0.
 
     The motions come from a seeded generator: what hypothesis draws depends on the modules that happen to be loaded, and
     this test must be the same on every machine.
     """
-    visited = {False: set(), True: set()}
+    visited, wrong = {False: set(), True: set()}, []
     rng = np.random.default_rng(20261121)
     for _ in range(examples):
         drive, start, rule = random_drive(rng), random_start(rng), RULES[rng.integers(len(RULES))]
@@ -45,20 +45,21 @@ def check_random_motions(examples: int) -> dict[bool, set[str]]:
         seen |= {MotionMode(int(motion.automaton.codes[i])).name for i in (motion.start_mode, *motion.mode)}
         seen |= {EventKind(kind).name for kind in motion.kind}
         complete = result.reference.complete and len(motion.time) < 150
+        same = True
         if rule == "contact_sign":
-            assert result.kinds == result.reference_kinds, (drive, start)
-            assert result.time_error <= TOLERANCE, (drive, start)
+            same = result.kinds == result.reference_kinds and result.time_error <= TOLERANCE
         elif complete:
             # Seizures that accumulate: the reference follows them down to 1e-40, the engine to its rounding. Neither
             # number of events is the truth, which is infinite; what follows them is the same.
-            assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
-        if complete:
-            assert result.state_error <= TOLERANCE, (drive, start, rule)
-    return visited
+            same = without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
+        if not same or (complete and not result.state_error <= TOLERANCE):
+            wrong.append(f"{rule}, start {start}, {dict(drive)}: {result.time_error} s, state {result.state_error}")
+    return wrong, visited
 
 
 def test_random_motions():
-    visited = check_random_motions(400)
+    wrong, visited = compare_random_motions(400)
+    assert wrong == []
     # A test that never goes backwards, or never seizes, would prove little.
     slips = {"SLIP_FORWARD_POSITIVE", "SLIP_FORWARD_NEGATIVE", "SLIP_BACKWARD_POSITIVE", "SLIP_BACKWARD_NEGATIVE"}
     assert visited[False] >= slips | {"REST", "CONTACT_REVERSAL", "STICK", "REVERSAL", "RELEASE"}
@@ -68,7 +69,7 @@ def test_random_motions():
 
 @pytest.mark.slow
 def test_many_more_random_motions():
-    check_random_motions(5000)
+    assert compare_random_motions(5000)[0] == []
 
 
 @pytest.mark.parametrize("mass", [10.05, 10.09, 10.11, 10.15])  # Γ₊ = 0 at 10.0998 kg

@@ -61,12 +61,13 @@ def test_each_check_of_the_contact_stability_can_fail():
     spoilers = [
         set_to("critical_mass_with_contact", 7.0, 1),
         scale("critical_mass_with_contact", 1.001, 2),
-        set_to("curve_critical_mass", 10.2, 2, 5),
+        set_to("curve_critical_mass_with_contact", 10.2, 2, 5),
         set_to("growth_rate", -1.0, 0, 0, -1),
         scale("growth_scale", 1.1),
         scale("elastic_growth_limit", 1.1),
         scale("least_contact_damping", 0.1),
         scale("growth_rate", -1.0, 1, 0, 3),
+        scale("window_of_soft_contact", 1.01, 0, 1),
     ]
     assert_each_check_fails_on_some("contact_stability", dataset_of("contact_stability"), spoilers)
 
@@ -85,6 +86,7 @@ def test_each_check_of_the_nut_stability_can_fail():
         scale("critical_mass_with_nut", 1 + 1e-9, 3),
         scale("critical_mass_with_nut_by_eigenvalues", 1 + 1e-8, 3),
         set_to("critical_mass_with_nut", 20.0, -1),
+        scale("critical_friction_with_nut", 1 + 1e-9, 7),
     ]
     assert_each_check_fails_on_some("nut_stability", dataset_of("nut_stability"), spoilers)
 
@@ -105,7 +107,7 @@ def test_each_check_of_figure_8_3_can_fail(monkeypatch):
     spoilers = [
         set_to("stability", Stability.UNSTABLE_NODE, -1, -1),
         set_to("stability", Stability.STABLE_FOCUS, 0, 0),
-        scale("node_focus_damping", 1 + 1e-11, 0),
+        scale("node_focus_effective_damping", 1 + 1e-11, 0),
         wrong_eigenvalues,
     ]
     assert_each_check_fails_on_some("fig8_03", dataset_of("fig8_03"), spoilers)

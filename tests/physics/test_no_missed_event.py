@@ -158,21 +158,22 @@ def near_tangencies(count: int, seed: int) -> np.ndarray:
     return tally
 
 
-def verify(tally: np.ndarray) -> None:
+def faults(tally: np.ndarray) -> list[str]:
+    """What is wrong with a tally: motions with a negative guard, or motions with hardly an event."""
     motions, failed, arcs, worst = tally
-    assert failed == 0, f"{failed:g} of {motions:g} motions, worst guard {worst} roundings"
-    assert arcs > 2 * motions
+    found = [f"{failed:g} of {motions:g} motions, worst guard {worst} roundings"] if failed else []
+    return found if arcs > 2 * motions else [*found, f"only {arcs:g} arcs in {motions:g} motions"]
 
 
 def test_no_event_is_missed_in_2000_motions():
-    verify(random_motions(2000, seed=1))
+    assert faults(random_motions(2000, seed=1)) == []
 
 
 def test_no_event_is_missed_near_tangencies():
-    verify(near_tangencies(2000, seed=3))
+    assert faults(near_tangencies(2000, seed=3)) == []
 
 
 @pytest.mark.slow
 def test_no_event_is_missed_in_100_000_motions():
-    verify(random_motions(100_000, seed=2))
-    verify(near_tangencies(20_000, seed=4))
+    assert faults(random_motions(100_000, seed=2)) == []
+    assert faults(near_tangencies(20_000, seed=4)) == []

@@ -118,26 +118,18 @@ def attack(model: str, count: int, seed: int) -> dict:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_random_drives(model):
-    tally = attack(model, 20, seed=11)
+@pytest.mark.parametrize(
+    ("count", "seed"),
+    [
+        pytest.param(20, 11, id="few"),
+        pytest.param(150, 12, id="many", marks=pytest.mark.slow),
+        pytest.param(3000, 13, id="thousands", marks=pytest.mark.long),
+    ],
+)
+def test_random_drives(model, count, seed):
+    tally = attack(model, count, seed)
     print(model, tally)
-    assert sum(tally.values()) >= 20
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("model", MODELS)
-def test_many_random_drives(model):
-    tally = attack(model, 150, seed=12)
-    print(model, tally)
-    assert sum(tally.values()) >= 150
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("model", MODELS)
-def test_thousands_of_random_drives(model):
-    tally = attack(model, 3000, seed=13)
-    print(model, tally)
-    assert sum(tally.values()) >= 3000
+    assert sum(tally.values()) >= count
 
 
 @pytest.mark.parametrize("model", MODELS)

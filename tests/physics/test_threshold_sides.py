@@ -112,16 +112,24 @@ def judge_onset(rng, drive):
         assert (c.damping[c.steady_law] > 0) == (side < 0)
 
 
-def judge_stick(rng, drive):
-    """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
-    threshold, onset = thresholds.stick_force(drive), thresholds.onset_force(drive)
+def end_of_rest(drive: LeadScrew) -> tuple[float, float]:
+    """State in which rest ends and slip under law + begins: θ′ = 0, without acceleration."""
     made, sign = forward(drive)
-    start = sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
+    return sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
+
+
+def slips_beside(rng, drive: LeadScrew, threshold: float, count: int):
+    """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
+    onset, sign = thresholds.onset_force(drive), forward(drive)[1]
     assert sign * threshold > sign * onset
     for side, force in beside(rng, sign * threshold, sign * onset):
-        if not sign * onset < force < 1e12 or force == sign * threshold:
-            continue
-        kinds = events(drive, sign * force, start, 30)
+        if sign * onset < force < 1e12 and force != sign * threshold:
+            yield side, force, events(drive, sign * force, end_of_rest(drive), count)
+
+
+def judge_stick(rng, drive):
+    """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
+    for side, force, kinds in slips_beside(rng, drive, thresholds.stick_force(drive), 30):
         if EventKind.GRAZE in kinds:  # a turn grows by less than rounding
             continue
         if side > 0:
@@ -131,14 +139,7 @@ def judge_stick(rng, drive):
 
 
 def judge_detach(rng, drive):
-    threshold, onset = thresholds.detach_force(drive), thresholds.onset_force(drive)
-    made, sign = forward(drive)
-    start = sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
-    assert sign * threshold > sign * onset
-    for side, force in beside(rng, sign * threshold, sign * onset):
-        if not sign * onset < force < 1e12 or force == sign * threshold:
-            continue
-        kinds = events(drive, sign * force, start, 6)
+    for side, force, kinds in slips_beside(rng, drive, thresholds.detach_force(drive), 6):
         if side > 0:
             assert kinds[:2] == [EventKind.STICK, EventKind.RELEASE], force
         else:
@@ -303,18 +304,15 @@ def test_reasons_hold_for_their_drives():
     rng = np.random.default_rng(2)
     for case in ("law + does not turn", "slip grows in large motions, c = 0"):
         drive = drive_of(*ONCE_WRONG[case][0])
-        made, _ = forward(drive)
-        start = float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
         for _ in range(20):
-            force = float(made.onset) * (1 + power(rng, -4, 4))
-            kinds = events(drive, force, start, 3000)
+            force = float(forward(drive)[0].onset) * (1 + power(rng, -4, 4))
+            kinds = events(drive, force, end_of_rest(drive), 3000)
             if case == "law + does not turn":
                 assert not kinds or kinds[0] == EventKind.CONTACT_REVERSAL
             else:
                 assert any(kind in STANDS for kind in kinds)
     drive = drive_of(*ONCE_WRONG["slip from rest turns back"][0])
-    made, _ = forward(drive)
-    start = float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
+    start = end_of_rest(drive)
     force = 2.546315944946203  # where slip from rest no longer reaches N = 0
     assert events(drive, force * (1 - 1e-6), start, 6)[0] == EventKind.CONTACT_REVERSAL
     assert events(drive, force * (1 + 1e-6), start, 6)[0] == EventKind.REVERSAL
@@ -323,8 +321,7 @@ def test_reasons_hold_for_their_drives():
 def test_steps_of_another_integrator_agree():
     """The slip from the end of rest on both sides of detachment and of the first touch of rest, by Taylor steps."""
     drive = LeadScrew.of(mass=1.0, translation_damping=1e3)
-    made, _ = forward(drive)
-    start = float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
+    start = end_of_rest(drive)
     times, kinds = np.zeros(50), np.zeros(50, dtype=np.int64)
     for name, first in (("stick", {"stick", "reversal"}), ("detach", {"contact_reversal"})):
         threshold = getattr(thresholds, f"{name}_force")(drive)

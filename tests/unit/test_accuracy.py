@@ -136,11 +136,11 @@ def test_dataset_tables_and_picture(tmp_path):
     from lsvib.figures.work_precision import draw
 
     dataset = work_precision.build(SETTINGS)
-    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "tolerance": 2, "rival": 5, "error_level": 2}
-    engine = dataset.isel(method=0, tolerance=0)
-    assert (engine.verdict == int(Verdict.RIGHT)).all()
+    assert dict(dataset.sizes) == {"scene": 2, "method": 2, "setting": 2, "rival": 5, "error_level": 2}
+    engine = dataset.isel(method=0, setting=0)
+    assert (engine.motion_verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()
-    assert (dataset.verdict.isel(method=0, tolerance=1) == int(Verdict.NOT_RUN)).all()
+    assert (dataset.motion_verdict.isel(method=0, setting=1) == int(Verdict.NOT_RUN)).all()
     assert dataset.ratio.sel(scene=0, rival=int(Family.FIXED_STEP), error_level=1e-3) > 1
     assert (dataset.first_run_time > 0).all()
     assert dataset.attrs["processor_cores"] >= 1
@@ -157,14 +157,14 @@ def test_dataset_tables_and_picture(tmp_path):
 def test_a_scene_in_which_no_rival_is_right_has_a_claim_of_its_own():
     """It passes as long as the engine reaches all levels; one that reaches none fails it."""
     dataset = work_precision.build(SETTINGS)
-    rivals = dataset.family.values == int(Family.FIXED_STEP)
+    rivals = dataset.method_family.values == int(Family.FIXED_STEP)
 
     def verdicts(family, spoiled):
         return {c.claim: c.passed for c in work_precision._ratio_checks(spoiled, family, "a rival", 0.0)}
 
     assert all(verdicts(Family.FIXED_STEP, dataset).values())
     wrong = dataset.copy(deep=True)
-    wrong.verdict[0, rivals] = int(Verdict.WRONG_EVENTS)
+    wrong.motion_verdict[0, rivals] = int(Verdict.WRONG_EVENTS)
     never = "stick_slip: to none of the errors asked for does a rival show the true motion, to all the engine does"
     assert never not in verdicts(Family.FIXED_STEP, dataset)
     assert verdicts(Family.FIXED_STEP, wrong)[never]

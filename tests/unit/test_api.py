@@ -221,7 +221,7 @@ def test_attraction_is_that_of_the_command(run, tmp_path):  # noqa: F811
     found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
     with xr.open_dataset(tmp_path / "a.nc") as written:
         assert set(found.data_vars) == set(written.data_vars)
-        for name in ("label", "time", "fraction", "boundary_angle"):
+        for name in ("label", "settling_time", "fraction", "boundary_angle"):
             np.testing.assert_array_equal(written[name], found[name])
     assert rows[-1] == (30, 30)
     assert found.basin_area.item() == summary["exact_basin_area"]

@@ -174,6 +174,10 @@ def test_simulate(run, tmp_path):
             name: unit for name, unit in UNITS.items() if name != "time"
         }
         assert data["angle_deviation"].dims == ("time",)
+        assert data.attractor.attrs["flag_meanings"].split()[1 + int(data.attractor)] == summary["attractor"]
+        assert float(data.amplitude) > 0 < float(data.period)
+        assert float(data.mass) == 11.0
+        assert "coupling_deflection" in data
         assert data.sizes["time"] == 21
         assert data["event_time"].dims == ("event",)
         assert data.sizes["event"] == len(motion.time)
@@ -328,8 +332,15 @@ def test_attraction_json_and_dataset(run):
         assert written.angle_deviation.values[0] == -0.1 + 0.5 * 0.2 / 40
         assert (written.label == 0).mean().item() == result["fractions"]["steady_sliding"]
         assert written.fraction.sel(attractor=2).item() == result["fractions"]["sprag_slip_cycle"]
-        assert {"time", "seizures", "first_event", "cycle_angle", "contact_line_angle"} <= set(written)
-        assert np.isfinite(written.time).all()
+        assert {
+            "settling_time",
+            "seizures",
+            "first_event",
+            "cycle_angle",
+            "contact_line_angle",
+            "friction_coefficient",
+        } <= set(written)
+        assert np.isfinite(written.settling_time).all()
     assert Path("map.png").stat().st_size > 10_000
     assert Path("map.pdf").is_file()
 

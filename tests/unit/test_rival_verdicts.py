@@ -162,10 +162,10 @@ def test_dataset_checks_and_picture(tmp_path):
 
     dataset = rival_verdicts.build(SETTINGS)
     assert dataset.sizes["case"] == 9
-    assert dataset["count"].isel(method=0).sum("outcome").values.tolist() == [3, 6]
-    assert dataset["count"].isel(method=1).sum("outcome").values.tolist() == [3, 2]
-    assert (dataset.verdict.isel(method=1)[dataset.shared == 0] == rival_verdicts.NOT_ASKED).all()
-    assert dataset.shared_count.sum("outcome").values.tolist() == [5, 5]
+    assert dataset["count"].isel(method=0).sum("method_outcome").values.tolist() == [3, 6]
+    assert dataset["count"].isel(method=1).sum("method_outcome").values.tolist() == [3, 2]
+    assert (dataset.method_verdict.isel(method=1)[dataset.shared == 0] == rival_verdicts.NOT_ASKED).all()
+    assert dataset.shared_count.sum("method_outcome").values.tolist() == [5, 5]
     write_dataset(dataset, tmp_path / "a.nc")
     read = read_dataset(tmp_path / "a.nc")
     engine, disputed, others = rival_verdicts.checks(read)

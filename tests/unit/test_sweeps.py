@@ -131,9 +131,9 @@ SMALL = {
     "distances": [1e-2], "periods": 100,
 }  # fmt: skip
 SPOILERS = {
-    "No wrong verdict": set_to("verdict", Verdict.WRONG, 0),
-    "does not pass": set_to("verdict", Verdict.REFUSED, slice(0, 4)),
-    "Rigid drive": set_to("verdict", Verdict.INACCURATE, 1),
+    "No wrong verdict": set_to("case_verdict", Verdict.WRONG, 0),
+    "does not pass": set_to("case_verdict", Verdict.REFUSED, slice(0, 4)),
+    "Rigid drive": set_to("case_verdict", Verdict.INACCURATE, 1),
     "Drives with four states": set_to("time_error", 2e-8, 0),
     "Energy balances": set_to("energy_residual", 1e-3, 2),
     "A search": set_to("worst_verdict", Verdict.UNBALANCED, 0),

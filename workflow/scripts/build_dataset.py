@@ -15,7 +15,7 @@ settings = snakemake.params.settings
 try:
     module = import_module(f"lsvib.datasets.{figure}")
     dataset = module.build(settings).assign_attrs(settings=json.dumps(settings))
-    write_dataset(dataset, snakemake.output.dataset)
+    write_dataset(dataset, snakemake.output.dataset, f"lsvib.datasets.{figure}.build")
     write_json([check.to_json() for check in module.checks(dataset)], snakemake.output.checks)
 except LsvibError as error:
     sys.exit(f"{figure}: {error}")

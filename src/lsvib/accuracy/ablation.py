@@ -58,6 +58,7 @@ def scenes(duration: float) -> dict[str, Ablated]:
     here = np.array([1e-3, 0.0])
 
     def rigid(words: str, drive: LeadScrew, rest: bool) -> Ablated:
+        """Return the scene of a rigid drive, with or without rest among its modes."""
         return Ablated(
             words,
             lambda: rigid_drive(drive, rest=rest),

@@ -12,13 +12,13 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.accuracy import pairs
+from lsvib.accuracy.endings import DIGITS
 from lsvib.accuracy.reference import threads
 from lsvib.accuracy.reference.two_bodies_closed import ExactDrive
 from lsvib.core.jit import allocating_kernel
 
 ABSENT, FORCE = -2, -1  # kinds of conditions; 0, 1: a speed (of slip, of the second body)
 ORDERS = 5  # of derivatives of a condition, from 0
-_DIGITS = 40
 _ROWS = 5  # of conditions, at most
 _FIRST = 2e-5  # shortest step, of the fastest time; five terms of a series then are exact
 _TERMS = 9
@@ -52,6 +52,7 @@ class _Solving(ExactDrive):
         self.inverses: dict[tuple, list] = {}
 
     def solve(self, rows, sides):
+        """Solve rows · x = sides for x, by the inverse of the rows, which is kept."""
         key = tuple(map(tuple, rows))
         if key not in self.inverses:
             self.inverses[key] = _inverse(rows)
@@ -81,7 +82,7 @@ def _inverse(rows):
 
 def ladders(model: str, parameters: dict[str, float], slide: bool, bearing: bool, longest: float) -> Ladders:
     """Form the constants of a drive [SI units] for motions up to ``longest`` [s]; ``slide``, ``bearing``: frictions."""
-    with mp.workdps(_DIGITS + threads.SPARE_DIGITS):
+    with mp.workdps(DIGITS + threads.SPARE_DIGITS):
         two = model != "threads"
         found = _two_bodies(_Solving(model, parameters, slide, bearing)) if two else _threads(parameters)
     count = len(found["direction"])

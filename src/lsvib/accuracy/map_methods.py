@@ -60,6 +60,7 @@ def _mapped(kernel, tables, known) -> Label:
 
 def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
     def prepare(mapper: Mapper) -> Label:
+        """Return the function that labels by steps of one length."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
         return lambda x, y, labels: map_kernels.stepped_labels(
@@ -71,6 +72,7 @@ def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
 
 def _followed(seizures: int) -> Callable[[Mapper], Label]:
     def prepare(mapper: Mapper) -> Label:
+        """Return the function that labels event by event, without proofs."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
         return lambda x, y, labels: map_kernels.followed_labels(
@@ -95,6 +97,7 @@ def _lsoda(mapper: Mapper) -> Label:
     tables, known, _ = _tables(mapper)
 
     def label(start: tuple[float, float]) -> int:
+        """Return the attractor of one start; GaveUp where the solver fails."""
         clock.start()
         (mode, state), now = hybrid.enter(start), 0.0
         while now < _HORIZON:
@@ -116,6 +119,7 @@ def _lsoda(mapper: Mapper) -> Label:
         return UNRESOLVED
 
     def fill(x: np.ndarray, y: np.ndarray, labels: np.ndarray) -> None:
+        """Label every start (x[j], y[i]); what the solver gives up is unresolved."""
         for i, w in enumerate(y.tolist()):
             for j, u in enumerate(x.tolist()):
                 try:

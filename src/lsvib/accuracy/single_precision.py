@@ -39,10 +39,12 @@ def _arithmetic(operate):
     """An operator under which an integer and a float32 make a float32, in Python and compiled."""
 
     def single(a, b):
+        """Return the operator's result in Python."""
         return operate(a, b)
 
     @overload(single, jit_options=_OPTIONS)
     def single_typed(a, b):
+        """Return the compiled operator for two types: an integer beside a float becomes a float32 first."""
         whole = [isinstance(x, types.Integer) for x in (a, b)]
         if all(whole) and operate is operator.truediv:
             return lambda a, b: operate(np.float32(a), np.float32(b))

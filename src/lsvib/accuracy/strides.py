@@ -9,11 +9,11 @@ digits; but what is between the places it looks at is interpolated, not proved. 
 
 import numpy as np
 
+from lsvib.accuracy.endings import AMBIGUOUS, EVENTS_FULL, LATE, TIME_REACHED
 from lsvib.accuracy.ladders import ABSENT, FORCE, ORDERS, Ladders
 from lsvib.accuracy.pairs import add, affine, finite, moved, multiply
 from lsvib.core.jit import allocating_kernel, kernel
 
-TIME_REACHED, EVENTS_FULL, AMBIGUOUS, LATE = range(4)  # how a motion ends
 SEIZURE = FORCE - 1  # what a condition of no speed is in the Painlevé region
 _ZERO = 1e-25  # of its terms: a condition that an event, or the start, has put on zero
 _SAFETY = 4.0  # times the error of the polynomial in the middle

@@ -12,14 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
+from lsvib.accuracy.endings import AMBIGUOUS, DIGITS, EVENTS_FULL, SETTLED, SLOW, TIME_REACHED
 from lsvib.accuracy.reference.rigid import Drive
 from lsvib.core.jit import allocating_kernel, kernel
 
 KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
 CONTACT_REVERSAL, STICK, REVERSAL, RELEASE, SEIZURE = range(5)
-TIME_REACHED, SETTLED, EVENTS_FULL, AMBIGUOUS, SLOW = range(5)  # how a watch ends
 ANYWHERE = -1  # mode of a start that is told by its state
-_DIGITS = 40
 _A, _B, _OMEGA, _FORM, _FAST, _SLOW, _REST, _CONTACT = range(8)  # columns of ``Constants.flow``
 _NEVER = -1.0
 _WRONG_SIDE = -2.0
@@ -49,8 +48,8 @@ class Constants(NamedTuple):
 
 def constants(parameters: dict[str, float]) -> Constants:
     """Form the constants of a rigid drive [SI units] with 40 digits and round them once."""
-    with mp.workdps(_DIGITS):
-        d = Drive(parameters, _DIGITS)
+    with mp.workdps(DIGITS):
+        d = Drive(parameters, DIGITS)
         flow = np.zeros((2, 8))
         q_u, q_w, q_0 = d.Q_terms(1, 1)
         for row, s in enumerate((1, -1)):

@@ -1,5 +1,6 @@
 """The chapter's closed-form conditions (8.19), (8.20), (8.21), and the critical values that follow from them."""
 
+import math
 from decimal import Decimal, localcontext
 
 from lsvib.models import friction
@@ -45,15 +46,16 @@ def critical_mass(drive: LeadScrew) -> float | None:
         return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2)) if xi > 0 else None
 
 
-def critical_friction(drive: LeadScrew, screw_mass: float) -> float | None:
+def critical_friction(drive: LeadScrew, screw_mass: float = math.inf) -> float | None:
     """Friction coefficient at which Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28).
 
-    Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support.
+    Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,
+    infinite for the rigid drive, m̃ = m and Γ₊ = 0.
     Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it.
     """
     d = drive.exact()
     with localcontext(prec=PLACES):
-        mass = d.mass * Decimal(screw_mass) / (d.mass + Decimal(screw_mass))
+        mass = d.mass if math.isinf(screw_mass) else d.mass * Decimal(screw_mass) / (d.mass + Decimal(screw_mass))
         xi = d.screw_inertia / (d.tan_lead * mass * d.pitch_radius**2)
         # ξ₊ grows with μ and reaches (cot λ − tan λ) / 2 at the end of the valid range.
         if xi * d.tan_lead >= 1 or (xi + d.tan_lead) * d.tan_lead >= 1 - xi * d.tan_lead:

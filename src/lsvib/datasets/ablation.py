@@ -60,7 +60,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "scene": _words("scene", "scene", list(scenes)),
             "model": _words("model", "extent of the model", _MODELS),
             "outputs": _words("outputs", "outputs of the dataset", ("needed", "all")),
-            "rule": _words("rule", "kind of a rule of the workflow", list(MODULES)),
+            "workflow_rule": _words("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
             "package": _words("package", "package", _PACKAGES),
             "compiled": _words("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
         },
@@ -131,11 +131,11 @@ def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
     found = [imports(module, settings["repeats"]) for module in MODULES.values()]
     loads = np.array([[package in names for package in _PACKAGES] for _, _, names in found], np.int8)
     return {
-        "imported": ("rule", [count for count, _, _ in found], {
+        "imported": ("workflow_rule", [count for count, _, _ in found], {
             "units": "1", "long_name": "number of modules that are imported"}),
-        "import_time": ("rule", [seconds for _, seconds, _ in found], {
+        "import_time": ("workflow_rule", [seconds for _, seconds, _ in found], {
             "units": "s", "long_name": "fastest time to import them"}),
-        "loads": (("rule", "package"), loads, {
+        "loads": (("workflow_rule", "package"), loads, {
             "units": "1", "long_name": "the package is imported",
             "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"}),
     }  # fmt: skip

@@ -14,6 +14,7 @@ from lsvib.analysis.cycles import Attractor
 from lsvib.analysis.grid import COORDINATES, Axis, Grid
 from lsvib.analysis.refinement import RefinedMap, count
 from lsvib.datasets import phase
+from lsvib.datasets.parameters import GIVEN, parameter
 from lsvib.datasets.phase import attributes
 from lsvib.datasets.variables import flags, quantity
 from lsvib.errors import InputError
@@ -31,9 +32,12 @@ def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) 
     ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
     """
     dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
-    data = {name: (dims, _values(name, array), variable_attributes(mapper, name)) for name, array in found.items()}
+    data = {
+        variable_name(name): (dims, _values(name, array), variable_attributes(mapper, name))
+        for name, array in found.items()
+    }
     return xr.Dataset(
-        data | fractions(count(found["label"])) | surroundings(mapper, grid),
+        data | fractions(count(found["label"])) | parameters(mapper) | surroundings(mapper, grid),
         coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
         attrs=global_attributes(mapper, grid),
     )
@@ -57,6 +61,7 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
             "label": ("block", label, variable_attributes(mapper, "label")),
         }
         | fractions(refined.counts())
+        | parameters(mapper)
         | surroundings(mapper, refined.grid),
         attrs=global_attributes(mapper, refined.grid),
     )
@@ -68,10 +73,20 @@ def axis_coordinate(axis: Axis) -> tuple:
     return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
 
 
+def variable_name(quantity: str) -> str:
+    """Return the name of a quantity of a map in its file, where ``time`` is that of a motion."""
+    return {"time": "settling_time"}.get(quantity, quantity)
+
+
+def parameters(mapper: Mapper) -> dict[str, tuple]:
+    """Return the parameters of the drive of a map as variables."""
+    return {name: ((), value, parameter(name, GIVEN)) for name, value in mapper.drive}
+
+
 def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
     """Return the attributes of a quantity of a map, by its name."""
     if name == "label":
-        return phase.flag("attractor that the motion reaches", Attractor)
+        return phase.flag(phase.ATTRACTOR, Attractor)
     if name == "time":
         return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
     if name == "seizures":
@@ -106,8 +121,12 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     points = np.array([phase.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         dims = ("cycle", "sample")
-        data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on a limit cycle", "$u$"))
-        data["cycle_velocity"] = (dims, points[..., 1], attributes("rad s-1", "rate on a limit cycle", r"$\dot u$"))
+        data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on the limit cycle", "$u$"))
+        data["cycle_velocity"] = (
+            dims,
+            points[..., 1],
+            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
+        )
     if mapper.model != "rigid":
         return data
     lines = phase.lines([mapper.drive])
@@ -116,7 +135,10 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     if found is not None:
         window = window_of(grid)
         line = found.line(window, _BOUNDARY_SAMPLES)
-        names = (("boundary_angle", "rad", "deviation", "$u$"), ("boundary_velocity", "rad s-1", "rate", r"$\dot u$"))
+        names = (
+            ("boundary_angle", "rad", "deviation", "$u$"),
+            ("boundary_velocity", "rad s-1", "rate of the deviation", r"$\dot u$"),
+        )
         for k, (name, unit, what, symbol) in enumerate(names):
             data[name] = ("boundary_point", line[:, k], attributes(unit, f"{what} on the exact boundary", symbol))
         data["basin_area"] = (

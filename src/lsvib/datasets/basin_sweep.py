@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.analysis.attraction import mapper
 from lsvib.analysis.basin import Basin, Boundary, basin
 from lsvib.analysis.clipping import Window
+from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.curves import sampled
 from lsvib.analysis.cycles import Attractor
 from lsvib.analysis.grid import Axis, Grid
@@ -46,14 +47,38 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             variables["basin_area_axial_force"] = (f"swept_{name}", areas, attributes("rad2 s-1", words))
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    variables["window_angle"] = (
+        "edge",
+        list(window[:2]),
+        attributes("rad", "left and right edge of the window", "$u$"),
+    )
+    variables["window_velocity"] = (
+        "edge",
+        list(window[2:]),
+        attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
+    )
     stable = attributes("N", phase.GLOBAL_STABILITY, "$R$")
     variables["swept_global_stability_force"] = (
         "swept_support_damping",
         [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
         stable,
     )
+    variables["critical_mass"] = (
+        (),
+        np.nan if (mass := critical_mass(drive)) is None else mass,
+        attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+    )
+    variables["critical_friction_of_rigid_drive"] = (
+        (),
+        np.nan if (friction := critical_friction(drive)) is None else friction,
+        attributes(
+            "1",
+            "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
+            r"$\mu_\mathrm{cr}$",
+        ),
+    )
     variables["global_stability_force"] = ((), global_stability_force(drive), stable)
-    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
     return xr.Dataset(
         variables,
         coords=coordinates,
@@ -79,6 +104,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     reading = dataset.reading_fraction.values
     damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
     stable = dataset.boundary_kind_support_damping.values == Boundary.NONE
+    heaviest, roughest = (
+        float(
+            dataset[f"swept_{name}"]
+            .values[dataset[f"boundary_kind_{name}"].values == Boundary.NONE]
+            .max(initial=-np.inf)
+        )
+        for name in ("mass", "friction_coefficient")
+    )
     return [
         Check.holds(
             "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
@@ -92,6 +125,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "end of Sect. 8.7",
             f"{int(stable.sum())} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
             bool((stable == (limit > float(dataset.axial_force))).all()),
+        ),
+        Check.holds(
+            "Over mass and friction the basin is the whole plane exactly up to the critical values, where the "
+            "effective inertia of law + vanishes",
+            "Sect. 8.7, eq. 8.20",
+            f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {heaviest:.10g} kg; "
+            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {roughest:.10g}",
+            _parts(dataset, "mass", "critical_mass")
+            and _parts(dataset, "friction_coefficient", "critical_friction_of_rigid_drive"),
         ),
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
@@ -119,6 +161,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             worst <= 1,
         ),
     ]
+
+
+def _parts(dataset: xr.Dataset, name: str, critical: str) -> bool:
+    """Whether a critical value parts the drives whose basin is the whole plane from the others, and both exist."""
+    whole = dataset[f"boundary_kind_{name}"].values == Boundary.NONE
+    return bool(
+        (whole == (dataset[f"swept_{name}"].values <= float(dataset[critical]))).all()
+        and whole.any()
+        and not whole.all()
+    )
 
 
 def _swept(drive: LeadScrew, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
@@ -170,7 +222,7 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
     named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
-    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6.1", "Sect. 8.6"))
+    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6"))
     parameters = {
         f"case_{name}": own[name] for name in own if name in named or name in ("axial_force", "support_damping")
     }
@@ -181,11 +233,15 @@ def _cases(drive: LeadScrew, cases: Sequence[Mapping[str, Any]], resolutions: Se
         **_points("boundary", lines, "on the exact boundary"),
         **_points("region", regions, "on the curves around the basin within the window"),
         "resolution": ("resolution", list(resolutions), attributes("1", "starts along each edge of a grid")),
-        "case_angle": (("case", "edge"), [w[:2] for w in windows], attributes("rad", "left and right edge", "$u$")),
+        "case_angle": (
+            ("case", "edge"),
+            [w[:2] for w in windows],
+            attributes("rad", "left and right edge of the window of the case", "$u$"),
+        ),
         "case_velocity": (
             ("case", "edge"),
             [w[2:] for w in windows],
-            attributes("rad s-1", "bottom and top edge", r"$\dot u$"),
+            attributes("rad s-1", "bottom and top edge of the window of the case", r"$\dot u$"),
         ),
         "case_boundary_kind": (
             "case",

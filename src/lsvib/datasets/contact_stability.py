@@ -62,7 +62,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
     return xr.Dataset(
         {
-            "curve_critical_mass": (
+            "curve_critical_mass_with_contact": (
                 ("curve_contact_stiffness", "curve_contact_damping"),
                 np.where(grid < LARGEST_MASS, grid, np.nan),
                 mass_words,
@@ -154,7 +154,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     sides = [_sides(drive, *values) for values in zip(own, *_contacts(dataset), strict=True)]
-    whole, every = dataset.curve_critical_mass.values, dataset.stable_at_every_mass.values == 1
+    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
     soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
     softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
     heavy, light = (dataset.isel(mass=k) for k in (0, 1))
@@ -169,6 +169,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
     enough = light.growth_contact_damping > light.least_contact_damping
     least = dataset.least_contact_damping.values
+    windows, ends = _windows(dataset, drive)
+    softer = light.growth_contact_stiffness.where(np.isfinite(dataset.window_of_soft_contact[:, 0]))
     return [
         Check.holds(
             "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
@@ -220,6 +222,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool((light.growth_rate < 0).where(enough, True).all()) and abs(least[-1] / bound - 1) < _CLOSE,
         ),
         Check.holds(
+            "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
+            f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
+            "model of Sect. 5.5, docs/lemmas.md",
+            f"{sum(windows)} of {len(windows)} contacts, k_c <= {float(softer.max()):.2e} N/m; "
+            f"and at the least damping of {sum(ends)} of {len(ends)}",
+            all(windows) and all(ends) and len(windows) > 0,
+        ),
+        Check.holds(
             "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
             "model of Sect. 5.5",
             f"{wrong} exceptions among {compared} contacts",
@@ -256,6 +266,30 @@ def _sides(drive: Mapping[str, float], mass: float, stiffness: float, damping: f
     own = {**drive, "mass": masses, "contact_stiffness": stiffness, "contact_damping": damping}
     below, above = eigenvalues(threads_model(own, _LAW))[:, -1].real
     return float(below), float(above)
+
+
+def _windows(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[list[bool], list[bool]]:
+    """For each soft contact, whether its stable dampings are so by LAPACK; for each contact, the same of the least."""
+    own = {**drive, "mass": float(dataset.mass[1])}
+    beside = np.array([1 - _BESIDE, 1 + _BESIDE])
+
+    def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
+        contact = {**own, "contact_stiffness": stiffness, "contact_damping": damping}
+        return (eigenvalues(threads_model(contact, _LAW))[:, -1].real > 0).tolist()
+
+    windows, ends = [], []
+    for stiffness, (low, high), least in zip(
+        *(
+            dataset[name].values
+            for name in ("growth_contact_stiffness", "window_of_soft_contact", "least_contact_damping")
+        ),
+        strict=True,
+    ):
+        ends.append(grows(stiffness, least * beside) == [True, False])
+        if np.isfinite(low):
+            around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
+            windows.append(grows(stiffness, around) == [True, False, False, False, True])
+    return windows, ends
 
 
 def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int, int]:

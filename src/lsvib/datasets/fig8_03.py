@@ -38,8 +38,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 kinds,
                 {"units": "1", "long_name": "class of the steady sliding", **flags(Stability)},
             ),
-            "node_focus_damping": (
-                "node_focus_inertia",
+            "node_focus_effective_damping": (
+                "node_focus_effective_inertia",
                 _node_focus_boundary(positive, stiffness),
                 {
                     "units": "N m s rad-1",
@@ -53,20 +53,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "effective_inertia": ("effective_inertia", inertia, _inertia_attributes()),
             "effective_damping": ("effective_damping", damping, _damping_attributes()),
-            "node_focus_inertia": ("node_focus_inertia", positive, _inertia_attributes()),
+            "node_focus_effective_inertia": ("node_focus_effective_inertia", positive, _inertia_attributes()),
             **labels("case", cases, _CHANGED),
             **drive_parameters(
                 cases,
                 along=_CHANGED,
                 printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6"),
-                no_effect=("input_speed", "axial_force"),  # but for the sign of the net force
             ),
         },
         attrs={
             "title": "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
             "source": "lsvib, eigenvalues in closed form (8.18)",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.4, Fig. 8.3",
-            "comment": "R Omega > 0 at every case, so that law + is that of steady sliding",
         },
     )
 
@@ -81,7 +79,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     stable = np.isin(kinds, [Stability.STABLE_NODE, Stability.STABLE_FOCUS])
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
     saddles = (kinds == Stability.SADDLE) == (inertia < 0)
-    ratio = dataset.node_focus_damping**2 / (4 * stiffness * dataset.node_focus_inertia)
+    ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
     worst = float(ratio[int(np.argmax(np.abs(ratio.values - 1)))])
     largest = _distance_from_lapack(inertia, damping, stiffness)
     return [

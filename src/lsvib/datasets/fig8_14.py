@@ -12,10 +12,9 @@ import xarray as xr
 
 from lsvib.analysis.cycles import Attractor, steady_state
 from lsvib.analysis.thresholds import global_stability_force
-from lsvib.datasets import phase
+from lsvib.datasets import accumulation, phase
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameters import drive_parameters, labels
-from lsvib.models.coefficients import coefficients
 from lsvib.models.parameters import LeadScrew
 from lsvib.models.rigid import EventKind, rigid_drive
 
@@ -29,7 +28,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a), (b); ``angle`` [rad]
     and ``velocity`` [rad/s] with ``start``, ``stop``, ``count``, a grid of starts whose attractor is found; ``starts``,
-    ``duration`` [s], ``samples`` of the motions drawn. Raises ``InputError``.
+    ``duration`` [s], ``samples`` of the motions drawn; the last start is the one whose seizures accumulate under the
+    chapter's reading of the rule. Raises ``InputError``.
     """
     drive = LeadScrew.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
@@ -40,6 +40,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     attractors = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase.RULES] for r in bracket]
     return xr.Dataset(
         phase.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
+        | accumulation.reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | {
             "grid_attractor": (
                 ("case", "grid_angle_deviation", "grid_velocity_deviation"),
@@ -48,7 +49,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
             "corner_angle": (
                 "case",
-                [_corner(d) for d in drives],
+                [accumulation.corner(d) for d in drives],
                 phase.attributes("rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"),
             ),
             "corner_attractor": (
@@ -136,7 +137,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                 and bool(np.isin(grid[case], [Attractor.STEADY_SLIDING, expected]).all()),
             )
         )
-    result += _corner_checks(dataset)
+    result += _corner_checks(dataset) + accumulation.checks(dataset)
     threshold = float(dataset.global_stability_force)
     labels = dataset.bracket_attractor.values
     result += [
@@ -179,15 +180,8 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _corner(drive: LeadScrew) -> float:
-    """u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
-    c, p = coefficients(drive), drive.exact()
-    lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
-    return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
-
-
 def _from_standstill(drive: LeadScrew, rule: str) -> list[Attractor]:
-    automaton, corner = rigid_drive(drive, resume=rule), _corner(drive)
+    automaton, corner = rigid_drive(drive, resume=rule), accumulation.corner(drive)
     return [steady_state(automaton, [corner - distance, -drive.input_speed]).label for distance in _DISTANCES]
 
 

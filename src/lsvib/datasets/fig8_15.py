@@ -11,7 +11,7 @@ from lsvib.analysis.conditions import critical_friction, critical_mass
 from lsvib.analysis.modes import Mode, eigenvalues, undamped_class
 from lsvib.datasets import printed
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameters import ASSUMED, axis, drive_parameters
+from lsvib.datasets.parameters import axis, drive_parameters
 from lsvib.datasets.variables import flags
 from lsvib.errors import InputError
 from lsvib.models.linear import support_model, values_of
@@ -45,13 +45,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
         axes=("friction_coefficient", "support_stiffness"),
         printed=("Fig. 8.15", "Sect. 8.8.1"),
+        assumed=("coupling_stiffness",),
         no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
     )
     # The text names Table 7.1, which is not in the chapter.
     for name in ("pitch_radius", "lead_angle", "screw_inertia"):
         parameters[name][2]["comment"] = "the text names Table 7.1; with these the printed critical friction comes out"
-    parameters["coupling_stiffness"][2].update(
-        origin=ASSUMED, comment="Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
+    parameters["coupling_stiffness"][2]["comment"] = (
+        "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
     )
     return xr.Dataset(
         {

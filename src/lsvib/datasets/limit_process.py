@@ -11,7 +11,7 @@ from lsvib.analysis import limit_process
 from lsvib.analysis.limit_process import Branch, Family, Outcome, Region
 from lsvib.datasets import phase
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameters import axis, drive_parameters, start_state
+from lsvib.datasets.parameters import VARIED, axis, drive_parameters, parameter, start_state
 from lsvib.datasets.phase import RULES, attributes, flag
 from lsvib.datasets.variables import SIGNS
 from lsvib.models.parameters import LeadScrew
@@ -77,6 +77,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     variables = {name: (_dims(name), found[name], attributes(*_QUANTITIES[name])) for name in _QUANTITIES}
     for name in ("motion_distance", "rest_error", "impulse_error", "period_error", "stop_time"):
         variables |= _orders(name, stiffness[fitted], found[name][:, :, fitted])
+    damping = [[limit_process.stiffened(drives[0], f, k, ratio).contact_damping for k in stiffness] for f in Family]
     rebound = [[limit_process.rebound_force(limit_process.stiffened(drives[0], f, k, ratio), speed) for k in stiffness]
                for f in Family]  # fmt: skip
     variables["rebound_force"] = (
@@ -100,11 +101,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "family": ("family", np.array(Family, dtype=np.int8), flag("how the damping of the contact grows", Family)),
             **axis("contact_stiffness", stiffness),
+            "contact_damping": (("family", "contact_stiffness"), damping, parameter("contact_damping", VARIED)),
             **phase.rule_coordinate(),
             **_branch_coordinates(flat),
-            **drive_parameters([b.drive for b in flat], "branch", along=("axial_force", "support_damping")),
+            **drive_parameters(
+                [b.drive for b in flat], "branch", along=("axial_force", "support_damping"), printed=("Sect. 8.6",)
+            ),
             **start_state(start, "of the cycles"),
-            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before an impact", r"$\dot\theta$")),
+            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
             "nut_damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
             "fit_from": ((), settings["fit_from"], attributes("N m-1", "least stiffness that orders are fitted to")),
         },

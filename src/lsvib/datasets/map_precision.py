@@ -15,6 +15,7 @@ from lsvib.accuracy.map_methods import METHODS, Rule
 from lsvib.accuracy.single_precision import double_arithmetic, twin
 from lsvib.analysis.clipping import Window
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameters import drive_parameters
 from lsvib.datasets.provenance import processor
 from lsvib.datasets.variables import attributes, flags
 from lsvib.models.parameters import LeadScrew
@@ -22,11 +23,8 @@ from lsvib.models.parameters import LeadScrew
 _SOURCE = "docs/attraction.md"
 _CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
 _SINGLE = 1e-5  # distance from which on none of single precision may be
-_PARAMETERS = {
-    "mass": ("kg", "mass of the nut"),
-    "support_damping": ("N m s rad-1", "damping of the support"),
-    "axial_force": ("N", "axial force"),
-}
+_CHANGED = ("mass", "support_damping", "axial_force")  # in which the drives of the boxes may differ
+_PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -50,15 +48,20 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _measured(rows, distances, lengths)
         | {
-            "rule": (
+            "decision_rule": (
                 "method",
                 np.array([METHODS[name].rule for name in cells], np.int8),
                 attributes("1", "when a motion need not be followed further", **flags(Rule)),
             ),
-            "window": (
+            "window_angle": (
                 ("box", "edge"),
-                [[*box.window] for box in boxes],
-                attributes("1", "edges of the box: left, right [rad], bottom, top [rad/s]"),
+                [list(box.window[:2]) for box in boxes],
+                attributes("rad", "left and right edge of the window", "$u$"),
+            ),
+            "window_velocity": (
+                ("box", "edge"),
+                [list(box.window[2:]) for box in boxes],
+                attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
             ),
             "ratio_floor": ("box", floors, attributes("1", "ratio to RK4 with the coarse step that is asked for")),
             "double_instructions": (
@@ -66,16 +69,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 doubles,
                 attributes("1", "instructions in double precision in the compiled map in single precision"),
             ),
-            **{
-                name: ("box", [getattr(box.drive, name) for box in boxes], attributes(*text))
-                for name, text in _PARAMETERS.items()
-            },
         },
         coords={
+            **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
             "method": ("method", *_words("method", list(cells), [METHODS[name].label for name in cells])),
             "box": ("box", *_words("box", list(settings["boxes"]), [_title(box) for box in boxes])),
-            "distance": (
-                "distance",
+            "boundary_distance": (
+                "boundary_distance",
                 distances,
                 attributes("1", "distance from the boundary in widths of the box"),
             ),
@@ -99,7 +99,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     names = dataset.method.attrs["flag_meanings"].split()
     boxes = np.atleast_1d(dataset.box.attrs["flag_meanings"].split())
     engine, single, coarse = (dataset.isel(method=names.index(n)) for n in ("engine", "single", "rk4_coarse"))
-    far = dataset.distance.values >= _CERTAIN * 0.99  # a distance is a power of ten only to rounding
+    far = dataset.boundary_distance.values >= _CERTAIN * 0.99  # a distance is a power of ten only to rounding
     near = (engine.wrong_near + engine.undecided_near).values[:, far]
     on_grid = int((engine.wrong_cells + engine.undecided_cells).sum())
     reach = float(single.reach.max())
@@ -148,7 +148,7 @@ def _measured(rows: list[list[Outcome]], distances: np.ndarray, lengths: list[fl
     def table(value, dtype=float) -> np.ndarray:
         return np.array([[value(outcome) for outcome in row] for row in rows], dtype=dtype)
 
-    flat, deep = ("method", "box"), ("method", "box", "distance")
+    flat, deep = ("method", "box"), ("method", "box", "boundary_distance")
     share = np.array([[wrong_share(o, distances, x) for o, x in zip(row, lengths, strict=True)] for row in rows])
     return {
         "time_per_label": (flat, table(lambda o: o.seconds), attributes("s", "processor time for one label")),

@@ -63,6 +63,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
         },
         coords={
+            "critical_friction_with_nut": (
+                "nut_inertia",
+                _boundary_friction(drive, inertia),
+                attributes("1", "friction coefficient from which on (8.33) holds, missing if from none", r"$\mu$"),
+            ),
             **axis("nut_inertia", inertia),
             **axis("friction_coefficient", friction),
             "critical_mass": (
@@ -111,6 +116,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     rigid = float(dataset.critical_mass)
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
+    edge = dataset.critical_friction_with_nut.values
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": inertia}
+    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
     side = int(np.sum(clear & (kinematic == _stable_side(dataset))))
     return [
         Check.holds(
@@ -142,6 +150,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "eq. 8.33",
             f"{side} exceptions among {int(clear.sum())} points",
             side == 0,
+        ),
+        Check.holds(
+            "On the boundary over the inertia of the nut (8.33) is an equality, to 1e-12 of the effective inertia",
+            "eq. 8.33",
+            f"largest remainder {left:.1e} at {int(np.isfinite(edge).sum())} of {edge.size} inertias",
+            left < 1e-12,
         ),
         Check.within(
             "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
@@ -188,6 +202,17 @@ def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
     gamma = p.screw_inertia - q
     with np.errstate(divide="ignore"):
         return np.where((q > 0) & (gamma > 0), p.screw_inertia * q / gamma, np.nan)
+
+
+def _boundary_friction(drive: NutDrive, inertia: np.ndarray) -> np.ndarray:
+    """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
+    tangent = np.tan(drive.lead_angle)
+    xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (
+        tangent * drive.mass * drive.pitch_radius**2
+    )
+    below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
+    with np.errstate(divide="ignore"):
+        return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
 
 
 def _stable_side(dataset: xr.Dataset) -> np.ndarray:

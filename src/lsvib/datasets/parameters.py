@@ -2,11 +2,12 @@
 
 Whoever opens a file shall be able to repeat it: every parameter of its drives is a variable of the file under the name
 that it has in :mod:`lsvib.models.parameters`, without dimensions where all drives share the value, else along theirs.
-Its attribute ``origin`` begins with one of four words:
+Its attribute ``origin`` begins with one of five words:
 
 * ``printed: Table 8.1``, or another place of the chapter;
 * ``assumed: not stated in the text``; if some of several values are printed they follow after ``except``;
 * ``varied: an axis of this file``;
+* ``given: by whoever asked for this file``, of a single motion or of a map;
 * ``of no effect: the results of this file do not depend on it``, but for the sign of a product that the file names.
 
 A parameter that a file needs twice bears a qualifier in front, one of :data:`QUALIFIERS`.
@@ -22,6 +23,7 @@ from lsvib.datasets.variables import attributes
 from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
 
 ASSUMED = "assumed: not stated in the text"
+GIVEN = "given: by whoever asked for this file"
 VARIED = "varied: an axis of this file"
 NO_EFFECT = "of no effect: the results of this file do not depend on it"
 # In front of a parameter's name: along a sweep, a grid, a curve, growth rates or a boundary; of readings of the text;
@@ -56,14 +58,16 @@ def drive_parameters(
     *,
     along: Sequence[str] = (),
     printed: Sequence[str] = (),
+    assumed: Sequence[str] = (),
     no_effect: Sequence[str] = (),
     axes: Sequence[str] = (),
 ) -> Variables:
     """Return every parameter of some drives of one class as variables.
 
     Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
-    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`;
-    parameters that have ``no_effect``; those which are ``axes`` of the file and therefore are left out here.
+    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
+    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
+    those which are ``axes`` of the file and therefore are left out here.
     """
     row = [drives] if isinstance(drives, LeadScrew) else list(drives)
     result = {}
@@ -71,7 +75,7 @@ def drive_parameters(
         if name in axes:
             continue
         values = np.array([getattr(drive, name) for drive in row])
-        origin = NO_EFFECT if name in no_effect else origin_of(name, values, printed)
+        origin = NO_EFFECT if name in no_effect else ASSUMED if name in assumed else origin_of(name, values, printed)
         shared = name not in along and (values == values[0]).all()
         result[name] = ((), values[0], parameter(name, origin)) if shared else (dim, values, parameter(name, origin))
     return result

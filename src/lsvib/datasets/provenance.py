@@ -9,8 +9,10 @@ from pathlib import Path
 _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 
-def provenance() -> dict[str, str]:
-    """Return attributes that name the code: ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
+def provenance(maker: str) -> dict[str, str]:
+    """Return attributes that name the code, and in ``history`` the ``maker``, a function.
+
+    They are ``history``, ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
 
     ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
     that tracks it; ``package_versions`` is a JSON object of Python and library versions.
@@ -18,6 +20,7 @@ def provenance() -> dict[str, str]:
     commit, dirty = _git_state(Path(__file__).resolve())
     versions = {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}
     return {
+        "history": f"made by {maker}, lsvib {version('lsvib')}",
         "lsvib_version": version("lsvib"),
         "git_commit": commit,
         "git_dirty": dirty,

@@ -82,10 +82,10 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     engine = np.array([row.engine for row in rows], dtype=np.int8)
     count = _count(verdict, [family == f for f in families])
     together = _count(verdict, [shared])[0]
-    by_family = ("family", "method")
+    by_family = ("edge_family", "method")
     return xr.Dataset(
         {
-            "verdict": (("case", "method"), verdict, _text("verdict on the method") | _verdicts()),
+            "method_verdict": (("case", "method"), verdict, _text("verdict on the method") | _verdicts()),
             "error": (("case", "method"), _errors(rows), _text(
                 "error of final state and event times, relative to the motion, where its events are right")),
             "engine_verdict": ("case", engine, _text("verdict on the engine") | flags(sweeps.Verdict)),
@@ -99,26 +99,28 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
                 _text("whether 40 digits have the engine's events, asked where half of the methods have others") | {
                     "flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "not_asked no yes"}),
-            "stiffness": ("case", _of_question(rows, "stiffness"), _text(
+            "decay": ("case", _of_question(rows, "stiffness"), _text(
                 "fastest rate of decay, integrated over the motion")),
             "shortest_stay": ("case", _of_question(rows, "shortest_stay"), _text(
                 "shortest time between two events, in shortest oscillations; missing where there are fewer than two")),
-            "count": ((*by_family, "outcome"), count, _text("number of cases")),
-            "shared_count": (("method", "outcome"), together, _text(
+            "count": ((*by_family, "method_outcome"), count, _text("number of cases")),
+            "shared_count": (("method", "method_outcome"), together, _text(
                 "number of cases, over those that every method is asked")),
-            "engine_count": (("family", "engine_outcome"), np.array(
+            "engine_count": (("edge_family", "engine_outcome"), np.array(
                 [[((family == f) & (engine == v)).sum() for v in sweeps.Verdict] for f in families], dtype=np.int32),
                 _text("number of cases by verdict on the engine")),
             **_shares("", by_family, count, "share of wrong verdicts"),
             **_shares("shared_", ("method",), together,
                       "share of wrong verdicts, over the cases that every method is asked"),
-            "tolerance": ("method", np.array([value for _, value in entries]), _text(
-                "relative tolerance that the method is asked for, or held to")),
+            "relative_tolerance": ("method", np.array([value for _, value in entries]), _text(
+                "relative tolerance of the method")),
         },
         coords={
             "case": ("case", np.arange(len(rows)), _text("index of the case")),
-            "family": ("family", np.array(families, np.int8), _text("what is driven to the edge") | flags(Family)),
-            "outcome": ("outcome", np.array(Verdict, np.int8), _text("verdict on a method") | flags(Verdict)),
+            "edge_family": ("edge_family", np.array(families, np.int8),
+                            _text("what is driven to the edge") | flags(Family)),
+            "method_outcome": ("method_outcome", np.array(Verdict, np.int8),
+                               _text("verdict on a method") | flags(Verdict)),
             "engine_outcome": ("engine_outcome", np.array(sweeps.Verdict, np.int8),
                                _text("verdict on the engine") | flags(sweeps.Verdict)),
             "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
@@ -140,8 +142,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     faults = (sweeps.Verdict.WRONG, sweeps.Verdict.INACCURATE, sweeps.Verdict.UNBALANCED)
     found = [int(dataset.engine_count.sel(engine_outcome=int(verdict)).sum()) for verdict in faults]
     shared = dataset.shared_count
-    wrong = shared.sel(outcome=list(map(int, WRONG))).sum("outcome").values
-    gave_up = shared.sel(outcome=int(Verdict.GAVE_UP)).values
+    wrong = shared.sel(method_outcome=list(map(int, WRONG))).sum("method_outcome").values
+    gave_up = shared.sel(method_outcome=int(Verdict.GAVE_UP)).values
     words = [
         f"{label} {n} and {m}"
         for label, n, m in zip(dataset.method.attrs["labels"].split("; "), wrong, gave_up, strict=True)

@@ -64,16 +64,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
         coords={
             "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
-            "family": ("family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", Family)),
+            "edge_family": (
+                "edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", Family)),
             "outcome": ("outcome", np.array(Verdict, dtype=np.int8), _flag("verdict", Verdict)),
-            "threshold": ("threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
+            "force_threshold": (
+                "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
             "side": ("side", np.array([-1, 1], dtype=np.int8), {
                 "units": "1", "long_name": "side of the threshold", "flag_values": np.array([-1, 1], dtype=np.int8),
                 "flag_meanings": "smaller_force larger_force"}),
-            "distance": ("distance", np.array(settings["distances"], dtype=float),
+            "threshold_distance": ("threshold_distance", np.array(settings["distances"], dtype=float),
                          {"units": "1", "long_name": "relative distance from the threshold"}),
             "run": ("run", np.arange(len(runs)), {"units": "1", "long_name": "index of the long run"}),
-            "tolerance": ((), TOLERANCE, {"units": "1", "long_name": "relative error that passes"}),
+            "passing_error": ((), TOLERANCE, {"units": "1", "long_name": "relative error that passes"}),
             "energy_tolerance": ((), ENERGY_TOLERANCE, {
                 "units": "1", "long_name": "residual of the energy balance that passes, beyond rounding"}),
             "evaluations": ((), settings["evaluations"], {
@@ -92,14 +94,14 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that no verdict is wrong and hardly one but passed, accuracy and energy, the thresholds and long runs."""
     total = dataset.sizes["case"]
-    verdict, rigid = dataset.verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
+    verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
     inaccurate = verdict == Verdict.INACCURATE
     count = {kind: int((verdict == kind).sum()) for kind in Verdict}
     asked = rigid & (dataset.judge.values == Judge.REFERENCE) & (verdict != Verdict.BEYOND_INPUT)
     worst = float(np.nanmax(np.where(asked, dataset.state_error.values, np.nan)))
     others = ~rigid & (verdict != Verdict.BEYOND_INPUT)
     errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
-    sides = dataset.attractor_is_right.values
+    sides, closest = dataset.attractor_is_right.values, float(dataset.threshold_distance.min())
     return [
         Check.holds(
             "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
@@ -135,7 +137,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "Attractors on both sides of each threshold of the axial force are those that it promises",
             _SOURCE,
-            f"{int(sides.sum())} of {sides.size}, down to {float(dataset.distance.min()):.0e} of the threshold",
+            f"{int(sides.sum())} of {sides.size}, down to {closest:.0e} of the threshold",
             bool(sides.all()),
         ),
         Check.holds(
@@ -160,14 +162,14 @@ def _energy_check(dataset: xr.Dataset) -> Check:
         _SOURCE,
         f"{astray} of {int(drawn.sum())} do not, {int((~drawn).sum())} not drawn; where rounding makes less than "
         f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
-        astray == 0 and bool(drawn[dataset.verdict.values != Verdict.REFUSED].mean() > _BALANCED),
+        astray == 0 and bool(drawn[dataset.case_verdict.values != Verdict.REFUSED].mean() > _BALANCED),
     )
 
 
 def _search_check(dataset: xr.Dataset) -> Check:
     state, time = dataset.worst_state_error.values, dataset.worst_time_error.values
     errors = np.fmax(state, time)
-    names = [Family(int(f)).name.lower() for f in dataset.family.values]
+    names = [Family(int(f)).name.lower() for f in dataset.edge_family.values]
     bad = np.isin(dataset.worst_verdict.values, (Verdict.WRONG, Verdict.UNBALANCED))
     found = ", ".join(f"{name} {error:.0e}" for name, error in zip(names, errors, strict=True))
     return Check.holds(
@@ -175,7 +177,9 @@ def _search_check(dataset: xr.Dataset) -> Check:
         _SOURCE,
         f"{int(dataset.evaluations)} evaluations a family: {found}",
         not bool(bad.any())
-        and not bool((errors[~np.isin(dataset.family.values, _WITH_FOUR_STATES)] > float(dataset.tolerance)).any()),
+        and not bool(
+            (errors[~np.isin(dataset.edge_family.values, _WITH_FOUR_STATES)] > float(dataset.passing_error)).any()
+        ),
     )
 
 
@@ -195,7 +199,7 @@ def _cases(rows: list[tuple[Case, Outcome]]) -> dict[str, tuple]:
             "units": "1", "long_name": "decimal logarithm of the parameter or of its distance from the edge"}),
         "damping_level": (np.array(damping, np.float32), {
             "units": "1", "long_name": "decimal logarithm of the contact damping in N s/m"}),
-        "verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", Verdict)),
+        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", Verdict)),
         "judge": (np.array([o.judge for _, o in rows], np.int8), _flag("who decided", Judge)),
         "events": (np.array([o.events for _, o in rows], np.int32), {"units": "1", "long_name": "number of events"}),
         "stepper_agrees": (np.array(agrees, np.int8), {
@@ -222,8 +226,8 @@ def _summary(rows: list[tuple[Case, Outcome]], families: list[Family]) -> dict[s
     count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in Verdict] for f in families])
     astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
     return {
-        "case_count": (("family", "outcome"), count, {"units": "1", "long_name": "number of cases"}),
-        "stepper_wrong": ("family", np.array(astray), {
+        "case_count": (("edge_family", "outcome"), count, {"units": "1", "long_name": "number of cases"}),
+        "stepper_wrong": ("edge_family", np.array(astray), {
             "units": "1", "long_name": "number of cases in which the Taylor stepper has wrong events"}),
     }  # fmt: skip
 
@@ -231,7 +235,7 @@ def _summary(rows: list[tuple[Case, Outcome]], families: list[Family]) -> dict[s
 def _sides(distances: list[float]) -> dict[str, tuple]:
     right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
     return {
-        "attractor_is_right": (("threshold", "side", "distance"), np.array(right, np.int8), {
+        "attractor_is_right": (("force_threshold", "side", "threshold_distance"), np.array(right, np.int8), {
             "units": "1", "long_name": "the attractor is the one that the threshold promises",
             "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"})
     }  # fmt: skip

@@ -18,13 +18,17 @@ def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
         "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
     }
     found = {
-        name: ("family", np.array([getattr(tried.outcome, key) for tried in worst]), {"units": "1", "long_name": text})
+        name: (
+            "edge_family",
+            np.array([getattr(tried.outcome, key) for tried in worst]),
+            {"units": "1", "long_name": text},
+        )
         for name, (key, text) in words.items()
     }
     verdicts = np.array([tried.outcome.verdict for tried in worst], np.int8)
     return found | {
         "worst_verdict": (
-            "family",
+            "edge_family",
             verdicts,
             {"units": "1", "long_name": "verdict on the worst case", **flags(Verdict)},
         )

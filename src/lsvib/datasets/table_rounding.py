@@ -27,6 +27,7 @@ _PRINTED_HALF_UNITS = {
 }
 _PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
 _NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
+_WORDS = {"critical_friction": "critical friction coefficient"}
 _HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
 
 Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
@@ -106,7 +107,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
             "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
             **{
-                f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " "))
+                f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], _WORDS.get(n, n.replace("_", " ")))
                 for n in _PRINTED_HALF_UNITS
             },
             **{

@@ -12,7 +12,14 @@ import xarray as xr
 from lsvib.analysis.attraction import Mapper, mapper
 from lsvib.analysis.grid import COORDINATES, Grid
 from lsvib.datasets.assembly import Window, gather, write_tile
-from lsvib.datasets.attraction import axis_coordinate, global_attributes, surroundings, variable_attributes
+from lsvib.datasets.attraction import (
+    axis_coordinate,
+    global_attributes,
+    parameters,
+    surroundings,
+    variable_attributes,
+    variable_name,
+)
 from lsvib.errors import InputError
 from lsvib.models.model import find_model
 
@@ -60,7 +67,9 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
         cells["time"][~np.isfinite(cells["time"])] = np.nan
     dims = _dimensions(grid)
     tile = _frame(mapped, grid).isel(dict(zip(dims, (place.rows, place.columns), strict=True)))
-    variables = {name: (dims, values, variable_attributes(mapped, name)) for name, values in cells.items()}
+    variables = {
+        variable_name(name): (dims, values, variable_attributes(mapped, name)) for name, values in cells.items()
+    }
     write_tile(tile.assign(variables), place, settings, path)
 
 
@@ -77,7 +86,8 @@ def gather_map(
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
-    gather(_frame(mapped, grid).assign(surroundings(mapped, grid)), settings, places, path, progress)
+    frame = _frame(mapped, grid).assign(parameters(mapped) | surroundings(mapped, grid))
+    gather(frame, settings, places, path, progress)
 
 
 def _dimensions(grid: Grid) -> tuple[str, str]:

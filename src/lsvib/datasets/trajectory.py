@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.analysis.cycles import orbit_extremes, steady_state
+from lsvib.analysis.cycles import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.analysis.impact import event_impulses
-from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, flags, quantity
+from lsvib.datasets import phase
+from lsvib.datasets.parameters import GIVEN, parameter
+from lsvib.datasets.variables import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
 from lsvib.models.motion import Motion, follow
 from lsvib.models.parameters import LeadScrew, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
@@ -104,6 +106,28 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     )
 
 
+def attractor_of(motion: Motion) -> SteadyState:
+    """Return what a motion goes on to from its end, decided by the return map."""
+    return steady_state(motion.automaton, motion.end_state, mode=motion.end_mode)
+
+
+def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset:
+    """Return the dataset of a motion for a file that explains itself: with its drive, its attractor, N and z.
+
+    Added to :func:`trajectory`: the parameters of the scene as variables, ``normal_force`` [N], ``coupling_deflection``
+    [rad], and of ``steady``, the :func:`attractor_of` the motion, its label, amplitude [rad] and period [s], the last
+    missing unless it is a cycle.
+    """
+    outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
+    dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
+    parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
+    return dataset.assign_coords(parameters).assign(
+        attractor=((), np.int8(steady.label), phase.flag(phase.ATTRACTOR, Attractor)),
+        amplitude=((), steady.amplitude, attributes("rad", phase.AMPLITUDE)),
+        period=((), steady.period, attributes("s", phase.PERIOD, "$T$")),
+    )
+
+
 def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
     events = {
         "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
@@ -121,11 +145,11 @@ def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, di
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
             events[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
-    return {name: ("event", values, attributes) for name, (values, attributes) in events.items()}
+    return {name: ("event", values, described) for name, (values, described) in events.items()}
 
 
-def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
-    """Summarise a motion for JSON.
+def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> dict[str, Any]:
+    """Summarise a motion for JSON; ``steady``, its attractor, is found unless it is given.
 
     ``final_state`` (the keys of the initial state, and the mode), ``events`` (count by kind), ``attractor`` (where the
     motion goes on to, decided by the return map), ``peak_normal_force`` (largest |N| [N] along the motion, without the
@@ -143,7 +167,7 @@ def summary(scene: Scene, motion: Motion) -> dict[str, Any]:
             "mode": kind.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
         "events": {event.name.lower(): int(counts[event]) for event in kind.events if counts[event]},
-        "attractor": steady_state(automaton, motion.end_state, mode=motion.end_mode).label.name.lower(),
+        "attractor": (steady or attractor_of(motion)).label.name.lower(),
         "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
         "status": motion.status.name.lower(),
     }

@@ -54,7 +54,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 class _Table:
-    """Arrays over (scene, method, tolerance)."""
+    """Arrays over (scene, method, setting)."""
 
     def __init__(self, scene_names: list[str], names: list[str], longest: int) -> None:
         self.scenes, self.names = scene_names, names
@@ -108,7 +108,7 @@ class _Table:
         self, controls: Mapping[str, list[float]], levels: np.ndarray, floors: Mapping[str, float]
     ) -> xr.Dataset:
         """Put everything into a dataset."""
-        cube = ("scene", "method", "tolerance")
+        cube = ("scene", "method", "setting")
         settings = {key: np.full(self.verdict.shape[1:], np.nan) for key in _CONTROLS}
         for k, name in enumerate(self.names):
             if METHODS[name].control in _CONTROLS:
@@ -120,7 +120,7 @@ class _Table:
                 "state_error": (
                     cube,
                     self.numbers["state"],
-                    _text("1", "error of the final state in sizes of the motion"),
+                    _text("1", "error of the final state, relative to the size of the motion"),
                 ),
                 "event_time_error": (cube, self.numbers["times"], _text("s", "largest error of an event's time")),
                 "amplitude_error": (
@@ -136,11 +136,15 @@ class _Table:
                     self.first,
                     _text("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
                 ),
-                "verdict": (cube, self.verdict, _text("1", "whether the motion is the true one") | flags(Verdict)),
-                "events": (cube, self.events, _text("1", "number of events, -1 for a method without")),
+                "motion_verdict": (
+                    cube,
+                    self.verdict,
+                    _text("1", "whether the motion is the true one") | flags(Verdict),
+                ),
+                "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
                 "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
                 "duration": ("scene", self.durations, _text("s", "duration of the motion")),
-                "family": (
+                "method_family": (
                     "method",
                     np.array([METHODS[name].family for name in self.names], dtype=np.int8),
                     _text("1", "family of the method") | flags(Family),
@@ -150,13 +154,13 @@ class _Table:
                     self.ratios(levels),
                     _text("1", "run time of the best rival of a family over that of the engine, at an equal error"),
                 ),
-                **{key: (("method", "tolerance"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
+                **{key: (("method", "setting"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
             },
             coords={
                 "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
                 "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
-                "tolerance": (
-                    "tolerance",
+                "setting": (
+                    "setting",
                     np.arange(self.verdict.shape[2]),
                     _text("1", "index of the method's setting, coarse to fine"),
                 ),
@@ -203,14 +207,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _engine_checks(dataset: xr.Dataset) -> list[Check]:
     names = dataset.method.attrs["flag_meanings"].split()
-    engine = dataset.isel(method=names.index("exact"), tolerance=0)
+    engine = dataset.isel(method=names.index("exact"), setting=0)
     worst = int(np.argmax(engine.state_error.values))
     scene = dataset.scene.attrs["flag_meanings"].split()[worst]
     largest = float(engine.state_error[worst])
-    wrong = int(np.count_nonzero(engine.verdict.values != int(Verdict.RIGHT)))
-    others = dataset.isel(method=np.isin(dataset.family.values, _GENERAL))
-    ran = others.verdict.values != int(Verdict.NOT_RUN)
-    missed = int(np.count_nonzero(others.verdict.values[ran] != int(Verdict.RIGHT)))
+    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(Verdict.RIGHT)))
+    others = dataset.isel(method=np.isin(dataset.method_family.values, _GENERAL))
+    ran = others.motion_verdict.values != int(Verdict.NOT_RUN)
+    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(Verdict.RIGHT)))
     return [
         Check.holds(
             "The engine shows the true motion on every scene",
@@ -239,8 +243,8 @@ def _ratio_checks(dataset: xr.Dataset, family: Family, solver: str, floor: float
     levels = dataset.error_level.values
     for k, name in enumerate(dataset.scene.attrs["flag_meanings"].split()):
         scene = dataset.isel(scene=k)
-        rivals, engine = (scene.isel(method=dataset.family.values == kind) for kind in (family, Family.EXACT))
-        runs = int((rivals.verdict != Verdict.NOT_RUN).sum())
+        rivals, engine = (scene.isel(method=dataset.method_family.values == kind) for kind in (family, Family.EXACT))
+        runs = int((rivals.motion_verdict != Verdict.NOT_RUN).sum())
         if not runs:
             continue
         reached, ours = levels >= _least_error(rivals), bool((levels >= _least_error(engine)).all())
@@ -260,7 +264,7 @@ def _ratio_checks(dataset: xr.Dataset, family: Family, solver: str, floor: float
 
 def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
-    right = methods.verdict.values == Verdict.RIGHT
+    right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
 
 

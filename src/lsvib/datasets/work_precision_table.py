@@ -46,7 +46,7 @@ def _number(value: float, form: str) -> str:
 def _ratios(dataset: xr.Dataset) -> str:
     """Run time of the best of scipy and CVODE, of diffrax, of heyoka and of fixed-step methods over the engine's."""
     levels = dataset.error_level.values
-    engine = dataset.isel(method=_names(dataset, "method").index("exact"), tolerance=0)
+    engine = dataset.isel(method=_names(dataset, "method").index("exact"), setting=0)
     head = ["scene", "engine: time", "engine: error"]
     head += [f"{label}, {level:.0e}" for label in _COLUMNS.values() for level in levels]
     rows = []
@@ -63,7 +63,7 @@ def _verdicts(dataset: xr.Dataset) -> str:
     kinds = (Verdict.RIGHT, Verdict.WRONG_EVENTS, Verdict.WRONG_ATTRACTOR, Verdict.GAVE_UP)
     rows = []
     for k, label in enumerate(dataset.method.attrs["labels"].split("; ")):
-        values = dataset.verdict.values[:, k]
+        values = dataset.motion_verdict.values[:, k]
         rows.append([label, *(str(int(np.count_nonzero(values == kind))) for kind in kinds)])
     return _table(["method", "right", "wrong events", "wrong attractor", "gave up"], rows)
 
@@ -77,9 +77,9 @@ def _runs(dataset: xr.Dataset) -> str:
     rows = []
     for i, scene in enumerate(_names(dataset, "scene")):
         for k, label in enumerate(labels):
-            for j in range(dataset.sizes["tolerance"]):
-                run = dataset.isel(scene=i, method=k, tolerance=j)
-                verdict = Verdict(int(run.verdict))
+            for j in range(dataset.sizes["setting"]):
+                run = dataset.isel(scene=i, method=k, setting=j)
+                verdict = Verdict(int(run.motion_verdict))
                 if verdict == Verdict.NOT_RUN:
                     continue
                 setting = next((float(run[c]) for c in controls if math.isfinite(float(run[c]))), math.nan)

@@ -19,15 +19,15 @@ _ATTRIBUTE_TYPES = (str, int, float, np.integer, np.floating, np.ndarray, list, 
 _BIG = 1024  # elements; below that, compression costs more bytes than it saves
 
 
-def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str = "lsvib") -> None:
     """Write ``dataset`` to ``path`` as CF-1.11 netCDF-4, whole or not at all, and re-open it to be sure.
 
     The dataset brings the global attributes ``title``, ``source`` and ``references``, and for every variable and
     coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with
     ``flag_values`` and ``flag_meanings``. Added here: ``Conventions`` and the attributes of
-    :func:`lsvib.datasets.provenance.provenance`; no clock time, so that equal runs give equal content. ``dataset``
-    itself is not changed. Raises ``InputError`` if the dataset breaks one of these rules, ``LsvibError`` if the file
-    cannot be written.
+    :func:`lsvib.datasets.provenance.provenance`, of which ``history`` names the ``maker``, a function; no clock time,
+    so that equal runs give equal content. ``dataset`` itself is not changed. Raises ``InputError`` if the dataset
+    breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
     path = Path(path)
     for key in _REQUIRED:
@@ -37,7 +37,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         problem = _problem(str(name), dataset.variables[name], is_coordinate=name in dataset.coords)
         if problem:
             raise InputError(f"{path.name}: the variable {name} {problem}.")
-    complete = dataset.drop_encoding().assign_attrs(Conventions="CF-1.11", **provenance())
+    complete = dataset.drop_encoding().assign_attrs(Conventions="CF-1.11", **provenance(maker))
     encoding = {name: _encoding(variable, name in dataset.coords) for name, variable in dataset.variables.items()}
     with replacing(path) as part:
         try:

@@ -24,7 +24,7 @@ _PALEST = 0.35  # share of a colour in the palest shade
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
-    figure = style.new_figure(style.SINGLE * 1.35, 3.9)
+    figure = style.new_figure(style.SINGLE * 1.35, 4.2)
     axes = figure.add_subplot()
     first = draw_map(axes, dataset)
     draw_boundary(axes, dataset)
@@ -34,6 +34,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     if "contact_line_angle" in dataset:
         phase.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     phase.label_axes(axes, dataset)
+    given = [
+        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
+    ]
+    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
     phase.legend(figure, [axes], 2, first)
     return figure
 
@@ -59,19 +63,19 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
 
 def _latest(dataset: xr.Dataset, here: np.ndarray) -> str:
     """The longest time in a region, which has the palest shade."""
-    if "time" not in dataset:
+    if "settling_time" not in dataset:
         return ""
-    time = dataset.time.transpose("velocity_deviation", "angle_deviation").values[here]
-    return f", palest {np.nanmax(time):.2g} {dataset.time.attrs['units']}" if np.isfinite(time).any() else ""
+    time = dataset.settling_time.transpose("velocity_deviation", "angle_deviation").values[here]
+    return f", palest {np.nanmax(time):.2g} {dataset.settling_time.attrs['units']}" if np.isfinite(time).any() else ""
 
 
 def _shares(dataset: xr.Dataset) -> np.ndarray:
     """How much of its colour each cell gets: within a region, the longer it takes, the paler."""
     label = dataset.label.transpose("velocity_deviation", "angle_deviation").values
     share = np.full(label.shape, 0.8)
-    if "time" not in dataset:
+    if "settling_time" not in dataset:
         return share
-    time = dataset.time.transpose("velocity_deviation", "angle_deviation").values
+    time = dataset.settling_time.transpose("velocity_deviation", "angle_deviation").values
     for value in np.unique(label):
         here = (label == value) & np.isfinite(time)
         if here.any():

@@ -9,11 +9,17 @@ from lsvib.figures import phase, style
 
 _KINDS = {  # what bounds the basin: colour, words
     "none": (style.BLACK, "no boundary: globally stable"),
-    "touching motion": (style.BLUE, "bounded by the motion that touches $N = 0$, and $N = 0$"),
-    "touching slip": (style.ORANGE, "by the slip from $\\dot\\theta = 0$ that touches $N = 0$"),
-    "cycle": (style.PURPLE, "by a cycle that repels"),
+    "touching motion": (style.BLUE, "bounded by the motion that touches $N = 0$, and by $N = 0$"),
+    "touching slip": (style.ORANGE, "bounded by the slip from $\\dot\\theta = 0$ that touches $N = 0$"),
+    "cycle": (style.PURPLE, "bounded by a cycle that repels"),
 }
 _PALE = "#CFE3F1"
+_THRESHOLDS = {  # symbol, variable, decimals
+    "axial_force": ("$R$", "global_stability_force", 2),
+    "support_damping": ("$10^3\\,c$", "", 3),
+    "mass": ("$m_\\mathrm{cr}$", "critical_mass", 3),
+    "friction_coefficient": ("$\\mu_\\mathrm{cr}$", "critical_friction_of_rigid_drive", 4),
+}
 _SWEEPS = {
     "axial_force": "axial force",
     "support_damping": "support damping",
@@ -25,8 +31,8 @@ _SWEEPS = {
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the basins of the cases above, and the fraction of the window that belongs to the basin below."""
-    figure = style.new_figure(style.DOUBLE, 5.4)
-    rows = figure.subfigures(2, 1, height_ratios=(1.15, 1))
+    figure = style.new_figure(style.DOUBLE, 6.0)
+    rows = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))
     above = rows[0].subplots(1, dataset.sizes["case"])
     for index, axes in enumerate(np.atleast_1d(above)):
         _basin(axes, dataset.isel(case=index), "abc"[index])
@@ -35,6 +41,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         _sweep(axes, dataset, name, "defg"[index])
     rows[0].legend(*_entries(above), loc="outside upper center", ncols=4)
     rows[1].legend(*_entries(below), loc="outside upper center", ncols=2)
+    style.state_values(figure, dataset)
     return figure
 
 
@@ -59,7 +66,7 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
         case.boundary_velocity,
         color=_KINDS[kind][0],
         linewidth=1.8,
-        label="exact boundary (colours below)",
+        label="exact boundary, colours as below",
         zorder=2,
     )
     phase.mark_origin(axes)
@@ -93,22 +100,41 @@ def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
         axes.plot(values, here, color=colour, linewidth=1.8, label=words)
     changes = np.flatnonzero(np.diff(kinds.values))
     for k in changes:
-        axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":")
-    axes.axvline(float(dataset[name]), color=style.GREY, linewidth=0.8, linestyle=(0, (5, 2)))
-    if name == "axial_force":
-        axes.axvline(
-            float(dataset.global_stability_force),
-            color=style.VERMILION,
-            linewidth=0.9,
-            linestyle=(0, (2, 1.5)),
-            label="force of global stability, a root",
-        )
+        axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":",
+                  label="jump of the fraction")  # fmt: skip
+    axes.axvline(float(dataset[name]), color=style.GREY, linewidth=0.9, linestyle=(0, (5, 2)), label="drive of (a)")
     label = style.label(dataset[f"swept_{name}"], " ").strip()
+    scale = 1.0
     if name == "support_damping":
-        axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
+        scale = 1e3
+        axes.xaxis.set_major_formatter(lambda value, _: f"{scale * value:g}")
         label = label.replace("[", "[10⁻³ ")
     axes.set(yscale="log", title=f"({letter}) {_SWEEPS[name]}", xlabel=label)
     axes.margins(x=0)
     axes.set_ylim(None, 1.6)
+    _threshold(axes, dataset, name, scale)
     if letter == "d":
         axes.set_ylabel("Fraction of the window")
+
+
+def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
+    """Mark where global stability begins or ends: a root in closed form, over the damping the change of the basin."""
+    symbol, known, digits = _THRESHOLDS[name]
+    if known:
+        place = float(dataset[known])
+    else:
+        codes = {word: value for value, word in style.flag_names(dataset[f"boundary_kind_{name}"]).items()}
+        stable = dataset[f"boundary_kind_{name}"].values == codes["none"]
+        place = float(dataset[f"swept_{name}"].values[stable].min(initial=np.inf))
+    if not axes.get_xlim()[0] <= place <= axes.get_xlim()[1]:
+        return
+    axes.axvline(
+        place, color=style.VERMILION, linewidth=0.9, linestyle=(0, (2, 1.5)), label="limit of global stability"
+    )
+    value = f"{scale * place:.{digits}f}".replace("-", "−")
+    left, right = axes.get_xlim()
+    own = float(dataset[name])
+    beside = max(place, own) if abs(own - place) < 0.2 * (right - left) else place  # right of both lines if close
+    late = beside > 0.5 * (left + right)
+    axes.text(beside, 0.06, f" {symbol} = {value} ", color=style.VERMILION, fontsize=6.5, va="bottom",
+              ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

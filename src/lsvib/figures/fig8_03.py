@@ -61,7 +61,10 @@ def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw the boundaries of the classes and the chapter's drives."""
     for sign in (1, -1):
         curve = axes.plot(
-            dataset.node_focus_inertia, sign * dataset.node_focus_damping, color=style.BLACK, linewidth=1.0
+            dataset.node_focus_effective_inertia,
+            sign * dataset.node_focus_effective_damping,
+            color=style.BLACK,
+            linewidth=1.0,
         )
     curve[0].set_label(r"$C_0^2 = 4 k \Gamma_0$")
     axes.axvline(0, color=style.BLACK, linewidth=1.0)

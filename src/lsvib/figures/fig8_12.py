@@ -8,40 +8,46 @@ from lsvib.figures import phase, style
 
 _RULES = {
     "contact sign": (style.BLUE, "-", "resumes by the sign of the contact force"),
-    "at once": (style.ORANGE, (0, (4, 2)), "resumes at once"),
+    "at once": (style.ORANGE, (0, (4, 2)), "resumes at once, as in the chapter"),
 }
-# Variable, title, word on the axis, place of the close-up as fractions of the axes.
-_PANELS = (
-    ("amplitude", "(a) amplitude", "amplitude of $u$", (0.46, 0.50, 0.44, 0.42)),
-    ("mean_deflection", "(b) mean deflection", "mean deflection", (0.25, 0.13, 0.27, 0.28)),
-    ("mean_normal_force", "(c) mean contact force", "mean normal force", (0.55, 0.13, 0.38, 0.22)),
+_PANELS = (  # variable, title, word on the axis
+    ("amplitude", "amplitude", "amplitude of $u$"),
+    ("mean_deflection", "mean deflection", "mean deflection"),
+    ("mean_normal_force", "mean force", "mean force"),
 )
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw the three quantities under both rules of resuming, with close-ups of the dampings at which they differ."""
-    figure = style.new_figure(style.DOUBLE, 3.1)
-    panels = figure.subplots(1, 3)
-    for axes, (name, title, word, place) in zip(panels, _PANELS, strict=True):
-        _curves(axes, dataset, name)
-        axes.set(
-            title=title,
-            xlabel=style.label(dataset.support_damping, "damping"),
-            ylabel=style.label(dataset[name], word),
-            xlim=(0, float(dataset.support_damping[-1])),
-        )
-        axes.locator_params(axis="x", nbins=2)
+    """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ."""
+    figure = style.new_figure(style.DOUBLE, 4.9)
+    panels = figure.subplots(2, 3)
+    limit = float(dataset.resting_support_damping)
+    near = dataset.isel(support_damping=dataset.support_damping.values <= 2 * limit)
+    for column, (name, title, word) in enumerate(_PANELS):
+        whole, close = panels[:, column]
+        _curves(whole, dataset, name, 1e3)
+        _curves(close, near, name, 1e6)
+        close.axvline(limit * 1e6, color=style.BLACK, linewidth=0.8, linestyle=":",
+                      label=f"$c$ = {limit * 1e6:.3g} × 10⁻⁶ N m s rad⁻¹, below which the screw rests")  # fmt: skip
+        for axes, power, letter, part in ((whole, "⁻³", "abc", dataset), (close, "⁻⁶", "def", near)):
+            axes.set(
+                title=f"({letter[column]}) {title}" + (", small $c$" if axes is close else ""),
+                xlabel=f"Damping $c$ [10{power} N m s rad⁻¹]",
+                ylabel=style.label(dataset[name], word),
+            )
+            axes.set_xlim(0, float(part.support_damping[-1]) * (1e3 if axes is whole else 1e6))
+            axes.locator_params(nbins=5)
         if name == "mean_normal_force":
-            impulsive = dataset.mean_impulsive_force[0]
-            axes.plot(dataset.support_damping, impulsive, color=style.GREY, linewidth=1.0, label="part from impulses")
-            axes.set_ylim(0, None)
-        _close_up(axes.inset_axes(place), dataset, name)
-    phase.legend(figure, panels, 3)
+            whole.plot(dataset.support_damping * 1e3, dataset.mean_impulsive_force[0], color=style.GREY, linewidth=1.0,
+                       label="part from impulses")  # fmt: skip
+            whole.set_ylim(0, None)
+    style.state_values(figure, dataset)
+    phase.legend(figure, [panels[0, 2], panels[1, 0]], 2)
     return figure
 
 
-def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float = 1.0) -> None:
+def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
     """Draw a quantity under both rules; without damping the second rule has no motion that resumes at once."""
     for index, rule in style.flag_names(dataset.rule).items():
         colour, dashes, words = _RULES[rule]
@@ -49,13 +55,3 @@ def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float = 1.0) -> N
         if rule == "at once":
             curve = curve.isel(support_damping=dataset.support_damping.values > 0)
         axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)
-
-
-def _close_up(small: Axes, dataset: xr.Dataset, name: str) -> None:
-    """Draw the curves around the damping below which the screw rests after a seizure."""
-    limit = float(dataset.resting_support_damping)
-    _curves(small, dataset.isel(support_damping=dataset.support_damping.values <= 2 * limit), name, scale=1e6)
-    small.axvline(limit * 1e6, color=style.BLACK, linewidth=0.7, linestyle=":")
-    small.set_xlabel(r"$c$ [$10^{-6}$ N m s rad⁻¹]", fontsize=6, labelpad=0)
-    small.locator_params(nbins=3)
-    small.tick_params(labelsize=6, pad=1.5)

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from lsvib.figures import phase, style
+from lsvib.figures import arrows, phase, style
 
 _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
@@ -14,13 +14,14 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
-    figure = style.new_figure(style.DOUBLE, 5.4)
+    figure = style.new_figure(style.DOUBLE, 6.0)
     panels = figure.subplots(2, 2)
     plane, deflection, grid, shortest = panels.ravel()
     _plane(plane, dataset)
     _deflection(deflection, dataset)
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
+    style.state_values(figure, dataset)
     phase.legend(figure, [plane, deflection], 2)
     return figure
 
@@ -40,15 +41,19 @@ def _power(value: float) -> str:
 def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    cycles: list[arrows.Line] = []
     for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
-        axes.plot(dataset.cycle_angle[k], dataset.cycle_velocity[k], color=colour, label=_name(dataset, k))
+        cycles.append((dataset.cycle_angle.values[k], dataset.cycle_velocity.values[k], colour))
+        axes.plot(*cycles[-1][:2], color=colour, label=_name(dataset, k))
     axes.axvline(-float(dataset.steady_deflection), color=style.GREEN, linewidth=0.9, linestyle=":")
     axes.text(-float(dataset.steady_deflection), 0.45, " $z = 0$", color=style.GREEN, fontsize=7,
               transform=axes.get_xaxis_transform())  # fmt: skip
     axes.locator_params(axis="x", nbins=5)
     phase.mark_origin(axes)
+    axes.margins(0.06)
+    arrows.draw_arrows(axes, cycles)
     axes.set(
-        title=f"(a) phase plane, $m$ = {phase.number(dataset.mass)} kg, $R$ = {phase.number(dataset.axial_force)} N",
+        title="(a) phase plane",
         xlabel=style.label(dataset.cycle_angle, "deviation"),
         ylabel=style.label(dataset.cycle_velocity, "rate"),
     )
@@ -73,20 +78,17 @@ def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
-    """Largest deflection over the contact parameters, with the line on which it vanishes."""
+    """Largest deflection of each contact of the grid, a cell around it, with the line on which it vanishes."""
     damping, stiffness = dataset.grid_contact_damping.values, dataset.grid_contact_stiffness.values
     largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
     mesh = axes.pcolormesh(
-        damping,
-        stiffness,
-        dataset.grid_largest_deflection,
-        cmap="RdBu_r",
-        vmin=-largest,
-        vmax=largest,
-        shading="nearest",
-    )
-    axes.plot(dataset.boundary_contact_damping, stiffness, color=style.BLACK)
-    axes.set(xscale="log", yscale="log", title="(c) largest deflection, 0 on the line: $c_c$ decides")
+        _edges(damping), _edges(stiffness), dataset.grid_largest_deflection, cmap="RdBu_r", vmin=-largest,
+        vmax=largest, edgecolors="white", linewidth=0.3,
+    )  # fmt: skip
+    axes.plot(dataset.boundary_contact_damping, stiffness, "-|", color=style.BLACK, markersize=5)
+    axes.annotate("$z = 0$", (float(dataset.boundary_contact_damping[0]), stiffness[0]), (5, 2), fontsize=7,
+                  textcoords="offset points")  # fmt: skip
+    axes.set(xscale="log", yscale="log", title="(c) largest deflection: $c_c$ decides its sign")
     axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=style.label(dataset.grid_contact_stiffness))
     inside = (dataset.contact_damping >= damping[0]) & (dataset.contact_stiffness >= stiffness[0])
     for k in np.flatnonzero(inside.values)[: len(_COLOURS)]:
@@ -96,20 +98,33 @@ def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
     bar.set_label("Largest $z$ [rad]")
 
 
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Edges of the cells around values that are spaced logarithmically."""
+    middle = np.sqrt(values[1:] * values[:-1])
+    return np.concatenate([[values[0] ** 2 / middle[0]], middle, [values[-1] ** 2 / middle[-1]]])
+
+
 def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
-    """Shortest time of the trajectory against the contact damping, for the softest and the stiffest contact."""
-    speed = abs(float(dataset.input_speed))
-    for row, colour in ((0, style.SKY), (-1, style.PURPLE)):
+    """Shortest time of the trajectory against the contact damping: each contact drawn lies on the line of its own k_c.
+
+    A contact whose stiffness is not one of the grid has no line; the stiffest contact of the grid is drawn beside.
+    """
+    speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values
+    rows = {len(stiffness) - 1: style.PURPLE}
+    for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
+        own = float(dataset.contact_stiffness[k])
+        rows |= {int(row): colour for row in np.flatnonzero(np.isclose(stiffness, own))}
+        axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour,
+                  markeredgecolor=style.BLACK, zorder=3)  # fmt: skip
+    dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
+    for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
         curve = dataset.isel(grid_contact_stiffness=row)
         axes.plot(curve.grid_contact_damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
-                  label=f"$k_c$ = {_power(float(curve.grid_contact_stiffness))} N m⁻¹")  # fmt: skip
-    for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
-        axes.plot(dataset.contact_damping[k], 1e6 * speed / dataset.largest_acceleration[k], "o", color=colour,
-                  label="contacts of (a), each with its own $k_c$" if k == 0 else None)  # fmt: skip
+                  linestyle=dash, label=f"$k_c$ = {_power(float(curve.grid_contact_stiffness))} N m⁻¹")  # fmt: skip
     axes.set(
         xscale="log",
         yscale="log",
-        title="(d) shortest time of the trajectory",
+        title="(d) shortest time: $c_c$ decides it, too",
         xlabel=style.label(dataset.grid_contact_damping),
         ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]",
     )

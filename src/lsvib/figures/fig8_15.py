@@ -8,20 +8,26 @@ from matplotlib.patches import Patch
 
 from lsvib.figures import phase, style
 
-# Fill, hatch and words; slanted and horizontal hatching as in the chapter.
+# Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
 _REGIONS = {
-    "stable": ("#FFFFFF", None, "stable"),
-    "flutter": ("#CFE3F3", "////", "mode coupling (flutter)"),
-    "divergence": ("#FBE3B5", "....", "divergence ($\\Gamma_0 < 0$)"),
-    "kinematic": ("#F7D9C4", "---", "kinematic constraint"),
-}
+    "stable": ("#FFFFFF", None, "stable", "stable", (0.05, 1e7)),
+    "flutter": ("#CFE3F3", "////", "mode coupling (flutter)", "mode\ncoupling", (0.19, 1.2e7)),
+    "divergence": (
+        "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
+        "third\nregion", (0.247, 2.5e8),
+    ),
+    "kinematic": (
+        "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
+        "primary\nkinematic\nregion", (0.343, 1e7),
+    ),
+}  # fmt: skip
 _HATCH = "#7F8FA0"
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
-    figure = style.new_figure(style.DOUBLE * 0.72, 3.9)
+    figure = style.new_figure(style.DOUBLE * 0.8, 4.6)
     axes = figure.add_subplot()
     friction, stiffness = dataset.friction_coefficient, dataset.support_stiffness
     codes = {name: value for value, name in style.flag_names(dataset.stability).items()}
@@ -31,12 +37,19 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     coarse = dataset.isel({name: _thinned(dataset.sizes[name]) for name in dataset.stability.dims})
     patches = []
-    for name, (colour, hatch, words) in _REGIONS.items():
+    for name, (colour, hatch, words, name_in, place) in _REGIONS.items():
         inside = (coarse.stability == codes[name]).T.astype(float)
         if hatch and bool(inside.any()):
             places = coarse.friction_coefficient, coarse.support_stiffness
             area = axes.contourf(*places, inside, levels=[0.5, 1.5], colors="none", hatches=[hatch])
             area.set(edgecolor=_HATCH, linewidth=0)
+        row = [
+            float(dataset[dim].sel({dim: at}, method="nearest"))
+            for dim, at in zip(dataset.stability.dims, place, strict=True)
+        ]
+        if int(dataset.stability.sel(dict(zip(dataset.stability.dims, row, strict=True)))) == codes[name]:
+            axes.text(*place, name_in, ha="center", va="center", zorder=4,
+                      bbox={"facecolor": colour, "linewidth": 0, "pad": 1.5})  # fmt: skip
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     for boundary, dashes in ((dataset.lower_boundary, "-"), (dataset.upper_boundary, "--")):
         name = f"{boundary.attrs['long_name'].split()[0]} branch of (8.29)"
@@ -53,16 +66,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=words)
     printed = float(dataset.printed_critical_friction)
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
-    mass, screw, stiff = (phase.number(dataset[name]) for name in ("mass", "screw_mass", "coupling_stiffness"))
     axes.set(
-        title=f"$m$ = {mass} kg, $m_1$ = {screw} kg, $k$ = {stiff} N m rad⁻¹ (assumed)",
         xlabel=style.label(friction),
         ylabel=style.label(stiffness),
         yscale="log",
         xlim=(friction[0], friction[-1]),
         ylim=(np.min(stiffness), np.max(stiffness)),
     )
-    phase.legend(figure, [axes], 3, patches)
+    style.state_values(figure, dataset)
+    phase.legend(figure, [axes], 2, patches)
     return figure
 
 

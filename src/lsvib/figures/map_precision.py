@@ -64,13 +64,15 @@ def _near(axes: Axes, box: xr.Dataset, names: list[str]) -> None:
         method = box.isel(method=k)
         colour, dashes = _STYLES[name]
         width = 1.6 if name == "engine" else 1.0
-        axes.plot(box.distance, method.wrong_near, dashes, color=colour, linewidth=width, zorder=3 if k < 2 else 2)
+        axes.plot(
+            box.boundary_distance, method.wrong_near, dashes, color=colour, linewidth=width, zorder=3 if k < 2 else 2
+        )
         if method.undecided_near.any():
             either = method.wrong_near + method.undecided_near
-            axes.fill_between(box.distance, method.wrong_near, either, color=colour, alpha=0.15, linewidth=0)
+            axes.fill_between(box.boundary_distance, method.wrong_near, either, color=colour, alpha=0.15, linewidth=0)
     axes.set(xscale="log", xlabel="Distance from the boundary [widths of the box]", ylabel="Share of wrong labels")
     axes.set_ylim(-0.03, 1.03)
-    axes.set_xlim(float(box.distance[0]), float(box.distance[-1]))
+    axes.set_xlim(float(box.boundary_distance[0]), float(box.boundary_distance[-1]))
     for power in (3, 6):  # maps of 10³ × 10³ and 10⁶ × 10⁶ cells
         axes.axvline(10.0**-power, color=style.GREY, linestyle=":", linewidth=0.8, zorder=0)
         words = f"cell of\n$10^{power}\\times10^{power}$"

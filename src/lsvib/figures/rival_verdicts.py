@@ -29,10 +29,10 @@ _HEIGHT, _WIDTH = 0.42, 0.9
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw shares of verdicts as bars, method by family, with the number of wrong ones and of cases."""
-    words = list(style.flag_names(dataset.outcome).values())
+    words = list(style.flag_names(dataset.method_outcome).values())
     methods = ["lsvib", *map(_label, dataset.method.attrs["labels"].split("; "))]
-    names = style.flag_names(dataset.family)
-    families = [names[int(f)].replace(" ", "\n") for f in dataset.family.values]
+    names = style.flag_names(dataset.edge_family)
+    families = [names[int(f)].replace(" ", "\n") for f in dataset.edge_family.values]
     figure = style.new_figure(style.DOUBLE, 1.3 + 0.29 * len(methods))
     axes = figure.subplots()
     for row, counts in enumerate([_engine(dataset, words), *_others(dataset)]):
@@ -66,14 +66,14 @@ def _engine(dataset: xr.Dataset, words: list[str]) -> np.ndarray:
     """
     known = [style.flag_names(dataset.engine_verdict)[int(v)] for v in dataset.engine_verdict.values]
     verdict = np.array([words.index(_ENGINE[word]) if word in _ENGINE else -1 for word in known])
-    groups = [dataset.case_family.values == family for family in dataset.family.values]
+    groups = [dataset.case_family.values == family for family in dataset.edge_family.values]
     groups.append(dataset.shared.values == 1)
     return np.array([[(verdict[g] == k).sum() for k in range(len(words))] for g in groups])
 
 
 def _others(dataset: xr.Dataset) -> np.ndarray:
     """Counts of the other methods, (method, family and shared, outcome)."""
-    families = dataset["count"].transpose("method", "family", "outcome").values
+    families = dataset["count"].transpose("method", "edge_family", "method_outcome").values
     return np.concatenate([families, dataset.shared_count.values[:, None]], axis=1)
 
 

@@ -43,13 +43,13 @@ def _is(variable: xr.DataArray, word: str) -> np.ndarray:
 
 
 def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarray) -> None:
-    names = style.flag_names(dataset.family)
+    names = style.flag_names(dataset.edge_family)
     outcomes = style.flag_names(dataset.outcome)
     total = int(dataset.case_count.sum())
     rng = np.random.default_rng(0)  # scatter of the dots across their row, no data
-    for row, family in enumerate(dataset.family.values):
+    for row, family in enumerate(dataset.edge_family.values):
         chosen = asked & (dataset.case_family.values == family)
-        good = np.isin(dataset.verdict.values, [v for v, n in outcomes.items() if n in _PASSED])
+        good = np.isin(dataset.case_verdict.values, [v for v, n in outcomes.items() if n in _PASSED])
         for part, colour, size in ((chosen & good, style.BLUE, 2.0), (chosen & ~good, style.VERMILION, 8.0)):
             height = row + rng.uniform(-0.3, 0.3, part.sum())
             axes.scatter(digits[part], height, s=size, color=colour, linewidths=0, alpha=0.6, rasterized=True)
@@ -65,13 +65,13 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         rest = ", ".join(f"{n} {word}" for word, n in counts.items() if word not in _PASSED)
         text = f"{sum(counts.values()):,} cases" + (f"\n{rest}" if rest else "")
         axes.text(17.6, row, text, va="center", fontsize=6, linespacing=1.1)
-    axes.axvline(-np.log10(float(dataset.tolerance)), color=style.GREY, linestyle=":", linewidth=0.9)
-    axes.set_yticks(range(dataset.sizes["family"]), [names[int(f)] for f in dataset.family.values])
+    axes.axvline(-np.log10(float(dataset.passing_error)), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.set_yticks(range(dataset.sizes["edge_family"]), [names[int(f)] for f in dataset.edge_family.values])
     axes.set(
         title=f"(a) {total:,} cases, those that 40 digits judged",
         xlabel="Digits that are right",
         xlim=(-3.5, 24.5),
-        ylim=(dataset.sizes["family"] - 0.4, -0.6),
+        ylim=(dataset.sizes["edge_family"] - 0.4, -0.6),
     )
     axes.set_xticks([4, 8, 12, 16])
     handles = (
@@ -84,7 +84,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     )  # fmt: skip
     axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
-    axes.text(9.15, dataset.sizes["family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")
+    axes.text(9.15, dataset.sizes["edge_family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")
 
 
 def _contact(figure: Figure, axes: Axes, dataset: xr.Dataset, values: np.ndarray, title: str, words: str,
@@ -92,7 +92,7 @@ def _contact(figure: Figure, axes: Axes, dataset: xr.Dataset, values: np.ndarray
     here = _is(dataset.case_family, "contact")
     marks = axes.scatter(dataset.level.values[here], dataset.damping_level.values[here], c=values[here], s=7,
                          cmap="cividis", vmin=low, vmax=high, linewidths=0, rasterized=True)  # fmt: skip
-    bad = here & ~_is(dataset.verdict, "passed")
+    bad = here & ~_is(dataset.case_verdict, "passed")
     axes.scatter(dataset.level.values[bad], dataset.damping_level.values[bad], s=22, facecolors="none",
                  edgecolors=style.VERMILION, linewidths=0.7)  # fmt: skip
     figure.colorbar(marks, ax=axes, label=words, pad=0.02)
@@ -104,7 +104,7 @@ def _edges(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarra
         chosen = asked & _is(dataset.case_family, name)
         axes.scatter(dataset.level.values[chosen], digits[chosen], s=7, color=colour, marker=marker, linewidths=0,
                      alpha=0.7, label=words, rasterized=True)  # fmt: skip
-    axes.axhline(-np.log10(float(dataset.tolerance)), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.axhline(-np.log10(float(dataset.passing_error)), color=style.GREY, linestyle=":", linewidth=0.9)
     axes.set(
         title="(d) next to the edges",
         xlabel="log$_{10}$ of the relative distance from the edge",

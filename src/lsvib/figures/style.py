@@ -139,10 +139,14 @@ def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Tab
     ``rest``. The text is broken where it would be wider than the figure.
     """
     words = [
-        *_enumeration("As printed: ", amounts(dataset, "printed")),
-        *_enumeration("Assumed: ", amounts(dataset, "assumed")),
+        *enumeration("As printed: ", amounts(dataset, "printed")),
+        *enumeration("Assumed: ", amounts(dataset, "assumed")),
     ]
-    words.append(rest if words else "All values: Table 8.1.")
+    write_below(figure, [*words, rest if words else "All values: Table 8.1."])
+
+
+def write_below(figure: Figure, words: Sequence[str]) -> None:
+    """Write pieces of a text under a picture, in as many lines as its width takes."""
     note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
     room = 0.98 * figure.bbox.width
     lines: list[str] = []
@@ -155,7 +159,7 @@ def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Tab
     note.set_text("\n".join(lines))
 
 
-def _enumeration(start: str, items: Sequence[str]) -> list[str]:
+def enumeration(start: str, items: Sequence[str]) -> list[str]:
     """Return the pieces of "start a, b, c." that a line break may part."""
     ends = [","] * (len(items) - 1) + ["."]
     return [f"{start if k == 0 else ''}{item}{end}" for k, (item, end) in enumerate(zip(items, ends, strict=False))]

@@ -40,7 +40,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     panels = np.ravel(figure.subplots(rows, min(count, _COLUMNS), sharey=True, squeeze=False))
     names = dataset.method.attrs["flag_meanings"].split()
     titles = dataset.scene.attrs["labels"].split("; ")
-    right = {word: value for value, word in style.flag_names(dataset.verdict).items()}["right"]
+    right = {word: value for value, word in style.flag_names(dataset.motion_verdict).items()}["right"]
     for k, axes in enumerate(panels):
         if k >= count:
             axes.set_visible(False)
@@ -65,14 +65,14 @@ def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
         method = scene.isel(method=k)
         seconds, error = method.run_time.values, np.maximum(method.state_error.values, _LEAST)
         ran = np.isfinite(error) & np.isfinite(seconds)
-        good = ran & (method.verdict.values == right)
+        good = ran & (method.motion_verdict.values == right)
         colour, marker, dashes = _STYLES[name]
         size = 9 if name == "exact" else 3.5
         axes.plot(seconds[ran], error[ran], color=colour, linestyle=dashes, linewidth=0.7, alpha=0.8)
         face = "white" if dashes == ":" else colour
         axes.plot(seconds[good], error[good], color=colour, marker=marker, markersize=size, linestyle="", mfc=face)
         axes.plot(seconds[ran & ~good], error[ran & ~good], color=colour, marker="x", markersize=4, linestyle="")
-    engine = float(scene.run_time.isel(method=names.index("exact"), tolerance=0))
+    engine = float(scene.run_time.isel(method=names.index("exact"), setting=0))
     floor = float(scene.ratio_floor)
     axes.axvline(floor * engine, color=style.GREY, linestyle=":", linewidth=0.8, zorder=0)
     axes.text(floor * engine, 2.0, f" {floor:g}×", fontsize=6, color=style.GREY, va="bottom")
@@ -81,9 +81,9 @@ def _panel(axes: Axes, scene: xr.Dataset, names: list[str], right: int) -> None:
 
 def _gave_up(axes: Axes, scene: xr.Dataset) -> None:
     """Say how many runs of the methods that are drawn ended without a result."""
-    codes = {word: value for value, word in style.flag_names(scene.verdict).items()}
+    codes = {word: value for value, word in style.flag_names(scene.motion_verdict).items()}
     drawn = [name in _STYLES for name in scene.method.attrs["flag_meanings"].split()]
-    lost = int((scene.verdict.values[drawn] == codes["gave up"]).sum())
+    lost = int((scene.motion_verdict.values[drawn] == codes["gave up"]).sum())
     if lost:
         axes.text(0.97, 0.03, f"{lost} gave up", transform=axes.transAxes, fontsize=6, ha="right")
 

@@ -112,6 +112,7 @@ class _Loader(yaml.SafeLoader):
     """YAML without the surprises: no key twice, and numbers are decimal."""
 
     def construct_mapping(self, node: yaml.Node, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping; refuse a key that is given twice."""
         seen = set()
         for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
             if isinstance(key, yaml.ScalarNode):
@@ -123,6 +124,7 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
 
     def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
+        """Return a decimal number; what is none, such as an octal or sexagesimal one, stays text."""
         text = self.construct_scalar(node)
         try:
             return int(text) if _DECIMAL.fullmatch(text) else number(text)

@@ -31,6 +31,7 @@ def prepare(
     functions = [_functions(mode, clock, solver == "BDF") for mode in hybrid.modes]
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
+        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
         if end <= now:
             return now, state, None
         arc = CVODE(**functions[mode], **options)  # a solver that is used again keeps, and copies, all earlier events
@@ -49,13 +50,16 @@ def _functions(mode: HybridMode, clock: Clock, jacobian: bool) -> dict:
     weights, offsets = mode.guards[:, :-1], mode.guards[:, -1]
 
     def field(t, x, rate):
+        """Put x′ = A x + b into ``rate``."""
         clock.check()
         rate[:] = matrix @ x + constant
 
     def slope(t, x, rate, out):
+        """Put the Jacobian A into ``out``."""
         out[:] = matrix
 
     def guards(t, x, values):
+        """Put the values of the guards, positive inside the mode, into ``values``."""
         values[:] = weights @ x + offsets
 
     found = {"rhsfn": field}

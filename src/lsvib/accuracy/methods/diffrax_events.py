@@ -91,6 +91,7 @@ def prepare(
     march, blank = _compiled(solver), jax.tree_util.tree_map(jnp.asarray, _blank(scene.scales.size))
 
     def run() -> "_Marched":
+        """March chunk after chunk to the end of the scene."""
         clock.start()
         mode, state = hybrid.enter()
         chunks, total, failure = [blank._replace(mode=np.int64(mode), state=np.array(state))], 0, ""
@@ -237,9 +238,11 @@ def _compiled(solver: str) -> Callable:
     method = getattr(diffrax, solver)()
 
     def march(tables: EvenTables, limits: _Limits, last: _March, left) -> _March:
+        """March from the last chunk over as many events as a chunk holds, ``left`` at most."""
         most = jnp.minimum(left, _CHUNK)
 
         def goes_on(march: _March):
+            """Tell whether the chunk has room and the motion has not ended."""
             return (march.status == _Status.RUNNING) & (march.count < most) & (march.steps < _STEPS)
 
         start = last._replace(count=jnp.zeros_like(last.count), steps=jnp.zeros_like(last.steps))

@@ -42,6 +42,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, singl
         state = state.astype(np.float32).astype(float)
 
     def run() -> _Followed:
+        """Follow the motion by the engine."""
         try:
             motion = follow(automaton, state, hybrid.scene.duration, max_events=max_events)
         except EngineError as error:
@@ -55,6 +56,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, singl
 
 def _rounded(tables: Tables) -> Tables:
     def round_floats(value):
+        """Return an array of floats rounded to single precision, also within tuples; anything else as it is."""
         if isinstance(value, tuple):
             return type(value)(*map(round_floats, value))
         real = isinstance(value, np.ndarray) and value.dtype.kind == "f"

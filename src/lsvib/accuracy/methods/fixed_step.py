@@ -50,6 +50,7 @@ def prepare(
         )
 
     def run() -> _Stepped:
+        """March to the end of the scene with steps of one length."""
         mode, state = enter(automaton, scene.state)
         times, kinds = np.empty(max_events), np.empty(max_events, dtype=np.int8)
         extremes = np.array([np.inf, -np.inf])

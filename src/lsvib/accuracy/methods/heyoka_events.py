@@ -39,6 +39,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     held = 0.0, 0.0  # time in twice the digits, as heyoka itself keeps it, from one arc to the next
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
+        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
         nonlocal held
         if end <= now:
             return now, state, None

@@ -33,6 +33,7 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
         options["max_step"] = scene.step_cap
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
+        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
         if end <= now:
             return now, state, None
         field, events = modes[mode]
@@ -61,6 +62,7 @@ def _functions(mode, clock: Clock):
     matrix, constant = mode.matrix, mode.constant
 
     def field(t, x):
+        """Return x′ = A x + b."""
         clock.check()
         return matrix @ x + constant
 
@@ -69,6 +71,7 @@ def _functions(mode, clock: Clock):
         weights, offset = row[:-1], float(row[-1])
 
         def guard(t, x, weights=weights, offset=offset):
+            """Return the value of the guard, which is positive inside the mode."""
             return weights @ x + offset
 
         guard.terminal, guard.direction = True, -1

@@ -56,12 +56,14 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     scales = np.array([0.1, abs(drive.input_speed), 1e-6, 1e-6])[: state.size]
 
     def field(t, x, out):
+        """Put x′ under smoothed friction into ``out``."""
         clock.check()
         rate(numbers, setting, x, out)
 
     solver = CVODE(field, method="BDF", rtol=_TOLERANCE, atol=_TOLERANCE * scales, max_num_steps=_STEPS)
 
     def run() -> _Sampled:
+        """Solve to the end of the scene."""
         clock.start()
         return _Sampled(scene, setting, solver.solve(np.array([0.0, scene.duration]), state))
 
