@@ -295,7 +295,6 @@ def attraction(
 
 
 @app.command
-<<<<<<< HEAD
 def assess(
     sheet: Path,
     *,
@@ -333,7 +332,9 @@ def assess(
         return
     print(result["sentence"])
     print(f"wrote {out / 'index.html'}, assessment.nc and assessment.json")
-=======
+
+
+@app.command
 def sweep(
     *,
     over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **_ONE_VALUE)],
@@ -378,7 +379,6 @@ def sweep(
         print_json(result)
         return
     print_sweep(result)
->>>>>>> main
 
 
 @app.command
