@@ -13,10 +13,12 @@ import numpy as np
 import xarray as xr
 import yaml
 
+from lsvib.assess.compare import compare
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.run import assess_file, sample_share
 from lsvib.assess.sheet import Sheet
 from lsvib.datasets.trajectory import simulate
+from lsvib.errors import InputError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -106,6 +108,21 @@ def test_shares_of_samples_are_computed_ahead(tmp_path):
         "index.html",
     ]
     assert ahead == assess_file(sheet, tmp_path / "b", samples=16384)
+
+
+def test_drives_are_compared_in_one_table(seat, tmp_path):
+    """The most likely to vibrate first, each with a link to its report; a damaged file is refused."""
+    for name in ("chapter", "linear_actuator"):
+        assess_file(EXAMPLES / f"{name}.yaml", tmp_path / name, samples=64)
+    verdicts = [tmp_path / name / "assessment.json" for name in ("linear_actuator", "chapter")]
+    compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")
+    table = json.loads((tmp_path / "comparison.json").read_text(encoding="utf-8"))
+    assert [row["report"] for row in table] == ["chapter/index.html", "linear_actuator/index.html"]
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.index('href="chapter/index.html"') < page.index('href="linear_actuator/index.html"')
+    verdicts[0].write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="not a readable assessment"):
+        compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)

@@ -4,6 +4,14 @@
 SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 SHARES = config["assessment_shares"]
 
+# What an assessment depends on; the models, imported by their names, are unknown to the graph.
+ASSESSMENT = source_files(
+    imports("lsvib.assess.run")
+    | imports("lsvib.models.rigid")
+    | imports("lsvib.models.support")
+    | imports("lsvib.models.threads")
+)
+
 if len(SHEETS) < len(config["assessments"]):
     raise WorkflowError("Configuration: two data sheets of assessments have the same name but for their folder.")
 
@@ -25,7 +33,7 @@ rule sample_drive:
     """Compute one share of the samples of a drive ahead."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
-        sources=source_files(imports("lsvib.assess.run")),
+        sources=ASSESSMENT,
     output:
         temp("results/assessments/{sheet}/share_{share}.txt"),
     log:
@@ -43,7 +51,7 @@ rule assess_drive:
     """Assess one drive from its data sheet."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
-        sources=source_files(imports("lsvib.assess.run")),
+        sources=ASSESSMENT,
         engine="results/engine.txt",
         shares=lambda wildcards: (
             [f"results/assessments/{wildcards.sheet}/share_{k + 1}.txt" for k in range(SHARES)] if SHARES > 1 else []

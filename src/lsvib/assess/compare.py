@@ -91,12 +91,13 @@ def _row(folder: str, verdict: dict[str, Any]) -> list[object]:
     motion = "does not vibrate" if worst["frequency"] is None else f"{shown(worst['frequency'], 'Hz')}"
     swing = "" if worst["amplitude"] is None else page.small(f"± {shown(worst['amplitude'], 'm')} at the load")
     moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
+    reserve = page.small(f"reserve {short['reserve']:+.2f}")
     link = Html(f'<a href="{page.text(folder)}/index.html">{page.text(short["name"])}</a>')
     return [
         link,
         short["verdict"],
         Html(f"{percent(short['probability'])}{spread}"),
-        Html(f"{page.text(MECHANISMS[short['nearest_mechanism']][0])}{page.small(f'reserve {short["reserve"]:+.2f}')}"),
+        Html(f"{page.text(MECHANISMS[short['nearest_mechanism']][0])}{reserve}"),
         moved,
         Html(f"{motion}{swing}"),
         "yes" if short["self_locking"] else "no",
