@@ -31,10 +31,19 @@ include: "workflow/rules/attraction.smk"
 include: "workflow/rules/assess.smk"
 
 
+if config.get("draft"):
+
+    include: "workflow/rules/draft.smk"
+
+
 rule all:
     default_target: True
     input:
-        collect("results/figures/{figure}.{format}", figure=config["figures"], format=["png", "pdf"]),
+        collect(
+            "results/figures/{figure}.{format}",
+            figure=config["figures"],
+            format=["png"] if config.get("draft") else ["png", "pdf"],
+        ),
         collect("results/datasets/{figure}.nc", figure=config["figures"]),
         collect("results/checks/{figure}.json", figure=config["figures"]),
         "results/checks.json",

@@ -9,31 +9,32 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
+from lsvib import numbers
+from lsvib.drives import parameters
+from lsvib.drives.coefficients import Coefficients, coefficients
+from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
-from lsvib.models import numbers, parameters
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.parameters import LeadScrew
 from lsvib.results import StabilityReport, Threshold
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lsvib.analysis.basin import Basin
-    from lsvib.analysis.cycles import Attractor, SteadyState
-    from lsvib.analysis.grid import Grid
-    from lsvib.models.automaton import Automaton
-    from lsvib.models.scene import Scene
+    from lsvib.basins.exact_basin import Basin
+    from lsvib.basins.grid import Grid
+    from lsvib.cycles.attractors import Attractor, SteadyState
+    from lsvib.drives.scene import Scene
+    from lsvib.engine.automaton import Automaton
 
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction", "rule"]
 
 Progress = Callable[[int, int], None]
-# Of resuming after a seizure, see :mod:`lsvib.models.rigid`.
+# Of resuming after a seizure, see :mod:`lsvib.drives.rigid`.
 RULES: tuple[Literal["contact_sign", "at_once"], ...] = ("contact_sign", "at_once")
 _LONGEST = 1e9  # s, as of a scene
 _MOST_THREADS = 4096  # more than any machine has
 
 
-class _Drive(LeadScrew):
+class _Drive(RigidParameters):
     """What can be asked of a drive of any model."""
 
     @property
@@ -56,7 +57,7 @@ class _Drive(LeadScrew):
         >>> report.stable, report.kind, report.conditions["paradox"].hold
         (False, 'saddle', True)
         """
-        from lsvib.analysis.stability_table import stability_table
+        from lsvib.steady_sliding.stability_table import stability_table
 
         return StabilityReport.of(stability_table(self, self.model))
 
@@ -72,7 +73,7 @@ class _Drive(LeadScrew):
         >>> f"{mass.value:.6f} {mass.unit}"
         '10.106965 kg'
         """
-        from lsvib.analysis.summary import threshold_table
+        from lsvib.steady_sliding.summary import threshold_table
 
         return Threshold.by_name(threshold_table(self, self.model))
 
@@ -80,7 +81,7 @@ class _Drive(LeadScrew):
         """Return the tables that the engine runs; made once, and shared: do not change them.
 
         ``physics``: the terms as in a scene, by default those that are not zero, and rest; ``resume``: the rule of
-        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.models.rigid`). Raises ``InputError``.
+        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.drives.rigid`). Raises ``InputError``.
 
         >>> import lsvib
         >>> lsvib.RigidDrive().automaton().states
@@ -111,7 +112,7 @@ class _Drive(LeadScrew):
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
         """
-        from lsvib.datasets.trajectory import run, trajectory
+        from lsvib.data.simulation import run, trajectory
 
         scene = self._scene(initial, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
@@ -134,8 +135,8 @@ class _Drive(LeadScrew):
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
         """
-        from lsvib.analysis.cycles import steady_state
-        from lsvib.models.motion import enter
+        from lsvib.cycles.attractors import steady_state
+        from lsvib.engine.motion import enter
 
         scene = self._scene(initial, 1.0, resume=resume, physics=physics)
         automaton = scene.kind.build(self, scene.terms, scene.resume)
@@ -186,7 +187,7 @@ class _Drive(LeadScrew):
         return map_attraction(self, grid, quantities, resume, threads, refine, progress).dataset
 
     def _scene(self, initial: Mapping[str, float], duration: float, **more: Any) -> "Scene":
-        from lsvib.models.scene import Scene
+        from lsvib.drives.scene import Scene
 
         try:
             end = numbers.number(duration)
@@ -208,7 +209,7 @@ class RigidDrive(_Drive):
     """
 
     def basin(self) -> "Basin":
-        from lsvib.analysis.basin import basin
+        from lsvib.basins.exact_basin import basin
 
         return basin(self)
 
@@ -234,12 +235,12 @@ class RigidDrive(_Drive):
         >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
         ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
         """
-        from lsvib.datasets.sweep import sweep
+        from lsvib.data.sweep import sweep
 
         return sweep(self, over, initial, rule(resume), workers, progress)
 
 
-class ThreadsDrive(_Drive, parameters.ThreadsDrive):
+class ThreadsDrive(_Drive, parameters.ThreadsParameters):
     """A drive with compliant threads (Sect. 5.5).
 
     >>> import lsvib
@@ -248,7 +249,7 @@ class ThreadsDrive(_Drive, parameters.ThreadsDrive):
     """
 
 
-class SupportDrive(_Drive, parameters.SupportDrive):
+class SupportDrive(_Drive, parameters.SupportParameters):
     """A drive with a compliant axial support of the screw (Sect. 5.6).
 
     >>> import lsvib
@@ -257,7 +258,7 @@ class SupportDrive(_Drive, parameters.SupportDrive):
     """
 
 
-class NutDrive(_Drive, parameters.NutDrive):
+class NutDrive(_Drive, parameters.NutParameters):
     """A drive whose nut can rotate on a spring (Sect. 5.8).
 
     >>> import lsvib
@@ -286,7 +287,7 @@ class AttractionMap:
 
 
 def map_attraction(
-    drive: LeadScrew,
+    drive: RigidParameters,
     grid: "Grid | Mapping[str, Any]",
     quantities: Sequence[str] = ("label",),
     resume: str = "contact_sign",
@@ -298,9 +299,9 @@ def map_attraction(
 
     The seconds are those of mapping, without compiling.
     """
-    from lsvib.analysis import refinement
-    from lsvib.analysis.attraction import mapper
-    from lsvib.datasets.attraction import attraction_map, refined_map
+    from lsvib.basins import refinement
+    from lsvib.basins.mapper import mapper
+    from lsvib.data.attraction_map import attraction_map, refined_map
 
     workers = _threads(threads)
     rule(resume)
@@ -343,7 +344,7 @@ def _threads(given: Any) -> int:
 
 def _grid(given: "Grid | Mapping[str, Any]") -> "Grid":
     """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
-    from lsvib.analysis.grid import Grid
+    from lsvib.basins.grid import Grid
 
     if isinstance(given, Grid):
         return given

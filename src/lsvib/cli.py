@@ -54,7 +54,7 @@ def thresholds(
 
         lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
     """
-    from lsvib.analysis.summary import threshold_table
+    from lsvib.steady_sliding.summary import threshold_table
 
     pairs = _pairs(changes)
     if model == "rigid" and "axial_force" in pairs:
@@ -87,7 +87,7 @@ def stability(
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.analysis.stability_table import stability_table
+    from lsvib.steady_sliding.stability_table import stability_table
 
     table = stability_table(_pairs(changes), model)
     if as_json:
@@ -127,8 +127,8 @@ def simulate(
     model:
         Model of the drive: rigid (the default), threads, support or nut.
     """
-    from lsvib.datasets.trajectory import as_scene, attractor_of, motion_file, run, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.data.simulation import as_scene, attractor_of, motion_file, run, summary
+    from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
@@ -179,9 +179,10 @@ def figure(
     """
     from importlib import import_module
 
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.data.writer import write_dataset
+    from lsvib.drives.scene import read_yaml
+    from lsvib.figures.folders import dataset_module, picture_module
     from lsvib.files import Outputs, write_json
-    from lsvib.models.scene import read_yaml
     from lsvib.settings import DEFAULT, check_section, figures
 
     here = Path("config/config.yaml")
@@ -205,14 +206,14 @@ def figure(
     ]
     paths = [(out / folder / f"{name}.{suffix}", kind) for folder, suffix, kind in files]
     outputs = Outputs(paths, [config], make_folders=True)
-    module = import_module(f"lsvib.datasets.{name}")
+    module = import_module(dataset_module(name))
     dataset = module.build(section)
     checks = module.checks(dataset)
-    drawn = import_module(f"lsvib.figures.{name}").draw(dataset)
-    from lsvib.figures.style import save
+    drawn = import_module(picture_module(name)).draw(dataset)
+    from lsvib.figures.drawing.style import save
 
     with outputs.writing() as (data, verdicts, *pictures):
-        write_dataset(dataset, data, f"lsvib.datasets.{name}.build")
+        write_dataset(dataset, data, f"{dataset_module(name)}.build")
         write_json([check.to_json() for check in checks], verdicts)
         save(drawn, *pictures)
     picture = paths[2][0]
@@ -260,10 +261,10 @@ def attraction(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.analysis.grid import Grid
     from lsvib.api import drive_class, map_attraction
-    from lsvib.datasets.attraction import summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.basins.grid import Grid
+    from lsvib.data.attraction_map import summary
+    from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
     if figure is not None and figure.suffix != ".png":
@@ -283,8 +284,8 @@ def attraction(
     with outputs.writing() as parts:
         write_dataset(dataset, parts[0], "lsvib.attraction")
         if figure is not None:
-            from lsvib.figures.attraction import draw
-            from lsvib.figures.style import save
+            from lsvib.figures.attraction.picture import draw
+            from lsvib.figures.drawing.style import save
 
             save(draw(dataset), *parts[1:])
     if as_json:
@@ -359,10 +360,10 @@ def sweep(
     from time import perf_counter
 
     from lsvib.api import RigidDrive, rule
-    from lsvib.datasets.sweep import evenly
-    from lsvib.datasets.sweep import summary as swept_summary
-    from lsvib.datasets.sweep import sweep as swept
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.data.sweep import evenly
+    from lsvib.data.sweep import summary as swept_summary
+    from lsvib.data.sweep import sweep as swept
+    from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])
@@ -400,7 +401,7 @@ def config(
         lsvib config --model threads
     """
     from lsvib.api import drive_class
-    from lsvib.models.parameters import allowed_range, described, names_and_values
+    from lsvib.drives.parameters import allowed_range, described, names_and_values
 
     start = _known_keys(scene) if scene else {}
     kind = drive_class(model or start.get("model", "rigid"))
@@ -418,7 +419,7 @@ def config(
 
 def _known_keys(scene: Path) -> dict[str, Any]:
     """Read the file of a scene; every key is one of a scene."""
-    from lsvib.models.scene import Scene, read_yaml
+    from lsvib.drives.scene import Scene, read_yaml
 
     values = read_yaml(scene)
     for key in values:

@@ -17,7 +17,7 @@ from lsvib.assess.compare import compare
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.run import assess_file, sample_share
 from lsvib.assess.sheet import Sheet
-from lsvib.datasets.trajectory import simulate
+from lsvib.data.simulation import simulate
 from lsvib.errors import InputError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

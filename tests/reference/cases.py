@@ -4,7 +4,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 
-from lsvib.core import planar
+from lsvib.engine.kernels import flow_planar
 
 EPS = float(np.finfo(float).eps)
 STARTS = [(1.0, 0.0), (0.0, 1.0), (1.0, -2.0), (-0.3, 5.0), (1e-3, 1e-3), (0.0, 0.0)]
@@ -51,11 +51,11 @@ CASES |= {f"roots 1e-{n} apart, side {side}": split(f"1e-{n}", side) for n in ra
 
 def rate_of(row) -> float:
     """The fastest rate of a mode, or 1."""
-    return float(abs(row[planar.ALPHA]) + row[planar.BETA] + row[planar.DELTA]) or 1.0
+    return float(abs(row[flow_planar.ALPHA]) + row[flow_planar.BETA] + row[flow_planar.DELTA]) or 1.0
 
 
 def advanced(row, state, t) -> np.ndarray:
     """State after a time t, by the engine."""
     out = np.empty(2)
-    planar.advance(np.array([row]), 0, np.array(state, dtype=float), t, out)
+    flow_planar.advance(np.array([row]), 0, np.array(state, dtype=float), t, out)
     return out

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lsvib.analysis.modes import Mode, eigenvalues
-from lsvib.models.linear import LinearModel
+from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, eigenvalues
+from lsvib.steady_sliding.linearised import LinearModel
 
 
 def growth_rate(model: LinearModel) -> np.ndarray:
@@ -12,11 +12,11 @@ def growth_rate(model: LinearModel) -> np.ndarray:
 
 
 def damped_class(model: LinearModel) -> np.ndarray:
-    """Class (:class:`Mode`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
+    """Class (:class:`UndampedClass`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
 
     The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
     """
     fastest = eigenvalues(model)[..., -1]
-    kinds = [Mode.KINEMATIC, Mode.STABLE, Mode.DIVERGENCE]
+    kinds = [UndampedClass.KINEMATIC, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
     negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
-    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, Mode.FLUTTER)
+    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, UndampedClass.FLUTTER)

@@ -1,14 +1,20 @@
 """The drive with compliant threads by dense evaluation in many digits, for modes that have no eigenvectors.
 
-The drive, its fields, guards and laws are those of :mod:`lsvib.accuracy.reference.threads`. The flow is mpmath's matrix
-exponential over a step of 1/40 of the fastest time scale, applied again and again. A guard is evaluated at every step
-with its derivative: between two steps of one sign it is searched for a minimum where the derivative changes from
+The drive, its fields, guards and laws are those of :mod:`lsvib.bench.reference.threads_digits`. The flow is mpmath's
+matrix exponential over a step of 1/40 of the fastest time scale, applied again and again. A guard is evaluated at every
+step with its derivative: between two steps of one sign it is searched for a minimum where the derivative changes from
 falling to rising. A root is then refined to 40 digits by secant steps inside its bracket.
 """
 
 from mpmath import mp, mpf
 
-from lsvib.accuracy.reference.threads import SPARE_DIGITS, Drive, Event, Result, name
+from lsvib.bench.reference.threads_digits import (
+    SPARE_DIGITS,
+    ThreadsTrueDrive,
+    ThreadsTrueEvent,
+    ThreadsTruth,
+    name,
+)
 
 STEPS_PER_SCALE = 40
 
@@ -69,7 +75,7 @@ def _fall(field, row, slope, side, x, ahead, fresh):
 def simulate(parameters, state, t_end, *, dps=40):
     """Follow the motion from ``state`` (u, w, e, v) at t = 0 to t_end."""
     with mp.workdps(dps + SPARE_DIGITS):
-        drive, fields, events = Drive(parameters), {}, []
+        drive, fields, events = ThreadsTrueDrive(parameters), {}, []
         x, t, t_end = mp.matrix([*map(mpf, state), 1]), mpf(0), mpf(t_end)
         mode, fresh = drive.mode_at(tuple(x[:4])), True
         while True:
@@ -81,7 +87,7 @@ def simulate(parameters, state, t_end, *, dps=40):
             when, fired = min((f, k) for k, f in enumerate([*falls, field.step]) if f is not None)
             if t + when >= t_end:
                 x = field.after(x, t_end - t)
-                return Result(t_end, tuple(x[:4]), name(mode), events, [], drive)
+                return ThreadsTruth(t_end, tuple(x[:4]), name(mode), events, [], drive)
             t, x, fresh = t + when, ahead if fired == len(falls) else field.after(x, when), fired < len(falls)
             if not fresh:
                 continue
@@ -94,4 +100,4 @@ def simulate(parameters, state, t_end, *, dps=40):
                 x[1] = -drive.Omega
                 mode = drive.mode_at(tuple(x[:4]))
                 kind = "reversal" if mode[0] else "stick"
-            events.append(Event(t, kind, tuple(x[:4]), name(mode)))
+            events.append(ThreadsTrueEvent(t, kind, tuple(x[:4]), name(mode)))

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from lsvib.accuracy.reference.rigid import Result, simulate
-from lsvib.core.status import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.models.motion import Motion, follow
-from lsvib.models.parameters import LeadScrew
-from lsvib.models.rigid import EventKind, rigid_drive
+from lsvib.bench.reference.rigid_digits import RigidTruth, simulate
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion, follow
 
 RULES = ("contact_sign", "at_once")
 
@@ -21,7 +21,7 @@ def signed(low: float, high: float):
 
 
 @st.composite
-def drives(draw) -> LeadScrew:
+def drives(draw) -> RigidParameters:
     """Drives on both sides of Γ₊ = 0, damped in at least one place, loaded, turning either way.
 
     Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
@@ -29,7 +29,7 @@ def drives(draw) -> LeadScrew:
     its one state is the corner θ′ = 0, Q = 0).
     """
     damping = draw(st.sampled_from(["support", "translation", "both"]))
-    return LeadScrew.of(
+    return RigidParameters.of(
         mass=draw(st.floats(0.5, 9.5) | st.floats(10.3, 30.0)),
         friction_coefficient=draw(st.floats(0.05, 0.5)),
         axial_force=draw(signed(1.0, 200.0)),
@@ -50,17 +50,19 @@ class Comparison:
     """An engine's motion, the reference's, and what separates them (errors relative to the size of the motion)."""
 
     motion: Motion
-    reference: Result
+    reference: RigidTruth
     state_error: float
     time_error: float  # [s]; nan if the events are not the same
     kinds: list[str]
     reference_kinds: list[str]
 
 
-def compare(drive: LeadScrew, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
+def compare(
+    drive: RigidParameters, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000
+) -> Comparison:
     """Follow a motion both ways; its size is the largest |u| and |w| at its start, its events and its end."""
     expected = simulate(dict(drive), *start, t_end, resume_rule=rule, max_events=max_events)
-    motion = follow(rigid_drive(drive, resume=rule), start, t_end, max_events=max_events)
+    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=max_events)
     visited = [[s.u, s.w] for s in expected.segments] + [[e.u_before, e.w_before] for e in expected.events]
     size = np.abs(np.array([*visited, [expected.u, expected.w]], dtype=float)).max(axis=0)
     gap = [abs(float(motion.end_state[0] - expected.u)), abs(float(motion.end_state[1] - expected.w))]
@@ -73,10 +75,10 @@ def compare(drive: LeadScrew, start, t_end: float, rule: str = "contact_sign", m
     return Comparison(motion, expected, error, late if kinds == theirs else math.nan, kinds, theirs)
 
 
-def random_drive(rng: np.random.Generator) -> LeadScrew:
+def random_drive(rng: np.random.Generator) -> RigidParameters:
     """As :func:`drives`, but uniformly random, and with masses next to the critical one as well."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
-    return LeadScrew.of(
+    return RigidParameters.of(
         mass=rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2),
         friction_coefficient=rng.uniform(0.05, 0.5),
         axial_force=rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 2.3),

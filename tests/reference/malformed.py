@@ -5,10 +5,10 @@ from itertools import product
 import numpy as np
 
 import lsvib
-from lsvib.analysis.grid import Axis, Grid
-from lsvib.datasets.writer import read_dataset
-from lsvib.models.parameters import LeadScrew, NutDrive, SupportDrive, ThreadsDrive
-from lsvib.models.scene import Scene
+from lsvib.basins.grid import Axis, Grid
+from lsvib.data.writer import read_dataset
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.scene import Scene
 from lsvib.settings import DEFAULT, check, read_yaml
 
 SETTINGS = read_yaml(DEFAULT)
@@ -344,8 +344,8 @@ PYTHON = [
     (lambda: lsvib.simulate(initial={1: 0, "w": 0}, t_end=1), UNKNOWN),
     (lambda: lsvib.simulate(initial={"u": object(), "w": 0}, t_end=1), NUMBER),
     (lambda: lsvib.simulate(initial={"u": 1e300, "w": 0}, t_end=1), RANGE),
-    (lambda: lsvib.simulate(LeadScrew(), t_end=1), "initial is missing"),
-    (lambda: lsvib.simulate(ThreadsDrive(), **START_OF, model="rigid"), UNKNOWN),
+    (lambda: lsvib.simulate(RigidParameters(), t_end=1), "initial is missing"),
+    (lambda: lsvib.simulate(ThreadsParameters(), **START_OF, model="rigid"), UNKNOWN),
     (lambda: lsvib.simulate(**{**START_OF, "t_end": 10**400}), RANGE),
     (lambda: lsvib.simulate(**{**START_OF, "t_end": np.ones(2)}), NUMBER),
     (lambda: lsvib.simulate(**{**START_OF, "t_end": None}), NUMBER),
@@ -354,12 +354,12 @@ PYTHON = [
     (lambda: lsvib.thresholds({1: 1}), UNKNOWN),
     (lambda: lsvib.thresholds(model=None), "model = None"),
     (lambda: lsvib.thresholds({"mass": None}), NUMBER),
-    (lambda: lsvib.thresholds(NutDrive(), model="threads"), UNKNOWN),
+    (lambda: lsvib.thresholds(NutParameters(), model="threads"), UNKNOWN),
     (lambda: lsvib.thresholds(model=[1]), "model = [1]"),
     (lambda: lsvib.stability({"mass": 10**5000}), RANGE),
     (lambda: lsvib.stability([]), "drive = []"),
     (lambda: lsvib.stability(model={}), "model = {}"),
-    (lambda: lsvib.stability(SupportDrive(), model="nut"), UNKNOWN),
+    (lambda: lsvib.stability(SupportParameters(), model="nut"), UNKNOWN),
     (lambda: lsvib.stability({"mass": 1j}), NUMBER),
     (lambda: lsvib.RigidDrive(mass=-1), RANGE),
     (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),
@@ -396,15 +396,15 @@ PYTHON = [
     (lambda: lsvib.RigidDrive().attraction({"u": (0, 1, 4), "w": (0, 1, 4)}, quantities=["tim"]), "'tim'"),
     (lambda: lsvib.RigidDrive().attraction({"u": (0, 1, 4), "w": (0, 1, 4)}, quantities=5), "quantities = 5"),
     (lambda: lsvib.NutDrive().attraction({"u": (0, 1, 4), "w": (0, 1, 4)}, refine=True), "refine"),
-    (lambda: LeadScrew(mass=-1), RANGE),
-    (lambda: LeadScrew(mas=1), UNKNOWN),
-    (lambda: LeadScrew.of(5), "drive = 5"),
+    (lambda: RigidParameters(mass=-1), RANGE),
+    (lambda: RigidParameters(mas=1), UNKNOWN),
+    (lambda: RigidParameters.of(5), "drive = 5"),
     (lambda: Scene(), "initial is missing"),
-    (lambda: LeadScrew.of(mass=np.True_), NUMBER),
-    (lambda: LeadScrew.of(mass=np.array("a")), NUMBER),
-    (lambda: LeadScrew.of(mass=b"1"), NUMBER),
-    (lambda: LeadScrew().replace(mass=[1]), NUMBER),
-    (lambda: LeadScrew().replace(m=1), UNKNOWN),
+    (lambda: RigidParameters.of(mass=np.True_), NUMBER),
+    (lambda: RigidParameters.of(mass=np.array("a")), NUMBER),
+    (lambda: RigidParameters.of(mass=b"1"), NUMBER),
+    (lambda: RigidParameters().replace(mass=[1]), NUMBER),
+    (lambda: RigidParameters().replace(m=1), UNKNOWN),
     (lambda: Scene.of(5), "scene = 5"),
     (lambda: Grid.of(5), "grid = 5"),
     (lambda: Grid.of({"u": 1}), "spans 0"),

@@ -8,14 +8,14 @@ happens in the last part of the time decides the label.
 
 import numpy as np
 
-from lsvib.accuracy.reference.rigid import Drive, simulate
+from lsvib.bench.reference.rigid_digits import RigidTrueDrive, simulate
 
 STEADY, STICK_SLIP, SPRAG_SLIP, OTHER = range(4)
 
 
 def labels(parameters, u, w, duration, step, watch):
     """Labels of starts (n) under the rule "contact_sign"; ``watch``: time at the end [s] that decides."""
-    drive = Drive(parameters, 30)
+    drive = RigidTrueDrive(parameters, 30)
     k, c, cx, p, r = (float(x) for x in (drive.k, drive.c, drive.cx, drive.p, drive.r))
     inertia, mass, omega, force = (float(x) for x in (drive.I, drive.m, drive.Omega, drive.R))
     xi, gamma = {s: float(drive.xi(s)) for s in (-1, 1)}, {s: float(drive.Gamma(s)) for s in (-1, 1)}

@@ -9,8 +9,8 @@ import pytest
 import yaml
 from conftest import ROOT, copy_of_sources
 
-from lsvib.analysis.grid import COORDINATES
-from lsvib.datasets.writer import read_dataset
+from lsvib.basins.grid import COORDINATES
+from lsvib.data.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
 

@@ -14,8 +14,8 @@ import pytest
 import yaml
 from conftest import ROOT
 
-from lsvib.datasets.ablation import MODULES
-from lsvib.datasets.writer import read_dataset
+from lsvib.bench.figures.ablation.dataset import MODULES
+from lsvib.data.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
 
@@ -60,22 +60,22 @@ def test_touching_a_file_does_nothing(built):
 @pytest.mark.parametrize(
     ("file", "jobs"),
     [
-        ("src/lsvib/figures/fig8_08.py", {"Drawing fig8_08"}),
-        ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
+        ("src/lsvib/figures/fig8_08/picture.py", {"Drawing fig8_08"}),
+        ("src/lsvib/figures/drawing/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
         (
-            "src/lsvib/datasets/fig8_08.py",
+            "src/lsvib/figures/fig8_08/dataset.py",
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/analysis/conditions.py",  # imported by figure 8.8 only
+            "src/lsvib/steady_sliding/conditions.py",  # imported by figure 8.8 only
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/models/friction.py",
+            "src/lsvib/drives/friction.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),
-        ("src/lsvib/core/loop.py", set()),  # neither figure reaches the engine
+        ("src/lsvib/engine/kernels/event_loop.py", set()),  # neither figure reaches the engine
     ],
 )
 def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, file, jobs):
@@ -88,9 +88,36 @@ def test_a_changed_parameter_reruns_its_figure_only(built):
     assert built.plan() == {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"}
 
 
-def test_draft_configuration_reruns_both_figures(built):
-    jobs = built.plan("--configfile", "config/draft.yaml")
-    assert {"Computing fig8_03", "Computing fig8_08"} <= jobs
+@pytest.mark.slow
+def test_a_draft_is_drawn_without_pdf_and_a_full_run_brings_everything_back(built, finished):
+    """A quick look starts no process for each figure, and leaves no PDF that shows other data than its PNG."""
+    draft = built("--configfile", "config/draft.yaml")
+    assert draft.returncode == 0, draft.stdout
+    assert "Computing and drawing fig8_03\n" in draft.stdout
+    results, reference = built.folder / "results", finished[0].folder / "results"
+    assert not list(results.rglob("*.pdf"))
+    for figure in FIGURES:
+        coarse, fine = (path / "figures" / f"{figure}.png" for path in (results, reference))
+        assert coarse.read_bytes().startswith(b"\x89PNG")
+        assert coarse.stat().st_size < 0.6 * fine.stat().st_size
+    assert "Nothing to be done" in built("--configfile", "config/draft.yaml").stdout
+    assert {f"{verb} {figure}" for verb in ("Computing", "Drawing") for figure in FIGURES} <= built.plan()
+    assert built().returncode == 0
+    for figure in FIGURES:
+        for kind in ("png", "pdf"):
+            name = f"figures/{figure}.{kind}"
+            assert (results / name).read_bytes() == (reference / name).read_bytes()
+
+
+def test_a_draft_of_all_figures_is_a_few_processes(fresh):
+    """Each with several figures; the target ``accuracy`` of a draft has its own jobs."""
+    names = ", ".join(CONFIG["figures"])
+    fresh.edit("config/config.yaml", "figures: [fig8_03, fig8_08]", f"figures: [{names}]")
+    jobs = [job for job in fresh.plan("--configfile", "config/draft.yaml") if "omputing" in job or "Drawing" in job]
+    assert len(jobs) == 4
+    assert sorted(", ".join(job.removeprefix("Computing and drawing ") for job in jobs).split(", ")) == sorted(
+        CONFIG["figures"]
+    )
 
 
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
@@ -101,12 +128,12 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     reasons = dict(re.findall(r"^Job \d+: Computing (\w+)\nReason: (.*)$", run.stdout, re.MULTILINE))
     assert set(reasons) == set(figures)
     waiting = {figure for figure, reason in reasons.items() if "results/engine.txt" in reason}
-    others = {"contact_stability", "nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
+    others = {"nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
     assert waiting == set(figures) - others
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/analysis/chapter.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/drives/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
     assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout

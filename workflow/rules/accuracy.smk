@@ -14,7 +14,7 @@ rule accuracy:
 
 use rule checks as accuracy_checks with:
     input:
-        sources=source_files(imports("lsvib.datasets.checks")),
+        sources=source_files(imports("lsvib.data.checks")),
         checks=collect("results/checks/{figure}.json", figure=config["accuracy_figures"]),
     output:
         json="results/accuracy/checks.json",
@@ -25,7 +25,7 @@ use rule checks as accuracy_checks with:
 
 use rule verdict as accuracy_verdict with:
     input:
-        sources=source_files(imports("lsvib.datasets.checks")),
+        sources=source_files(imports("lsvib.data.checks")),
         checks="results/accuracy/checks.json",
     output:
         "results/accuracy/verdict.txt",
@@ -37,7 +37,7 @@ rule accuracy_table:
     """Write the measured run times and errors as the tables of docs/accuracy.md."""
     input:
         dataset="results/datasets/work_precision.nc",
-        sources=source_files(imports("lsvib.datasets.work_precision_table")),
+        sources=source_files(imports("lsvib.bench.rivals.markdown_tables")),
     output:
         "results/accuracy/table.md",
     log:

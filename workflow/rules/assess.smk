@@ -7,9 +7,9 @@ SHARES = config["assessment_shares"]
 # What an assessment depends on; the models, imported by their names, are unknown to the graph.
 ASSESSMENT = source_files(
     imports("lsvib.assess.run")
-    | imports("lsvib.models.rigid")
-    | imports("lsvib.models.support")
-    | imports("lsvib.models.threads")
+    | imports("lsvib.drives.rigid")
+    | imports("lsvib.drives.second_body.support")
+    | imports("lsvib.drives.threads")
 )
 
 if len(SHEETS) < len(config["assessments"]):

@@ -77,7 +77,7 @@ rule draw_map:
     """Draw the map, a large one from the middle cells of blocks of cells."""
     input:
         map="results/attraction/map.nc",
-        sources=source_files(imports("lsvib.figures.attraction") | imports("lsvib.datasets.assembly")),
+        sources=source_files(imports("lsvib.figures.attraction.picture") | imports("lsvib.data.assembly")),
     output:
         png=report(
             "results/figures/attraction.png",

@@ -4,7 +4,7 @@
 rule checks:
     """Collect the checks of all figures in one file for machines and one table for people."""
     input:
-        sources=source_files(imports("lsvib.datasets.checks")),
+        sources=source_files(imports("lsvib.data.checks")),
         checks=collect("results/checks/{figure}.json", figure=config["figures"]),
     output:
         json="results/checks.json",
@@ -20,7 +20,7 @@ rule checks:
 rule verdict:
     """Fail, with the reason, if a check failed. The table of checks is a result of its own and stays."""
     input:
-        sources=source_files(imports("lsvib.datasets.checks")),
+        sources=source_files(imports("lsvib.data.checks")),
         checks="results/checks.json",
     output:
         "results/verdict.txt",

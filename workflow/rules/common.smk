@@ -9,9 +9,10 @@ from functools import cache
 from pathlib import Path
 
 import grimp
-from lsvib.datasets.checks import failures, read_checks, terminal_table, verdict
+from lsvib.data.checks import failures, read_checks, terminal_table, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.scene import read_yaml
+from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.drives.scene import read_yaml
 from lsvib.settings import check
 from snakemake.exceptions import WorkflowError
 
@@ -34,20 +35,20 @@ TIMED = {"work_precision", "ablation", "map_precision"}
 
 # What each script imports of ours besides the module of its figure.
 SCRIPT_IMPORTS = {
-    "datasets": ("lsvib.datasets.checks", "lsvib.datasets.writer"),
-    "figures": ("lsvib.datasets.writer", "lsvib.figures.style"),
+    "datasets": ("lsvib.data.checks", "lsvib.data.writer"),
+    "figures": ("lsvib.data.writer", "lsvib.figures.drawing.style"),
 }
 
 # Modules that a dataset needs without importing them: it runs them in processes of their own, or finds a model by its name.
 UNIMPORTED = {
     "ablation": (
-        "lsvib.figures.fig8_08",
-        "lsvib.figures.fig8_09",
-        "lsvib.datasets.fig8_08",
-        "lsvib.datasets.fig8_09",
+        "lsvib.figures.fig8_08.picture",
+        "lsvib.figures.fig8_09.picture",
+        "lsvib.figures.fig8_08.dataset",
+        "lsvib.figures.fig8_09.dataset",
         "lsvib.cli",
     ),
-    "attraction_limit": ("lsvib.models.threads",),
+    "attraction_limit": ("lsvib.drives.threads",),
 }
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
@@ -86,26 +87,34 @@ def source_files(modules):
     return sorted(str(file) for file in files)
 
 
+def figure_sources(kind, figure):
+    """Return the source files of the figure's dataset or picture."""
+    unimported = UNIMPORTED.get(figure, ()) if kind == "datasets" else ()
+    find = dataset_module if kind == "datasets" else picture_module
+    roots = (find(figure), *SCRIPT_IMPORTS[kind], *unimported)
+    return source_files(frozenset().union(*map(imports, roots)))
+
+
 def sources(kind):
-    """Return an input function: the source files of the figure's module in ``lsvib.datasets`` or ``lsvib.figures``."""
-
-    def files(wildcards):
-        unimported = UNIMPORTED.get(wildcards.figure, ()) if kind == "datasets" else ()
-        roots = (f"lsvib.{kind}.{wildcards.figure}", *SCRIPT_IMPORTS[kind], *unimported)
-        return source_files(frozenset().union(*map(imports, roots)))
-
-    return files
+    """Return :func:`figure_sources` as an input function."""
+    return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
 def map_sources():
     """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return source_files(imports("lsvib.datasets.tiles") | imports(f"lsvib.models.{MAP.get('model', 'rigid')}"))
+    ending = f".{MAP.get('model', 'rigid')}"
+    drives = [m for m in import_graph().modules if m.startswith("lsvib.drives.") and m.endswith(ending)]
+    return source_files(imports("lsvib.data.tiles").union(*map(imports, drives)))
+
+
+def needs_engine(figure):
+    """Return whether the figure's dataset reaches ``lsvib.engine.kernels``."""
+    return any(module.startswith("lsvib.engine.kernels.") for module in imports(dataset_module(figure)))
 
 
 def engine(wildcards):
-    """Return the marker of the compiled engine if the figure's dataset reaches ``lsvib.core``, else nothing."""
-    modules = imports(f"lsvib.datasets.{wildcards.figure}")
-    return "results/engine.txt" if any(module.startswith("lsvib.core.") for module in modules) else []
+    """Return the marker of the compiled engine if the figure's dataset needs it, else nothing."""
+    return "results/engine.txt" if needs_engine(wildcards.figure) else []
 
 
 def cores(wildcards):

@@ -4,7 +4,7 @@
 rule compile_engine:
     """Compile the engine once, so that jobs side by side never fill one numba cache together."""
     input:
-        source_files(module for module in import_graph().modules if module.startswith("lsvib.core.")),
+        source_files(module for module in import_graph().modules if ".kernels." in module),
     output:
         "results/engine.txt",
     log:

@@ -2,8 +2,8 @@
 
 import sys
 
-from lsvib.datasets.work_precision_table import markdown
-from lsvib.datasets.writer import read_dataset
+from lsvib.bench.rivals.markdown_tables import markdown
+from lsvib.data.writer import read_dataset
 from lsvib.errors import LsvibError
 from lsvib.files import write_text
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from lsvib.datasets.checks import markdown_table, read_checks
+from lsvib.data.checks import markdown_table, read_checks
 from lsvib.errors import LsvibError
 from lsvib.files import write_json, write_text
 

@@ -4,15 +4,15 @@ import hashlib
 import sys
 from pathlib import Path
 
-from lsvib.analysis.attraction import QUANTITIES, mapper
-from lsvib.analysis.grid import Grid
-from lsvib.core.warm import compile_engine
+from lsvib.basins.grid import Grid
+from lsvib.basins.mapper import QUANTITIES, mapper
+from lsvib.drives.parameters import RigidParameters
+from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.files import write_text
-from lsvib.models.parameters import LeadScrew
 
 sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in snakemake.input))
 compile_engine()
-mapper(LeadScrew()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
+mapper(RigidParameters()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
 write_text(f"{digest.hexdigest()}\n", snakemake.output[0])

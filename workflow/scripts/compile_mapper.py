@@ -2,8 +2,8 @@
 
 import sys
 
-from lsvib.analysis.grid import Grid
-from lsvib.datasets.tiles import mapper_of
+from lsvib.basins.grid import Grid
+from lsvib.data.tiles import mapper_of
 from lsvib.errors import LsvibError
 from lsvib.files import write_text
 

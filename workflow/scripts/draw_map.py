@@ -2,10 +2,10 @@
 
 import sys
 
-from lsvib.datasets.assembly import overview
+from lsvib.data.assembly import overview
 from lsvib.errors import LsvibError
-from lsvib.figures.attraction import draw
-from lsvib.figures.style import save
+from lsvib.figures.attraction.picture import draw
+from lsvib.figures.drawing.style import save
 
 sys.stderr = open(snakemake.log[0], "w", buffering=1)
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from lsvib.datasets.tiles import gather_map
+from lsvib.data.tiles import gather_map
 from lsvib.errors import LsvibError
 
 sys.stderr = open(snakemake.log[0], "w", buffering=1)

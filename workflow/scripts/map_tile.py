@@ -2,7 +2,7 @@
 
 import sys
 
-from lsvib.datasets.tiles import map_tile
+from lsvib.data.tiles import map_tile
 from lsvib.errors import LsvibError
 
 sys.stderr = open(snakemake.log[0], "w", buffering=1)

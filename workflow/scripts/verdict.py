@@ -2,7 +2,7 @@
 
 import sys
 
-from lsvib.datasets.checks import failures, read_checks, verdict
+from lsvib.data.checks import failures, read_checks, verdict
 from lsvib.errors import LsvibError
 from lsvib.files import write_text
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.analysis import thresholds
 from lsvib.assess.drive import GRAVITY
 from lsvib.assess.mechanisms import applicable, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import directions
 from lsvib.errors import EngineError, InputError
+from lsvib.steady_sliding import thresholds
 
 KINDS = ("steady", "steady_until_pushed", "negative_damping", "kinematic_constraint", "mode_coupling",
          "falling_friction", "thread_contact")  # fmt: skip

@@ -10,7 +10,7 @@ from lsvib.assess.assessment import Assessment, Motion
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
-from lsvib.datasets.variables import attributes
+from lsvib.data.attributes import attributes
 
 _REFERENCES = "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8"
 

@@ -19,20 +19,20 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.analysis.characteristic import polynomial
-from lsvib.analysis.conditions import conditions
-from lsvib.analysis.spectrum import spectrum
 from lsvib.assess import drive as sheets
 from lsvib.assess.friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
-from lsvib.models import friction
-from lsvib.models.linear import steady_law, support_model, threads_model
-from lsvib.models.parameters import LeadScrew, SupportDrive, ThreadsDrive
+from lsvib.drives import friction
+from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.steady_sliding.characteristic import polynomial
+from lsvib.steady_sliding.conditions import conditions
+from lsvib.steady_sliding.linearised import steady_law, support_model, threads_model
+from lsvib.steady_sliding.spectrum import spectrum
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
 
-_SCALARS = {"support": SupportDrive, "contact": ThreadsDrive}
+_SCALARS = {"support": SupportParameters, "contact": ThreadsParameters}
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
 
 
@@ -136,15 +136,15 @@ def drive_of(
     """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
     parameters = sheets.point(sheet, values, direction, speed, force).parameters
     own = {} if part == "rigid" else sheets.own_parameters(values, part)
-    kind = LeadScrew if part == "rigid" else _SCALARS[part]
+    kind = RigidParameters if part == "rigid" else _SCALARS[part]
     return kind(**{key: float(value) for key, value in {**parameters, **own}.items()})
 
 
 def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:
     """Say which mechanisms occur in one drive without a slope of friction, decided by exact signs.
 
-    For the rigid drive by :func:`lsvib.analysis.conditions.conditions`, with a support or contact by
-    :func:`lsvib.analysis.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
+    For the rigid drive by :func:`lsvib.steady_sliding.conditions.conditions`, with a support or contact by
+    :func:`lsvib.steady_sliding.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
     """
     rigid = drive_of(sheet, values, direction, speed, force)
     found = conditions(rigid)

@@ -16,7 +16,7 @@ from lsvib.assess.assessment import Assessment, Motion
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import CHANGES, MECHANISMS
-from lsvib.figures import style
+from lsvib.figures.drawing import style
 
 WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {

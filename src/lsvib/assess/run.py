@@ -10,10 +10,10 @@ from lsvib.assess.dataset import dataset
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import BLOCK, compute_blocks
-from lsvib.datasets.writer import write_dataset
+from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
-from lsvib.models.numbers import NotNumber, shown, whole
+from lsvib.numbers import NotNumber, shown, whole
 
 _MOST = 2**30  # samples: a thousand million
 _LARGEST_SEED = 2**32 - 1

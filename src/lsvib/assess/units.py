@@ -7,7 +7,7 @@ from typing import Any
 
 import pint
 
-from lsvib.models.numbers import NotNumber, number, shown
+from lsvib.numbers import NotNumber, number, shown
 
 EXAMPLES = {
     "m": "5 mm",

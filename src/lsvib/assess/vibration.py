@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.analysis.basin import basin
-from lsvib.analysis.cycles import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.analysis.impact import event_impulses
 from lsvib.assess.mechanisms import drive_of
 from lsvib.assess.sheet import Sheet
+from lsvib.basins.exact_basin import basin
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.cycles.impulses import event_impulses
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import Model, find_model
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.automaton import Automaton
-from lsvib.models.model import Model, find_model
-from lsvib.models.motion import Motion, follow
-from lsvib.models.parameters import LeadScrew
 
 AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
@@ -108,7 +108,7 @@ def vibration(
 
 
 def _shown(
-    drive: LeadScrew, kind: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+    drive: RigidParameters, kind: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
@@ -132,7 +132,7 @@ def _shown(
     return start, span, times, states
 
 
-def _load_row(drive: LeadScrew, states: tuple[str, ...]) -> NDArray[np.float64]:
+def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.float64]:
     """Displacement of the load from steady travel [m] as a row over the state."""
     row = np.zeros(len(states))
     row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
@@ -141,7 +141,7 @@ def _load_row(drive: LeadScrew, states: tuple[str, ...]) -> NDArray[np.float64]:
     return row
 
 
-def _of_cycle(drive: LeadScrew, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
     automaton = orbit.automaton
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
     rates = np.zeros(row.size + 1)
@@ -166,8 +166,8 @@ def _of_cycle(drive: LeadScrew, orbit: Motion, row: NDArray[np.float64]) -> dict
 def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
-    By the boundary of the region of attraction of the rigid drive (:mod:`lsvib.analysis.basin`), in closed form, and
-    bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
+    By the boundary of the region of attraction of the rigid drive (:mod:`lsvib.basins.exact_basin`), in closed form,
+    and bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
     unstable, None if it is not known; and a sentence.
     """
     try:

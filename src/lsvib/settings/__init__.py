@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
-from lsvib.models.numbers import shown
-from lsvib.models.scene import read_yaml
+from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
 _SCHEMA = Path(__file__).with_name("config.schema.yaml")

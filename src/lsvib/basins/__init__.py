@@ -1,0 +1,1 @@
+"""Regions of attraction: maps of many starts, and the exact boundary."""

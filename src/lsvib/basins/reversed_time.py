@@ -1,0 +1,114 @@
+r"""The rigid drive in reversed time: where a motion on the boundary of a basin came from.
+
+State (u, v) with v = −w, so that  du/dτ = v  for τ = −t and every oscillator keeps its form with −a₁. Slip can be
+followed backwards, and so can the passage from one slip mode to another. Rest and seizure cannot: in them many motions
+end in the same state. The one that is followed back here is the one that comes from slip.
+
+Γ₊ > 0: contact reversals and reversals of the screw, each a change of mode at the same state. A motion backwards never
+meets rest, because rest is left in a single state.
+Γ₊ ≤ 0: slip under law −1 forward that began at θ′ = 0, at u, is traced to the seizure that ended there: to the state of
+Q = 0 with the same u. With q_w > 0 that state has θ′ > 0 and ends another forward slip. With q_w < 0 it has θ′ < 0 and
+ends a backward slip, which began at θ′ = 0 after a seizure that is traced in the same way. The trace ends (mode
+``beginning``) where no motion arrives: on Q = 0 from the wrong side.
+"""
+
+import math
+from decimal import Decimal, localcontext
+
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.once import once
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
+from lsvib.engine.automaton import (
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Surface,
+    Transition,
+    assemble,
+    eigenform,
+    oscillator,
+)
+from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.kernels.status import Test
+from lsvib.errors import InputError
+
+BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
+_SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
+
+
+@once
+def backward_automaton(drive: RigidParameters, touch: Decimal | None = None) -> Automaton:
+    """Return the automaton of a drive in reversed time, Ω > 0.
+
+    ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
+    only. Raises ``InputError`` if Ω < 0: mirror the drive.
+    """
+    if drive.input_speed < 0:
+        raise InputError(f"input_speed = {drive.input_speed:g} is outside the allowed range 0 < input_speed.")
+    c, d = coefficients(drive), drive.exact()
+    forward = rigid_automaton(drive)
+    q_u, q_w, q_0 = c.q_row
+    surfaces = {
+        "contact": Surface((q_u, -q_w, q_0), int(forward.tables.snap[0])),
+        "screw_speed": Surface((0, -1, d.input_speed), 1),
+    }
+    modes = {}
+    for code in forward.codes[forward.codes != MotionMode.REST]:
+        mode = MotionMode(int(code))
+        law = math.prod(_SIGNS[mode])
+        with localcontext(prec=PLACES):
+            force = d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * c.net_force
+            terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
+        modes[mode.name] = Mode(int(mode), oscillator(*terms), _guards(mode, c.paradox), exact=eigenform(*terms))
+    if not c.paradox:
+        transitions = {}
+        for mode in map(MotionMode.__getitem__, modes):
+            direction, q_sign = _SIGNS[mode]
+            transitions[f"contact_{mode.name}"] = _pass_to(direction, -q_sign, EventKind.CONTACT_REVERSAL)
+            transitions[f"stand_{mode.name}"] = _pass_to(-direction, q_sign, EventKind.REVERSAL)
+    else:
+        transitions = _seizures(c.q_row, touch)
+        # Any motion that grows would do: nothing comes back from there.
+        modes["beginning"] = Mode(BEGINNING, oscillator(1, -1, 1, 0), ())
+    return assemble(
+        states=("angle_deviation", "reversed_velocity_deviation"),
+        surfaces=surfaces,
+        modes=modes,
+        transitions=transitions,
+        observables={},
+        shortest_stay=0.0,
+    )
+
+
+def _guards(mode: MotionMode, paradox: bool) -> tuple[Guard, ...]:
+    direction, q_sign = _SIGNS[mode]
+    contact = "nothing" if paradox else f"contact_{mode.name}"
+    return (Guard("contact", q_sign, contact), Guard("screw_speed", direction, f"stand_{mode.name}"))
+
+
+def _pass_to(direction: int, q_sign: int, kind: EventKind) -> Transition:
+    mode = next(mode for mode, signs in _SIGNS.items() if signs == (direction, q_sign))
+    return Transition((Branch(mode.name, kind),))
+
+
+def _seizures(q_row, touch: Decimal) -> dict[str, Transition]:
+    """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
+    q_u, q_w, q_0 = q_row
+    forward, backward = MotionMode.SLIP_FORWARD_NEGATIVE.name, MotionMode.SLIP_BACKWARD_POSITIVE.name
+    nothing = Branch("beginning", EventKind.SEIZURE)
+    if q_w == 0:  # every seizure ends in the corner, in rest
+        ends = Transition((nothing,))
+        return {"nothing": ends, f"stand_{forward}": ends, f"stand_{backward}": ends}
+    with localcontext(prec=PLACES):
+        reset = ((1, 0, 0), (q_u / q_w, 0, q_0 / q_w))
+        # Q = 0 is arrived at from inside beyond the point of touching only.
+        ended_forward = Branch(forward, EventKind.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))
+    ended_backward = Branch(backward, EventKind.SEIZURE)
+    into_forward_slip = (ended_forward, nothing) if q_w > 0 else (ended_backward,)
+    return {
+        "nothing": Transition((nothing,)),
+        f"stand_{forward}": Transition(into_forward_slip, reset=reset),
+        f"stand_{backward}": Transition((ended_forward, nothing), reset=reset),
+    }

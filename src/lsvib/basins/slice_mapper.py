@@ -1,0 +1,166 @@
+"""The region of attraction of models with more than two states: planar slices, one motion followed for every cell.
+
+A cell's motion is followed on the exact engine until one of the following holds:
+
+* no guard can ever fire again, by the engine's own proof (``Status.SETTLED``): the attractor of that mode;
+* it joins a known cycle: of its last four points on the cycle's section – events of the rarest kind into one mode –
+  each step is shorter than the one before, by a ratio q, with as many events between them as the cycle has, and the
+  point that they tend to, x + q / (1 − q) Δx, is the cycle's within ``_SAME`` of the cycle's size. (A contact creeps at
+  the rate k_c / c_c, so that a motion may come close to its cycle only after thousands of returns.)
+* it diverges: unbounded;
+* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``steady_state``), within ``_EVENTS``
+  events; what that leaves open is unresolved.
+
+Known cycles are those that a few fixed starts reach, within as many events; so the result does not depend on the grid,
+tiles or threads. Modes in blocks, whose rates lie so far apart that an event may take a thousand times as long, have
+``_BLOCK_EVENTS`` in all.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lsvib.basins.grid import COORDINATES, Grid
+from lsvib.basins.mapper import QUANTITIES, Progress, check_quantities, in_blocks
+from lsvib.cycles import attractors
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
+from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import DivergenceError, EngineError, InputError
+
+_CHUNK = 64  # events
+_ROUNDS = 16
+_EVENTS = 20_000  # beyond the rounds; some 0.1 s, so that a map of motions without an attractor comes to an end
+_BLOCK_EVENTS = 64  # of modes in blocks
+_SAME = 1e-3
+_STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
+
+
+class StateMapper:
+    """Maps planar slices of the starts of a drive to what becomes of them; an interface as ``Mapper`` has it.
+
+    ``label`` as in the module docstring; ``time`` [s] and ``seizures`` (events or modes that sprag) until the label is
+    decided: the last event, or the fourth of the points that show the cycle; ``first_event``: kind of the first event.
+    """
+
+    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
+        self.kind = find_model(model)
+        self.events = self.kind.events
+        self.automaton = self.kind.build(drive, physics, resume)
+        self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
+        self.attractors: list[SteadyState] = []
+        in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
+        self._rounds, self._events = (1, _BLOCK_EVENTS) if in_blocks else (_ROUNDS, _EVENTS)
+        speed = abs(drive.input_speed)
+        reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
+        for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
+            found = self._end(self.kind.initial_state(drive, {"u": u, "w": w}))
+            known = [other for other in self.attractors if abs(other.period - found.period) <= 1e-6 * other.period]
+            if found.orbit is not None and found.orbit.time.size and not known:
+                self.attractors.append(found)
+
+    def cells(
+        self,
+        grid: Grid,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        quantities: Sequence[str] = QUANTITIES,
+        threads: int = 1,
+        progress: Progress | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``Mapper.cells``.
+
+        Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
+        """
+        check_quantities(quantities)
+        given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
+        for key in given:
+            if key not in self.keys:
+                raise InputError(f"the model {self.model} has the coordinates {', '.join(self.keys)}, not {key}.")
+        for key in self.kind.required:
+            if key not in given:
+                raise InputError(f"the grid of the model {self.model} needs the coordinate {key}, as an axis or fixed.")
+        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
+        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
+        found = {
+            "label": np.empty((y.size, x.size), dtype=np.int8),
+            "time": np.empty((y.size, x.size)),
+            "seizures": np.empty((y.size, x.size), dtype=np.int32),
+            "first_event": np.empty((y.size, x.size), dtype=np.int8),
+        }
+
+        def row(part: slice) -> None:
+            for i in range(part.start, part.stop):
+                for j in range(x.size):
+                    values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
+                    state = self.kind.initial_state(self.drive, values)
+                    for array, value in zip(found.values(), self.destiny(state), strict=True):
+                        array[i, j] = value
+
+        in_blocks(row, y.size, 1, threads, progress)
+        return {name: found[name] for name in quantities}
+
+    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
+        starts = (self.kind.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
+        return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
+
+    def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
+        """Label, time [s], sprags and first event of the motion from a state (n)."""
+        mode, time, sprags, first = None, 0.0, 0, None
+        for _ in range(self._rounds):
+            try:
+                motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
+            except EngineError as error:
+                label = Attractor.UNBOUNDED if isinstance(error, DivergenceError) else Attractor.UNRESOLVED
+                return label, np.inf, sprags, -1 if first is None else first
+            if first is None:
+                first = int(motion.kind[0]) if motion.time.size else -1
+            if motion.status == Status.SETTLED:
+                label = attractors.settled(self.automaton, motion).label
+                return label, time + motion.end_time, sprags + self._sprags(motion, motion.time.size), first
+            for cycle in self.attractors:
+                last = _joins(motion, cycle)
+                if last is not None:
+                    return cycle.label, time + float(motion.time[last]), sprags + self._sprags(motion, last + 1), first
+            time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
+            state, mode = motion.end_state, motion.end_mode
+        label = self._end(state, mode).label
+        return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
+
+    def _end(self, state: np.ndarray, mode: int | None = None) -> SteadyState:
+        """The attractor of a motion; unresolved where the engine does not decide or the events do not suffice."""
+        try:
+            return steady_state(self.automaton, state, mode=mode, max_events=self._events)
+        except EngineError:
+            return SteadyState(Attractor.UNRESOLVED, state)
+
+    def _sprags(self, motion: Motion, count: int) -> int:
+        """How often the first events of a motion sprag, or enter a mode that does."""
+        codes = self.automaton.codes[motion.mode[:count]]
+        kinds = np.isin(motion.kind[:count], self.automaton.sprag_kinds)
+        return int(np.sum(kinds | np.isin(codes, self.automaton.sprag_codes)))
+
+
+def _joins(motion: Motion, cycle: SteadyState) -> int | None:
+    """Index of the event at which four points in a row show that a motion tends to a cycle, or None."""
+    orbit = cycle.orbit
+    size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
+    kind, mode, per_return = orbit.kind[-1], orbit.mode[-1], orbit.time.size
+    at = np.flatnonzero((motion.kind == kind) & (motion.mode == mode))
+    at = at[:: np.sum((orbit.kind == kind) & (orbit.mode == mode))]
+    for k in range(3, at.size):
+        if (np.diff(at[k - 3 : k + 1]) != per_return).any():
+            continue
+        steps = np.abs(np.diff(motion.after[at[k - 3 : k + 1]], axis=0) / size).max(axis=1)
+        ratio = steps[2] / steps[1] if steps[2] > _STILL else 0.0
+        if ratio >= 1 or steps[1] > max(steps[0], _STILL):
+            continue
+        limit = motion.after[at[k]] + ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
+        if (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
+            return int(at[k])
+    return None

@@ -1,0 +1,1 @@
+"""What is saved by leaving out what a scene does not need."""

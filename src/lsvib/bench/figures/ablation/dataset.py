@@ -1,0 +1,155 @@
+"""Nothing that a scene does not need: run time, construction, compilation, data and imports, with it and without."""
+
+import os
+import platform
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.bench.ablation import leaving_out
+from lsvib.bench.ablation.cost_of_starting import compilation, imports
+from lsvib.data.checks import Check
+from lsvib.data.simulation import simulate
+from lsvib.drives.registry import find_model
+
+_SOURCE = "docs/stability.md"
+_ROUNDING = 1e-12
+_MODELS = ("pared", "general")
+MODULES = {  # what a rule of the workflow imports
+    "figure": "lsvib.figures.fig8_08.picture",
+    "eigenvalues": "lsvib.figures.fig8_08.dataset",
+    "motion": "lsvib.figures.fig8_09.dataset",
+    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.cli",
+}
+_PACKAGES = ("numba", "matplotlib", "xarray")
+_NUMBERS = {
+    "run_time": ("s", "fastest time to follow the motion"),
+    "build_time": ("s", "fastest time to build the model"),
+    "modes": ("1", "number of modes"),
+    "guards": ("1", "number of guards"),
+    "states": ("1", "number of states"),
+    "table_bytes": ("byte", "size of the tables"),
+}
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Measure the scenes of :func:`lsvib.bench.ablation.leaving_out.scenes`, the imports and the compilation.
+
+    ``settings``: ``duration`` [s] of the motions, ``repeats`` of each measurement, ``compile``: kinds of flow whose
+    compilation is measured one after the other, each with those before it (about 10 s of CPU time for each).
+    """
+    scenes = leaving_out.scenes(settings["duration"])
+    pairs = [leaving_out.measure(scene, settings["repeats"]) for scene in scenes.values()]
+    variables: dict[str, tuple] = {
+        name: (("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]),
+               {"units": units, "long_name": words})
+        for name, (units, words) in _NUMBERS.items()
+    }  # fmt: skip
+    compared = [leaving_out.difference(pared.motion, general.motion) for pared, general in pairs]
+    variables["same_events"] = ("scene", np.array([same for same, _ in compared], np.int8), {
+        "units": "1", "long_name": "both models have the same events",
+        "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"})  # fmt: skip
+    variables["difference"] = ("scene", [gap for _, gap in compared], {
+        "units": "1", "long_name": "largest difference of states and event times, relative to their size"})  # fmt: skip
+    variables |= _data(settings) | _imports(settings) | _compilation(settings["compile"])
+    return xr.Dataset(
+        variables,
+        coords={
+            "scene": _words("scene", "scene", list(scenes)),
+            "model": _words("model", "extent of the model", _MODELS),
+            "outputs": _words("outputs", "outputs of the dataset", ("needed", "all")),
+            "workflow_rule": _words("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
+            "package": _words("package", "package", _PACKAGES),
+            "compiled": _words("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
+        },
+        attrs={
+            "title": "Nothing that a scene does not need",
+            "source": "lsvib, its own models and general ones of the same motion",
+            "references": "docs/stability.md",
+            "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
+            "modules": "; ".join(f"{rule}: {module}" for rule, module in MODULES.items()),
+            "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that both models have one motion, that every scene gains, and what the rules import."""
+    speed_up = (dataset.run_time[:, 1] / dataset.run_time[:, 0]).values
+    built = (dataset.build_time[:, 1] / dataset.build_time[:, 0]).values
+    loads = dataset.loads.astype(bool).values
+    rule = {name: k for k, name in enumerate(MODULES)}
+    column = {name: k for k, name in enumerate(_PACKAGES)}
+    return [
+        Check.holds(
+            f"The pared and the general model of each scene have the same events, and states to {_ROUNDING:.0e}",
+            _SOURCE,
+            f"largest difference {float(dataset.difference.max()):.1e}",
+            bool(dataset.same_events.all() and (dataset.difference <= _ROUNDING).all()),
+        ),
+        Check.holds(
+            "Every scene that leaves something out runs faster and is built faster",
+            _SOURCE,
+            f"runs {speed_up.min():.1f} to {speed_up.max():.1f} times as fast, "
+            f"built {built.min():.1f} to {built.max():.0f} times as fast",
+            bool((speed_up > 1).all() and (built > 1).all()),
+        ),
+        Check.holds(
+            "Eigenvalue rules import no numba, rules of motion no matplotlib, figures no engine",
+            _SOURCE,
+            ", ".join(f"{name}: {int(n)} modules" for name, n in zip(MODULES, dataset.imported.values, strict=True)),
+            not (
+                loads[rule["eigenvalues"], column["numba"]]
+                or loads[rule["motion"], column["matplotlib"]]
+                or loads[rule["figure"], column["numba"]]
+            ),
+        ),
+    ]
+
+
+def _words(name: str, text: str, meanings) -> tuple:
+    values = np.arange(len(meanings), dtype=np.int8)
+    return (name, values, {"units": "1", "long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings)})
+
+
+def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
+    """The dataset of the stick–slip scene with no outputs beyond the state, and with all."""
+    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "initial": {"u": 1e-3, "w": 0.0},
+             "t_end": settings["duration"]}  # fmt: skip
+    sets = [simulate({**scene, "outputs": outputs}) for outputs in ((), find_model("rigid").outputs)]
+    return {
+        "variables": ("outputs", [len(x.variables) for x in sets], {
+            "units": "1", "long_name": "number of variables of the dataset of a motion"}),
+        "data_bytes": ("outputs", [x.nbytes for x in sets], {
+            "units": "byte", "long_name": "size of the dataset of a motion"}),
+    }  # fmt: skip
+
+
+def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
+    found = [imports(module, settings["repeats"]) for module in MODULES.values()]
+    loads = np.array([[package in names for package in _PACKAGES] for _, _, names in found], np.int8)
+    return {
+        "imported": ("workflow_rule", [count for count, _, _ in found], {
+            "units": "1", "long_name": "number of modules that are imported"}),
+        "import_time": ("workflow_rule", [seconds for _, seconds, _ in found], {
+            "units": "s", "long_name": "fastest time to import them"}),
+        "loads": (("workflow_rule", "package"), loads, {
+            "units": "1", "long_name": "the package is imported",
+            "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"}),
+    }  # fmt: skip
+
+
+def _compiled(kinds: list[str]) -> list[str]:
+    return ["_and_".join(kinds[: k + 1]) for k in range(len(kinds))]
+
+
+def _compilation(kinds: list[str]) -> dict[str, tuple]:
+    found = [compilation(tuple(kinds[: k + 1])) for k in range(len(kinds))]
+    return {
+        "specialisations": ("compiled", [count for count, _ in found], {
+            "units": "1", "long_name": "number of compiled specialisations"}),
+        "compile_time": ("compiled", [seconds for _, seconds in found], {
+            "units": "s", "long_name": "CPU time to compile the engine"}),
+    }  # fmt: skip

@@ -1,0 +1,194 @@
+"""Maps of the region of attraction in double and single precision, and by other methods: speed and wrong labels."""
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.basins.clipping import Window
+from lsvib.bench.maps.map_methods import METHODS, Rule
+from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
+from lsvib.bench.maps.single_precision import double_arithmetic, twin
+from lsvib.data.attributes import attributes, flags
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import drive_parameters
+from lsvib.data.provenance import processor
+from lsvib.drives.parameters import RigidParameters
+
+_SOURCE = "docs/attraction.md"
+_CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
+_SINGLE = 1e-5  # distance from which on none of single precision may be
+_CHANGED = ("mass", "support_damping", "axial_force")  # in which the drives of the boxes may differ
+_PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes.
+
+    ``settings``: ``boxes`` by name, each with a ``drive``, a ``window`` (``left``, ``right`` [rad], ``bottom``, ``top``
+    [rad/s]) and ``ratio_floor`` [1], how many times faster than RK4 with the coarse step the engine is asked to be;
+    ``cells`` along an edge of each method's grid, 0 to leave it out; ``repeats``; ``distances`` (``start``, ``stop``
+    [widths of the box], ``count``), evenly spaced in logarithms; ``starts`` on either side at each; ``seed``. Raises
+    ``InputError``.
+    """
+    cells = {name: count for name, count in settings["cells"].items() if count}
+    span = settings["distances"]
+    distances = np.geomspace(span["start"], span["stop"], span["count"])
+    boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
+    found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
+    rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
+    lengths = [length for _, length in found]
+    floors = [box["ratio_floor"] for box in settings["boxes"].values()]
+    doubles = len(double_arithmetic(twin("labelling").map_labels))
+    return xr.Dataset(
+        _measured(rows, distances, lengths)
+        | {
+            "decision_rule": (
+                "method",
+                np.array([METHODS[name].rule for name in cells], np.int8),
+                attributes("1", "when a motion need not be followed further", **flags(Rule)),
+            ),
+            "window_angle": (
+                ("box", "edge"),
+                [list(box.window[:2]) for box in boxes],
+                attributes("rad", "left and right edge of the window", "$u$"),
+            ),
+            "window_velocity": (
+                ("box", "edge"),
+                [list(box.window[2:]) for box in boxes],
+                attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
+            ),
+            "ratio_floor": ("box", floors, attributes("1", "ratio to RK4 with the coarse step that is asked for")),
+            "double_instructions": (
+                (),
+                doubles,
+                attributes("1", "instructions in double precision in the compiled map in single precision"),
+            ),
+        },
+        coords={
+            **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
+            "method": ("method", *_words("method", list(cells), [METHODS[name].label for name in cells])),
+            "box": ("box", *_words("box", list(settings["boxes"]), [_title(box) for box in boxes])),
+            "boundary_distance": (
+                "boundary_distance",
+                distances,
+                attributes("1", "distance from the boundary in widths of the box"),
+            ),
+        },
+        attrs={
+            "title": "Maps of the region of attraction in double and single precision, and by other methods",
+            "source": "lsvib; labels judged by the exact boundary of the basin",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+            "timing": "processor time of one thread for a grid, methods in turn, least of the repeats; without "
+            "compilation and the engine's table of intervals",
+            "processor": processor(),
+            "processor_cores": os.cpu_count() or 0,
+            "operating_system": platform.system(),
+            "rival_versions": json.dumps({"scipy": version("scipy")} if "lsoda" in cells else {}),
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that no label of the engine is wrong, where those in single precision are, and the ratios of speed."""
+    names = dataset.method.attrs["flag_meanings"].split()
+    boxes = np.atleast_1d(dataset.box.attrs["flag_meanings"].split())
+    engine, single, coarse = (dataset.isel(method=names.index(n)) for n in ("engine", "single", "rk4_coarse"))
+    far = dataset.boundary_distance.values >= _CERTAIN * 0.99  # a distance is a power of ten only to rounding
+    near = (engine.wrong_near + engine.undecided_near).values[:, far]
+    on_grid = int((engine.wrong_cells + engine.undecided_cells).sum())
+    reach = float(single.reach.max())
+    gain = (engine.time_per_label / single.time_per_label).values
+    ratio = (coarse.time_per_label / engine.time_per_label).values
+    return [
+        Check.holds(
+            f"No label of the engine is wrong or undecided, on grids and {_CERTAIN:g} widths or more from the boundary",
+            _SOURCE,
+            f"{on_grid} of {int(engine.cells.sum())} cells, largest share at a distance {near.max():g}",
+            on_grid == 0 and not near.any(),
+        ),
+        Check.holds(
+            "The map in single precision has no instruction in double precision",
+            _SOURCE,
+            f"{int(dataset.double_instructions)} instructions",
+            int(dataset.double_instructions) == 0,
+        ),
+        Check.holds(
+            f"Wrong and undecided labels in single precision lie within {_SINGLE:g} widths of the boundary",
+            _SOURCE,
+            f"farthest at {reach:.1e}",
+            reach < _SINGLE,
+        ),
+        Check.holds(
+            "Single precision does not make a map twice as fast",
+            _SOURCE,
+            ", ".join(f"{box}: {x:.2f}" for box, x in zip(boxes, gain, strict=True)),
+            bool((gain < 2).all()),
+        ),
+        *(
+            Check.holds(
+                f"{box}: the engine maps at least {floor:g} times as fast as RK4 of 1e-4 s with the same rule",
+                _SOURCE,
+                f"{x:.2f} times",
+                x >= floor,
+            )
+            for box, x, floor in zip(boxes, ratio, dataset.ratio_floor.values, strict=True)
+        ),
+    ]
+
+
+def _measured(rows: list[list[MapOutcome]], distances: np.ndarray, lengths: list[float]) -> dict[str, tuple]:
+    """Variables over (method, box) and (method, box, distance)."""
+
+    def table(value, dtype=float) -> np.ndarray:
+        return np.array([[value(outcome) for outcome in row] for row in rows], dtype=dtype)
+
+    flat, deep = ("method", "box"), ("method", "box", "boundary_distance")
+    share = np.array([[wrong_share(o, distances, x) for o, x in zip(row, lengths, strict=True)] for row in rows])
+    return {
+        "time_per_label": (flat, table(lambda o: o.seconds), attributes("s", "processor time for one label")),
+        "cells": (flat, table(lambda o: o.cells, np.int64), attributes("1", "number of cells of the grid")),
+        "wrong_cells": (flat, table(lambda o: o.wrong_cells, np.int64), attributes("1", "cells with a wrong label")),
+        "undecided_cells": (
+            flat,
+            table(lambda o: o.undecided_cells, np.int64),
+            attributes("1", "cells without a label, the method being undecided"),
+        ),
+        "wrong_share": (flat, share, attributes("1", "share of the box that is labelled wrongly")),
+        "reach": (
+            flat,
+            table(lambda o: np.max(distances[(o.wrong + o.undecided) > 0], initial=0.0)),
+            attributes("1", "largest distance from the boundary at which a label is wrong or undecided, 0 for none"),
+        ),
+        "wrong_near": (
+            deep,
+            table(lambda o: o.wrong),
+            attributes("1", "share of wrong labels at a distance from the boundary"),
+        ),
+        "undecided_near": (
+            deep,
+            table(lambda o: o.undecided),
+            attributes("1", "share of undecided labels at a distance from the boundary"),
+        ),
+    }
+
+
+def _words(kind: str, names: list[str], labels: list[str]) -> tuple[np.ndarray, dict[str, Any]]:
+    values = np.arange(len(names), dtype=np.int8)
+    words = {"flag_values": values, "flag_meanings": " ".join(names), "labels": "; ".join(labels)}
+    return values, attributes("1", kind, **words)
+
+
+def _title(box: Box) -> str:
+    left, right, bottom, top = box.window
+    edges = (
+        f"±{right:g} rad × ±{top:g} rad/s"
+        if (left, bottom) == (-right, -top)
+        else f"{left:g} … {right:g} rad × {bottom:g} … {top:g} rad/s"
+    )
+    return f"R = {box.drive.axial_force:g} N, {edges}".replace("-", "−")

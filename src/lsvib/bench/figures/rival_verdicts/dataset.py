@@ -1,0 +1,256 @@
+"""Wrong verdicts of other methods over the sweeps: every method on a seeded sample of the cases of each family."""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from lsvib.bench.rivals.answers import Answer, AnswerVerdict
+from lsvib.bench.rivals.catalogue import METHODS, find_method
+from lsvib.bench.rivals.catalogue import MethodFamily as Kind
+from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
+from lsvib.bench.rivals.race import quiet
+from lsvib.bench.sweeps import case_judge
+from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
+from lsvib.data.attributes import flags
+from lsvib.data.checks import Check
+
+NOT_ASKED = -1
+WRONG = (AnswerVerdict.OTHER_EVENTS, AnswerVerdict.OTHER_MOTION)
+_SOURCE = "docs/stability.md"
+_QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
+
+
+class _Row(NamedTuple):
+    """A case, whether every method is asked it, the verdict on the engine, and the answers by method.
+
+    ``confirmed``: whether 40 digits have the engine's events, asked where half of the methods have others.
+    """
+
+    case: Case
+    shared: bool
+    engine: case_judge.CaseVerdict
+    question: Question | None
+    answers: list[Answer | None]
+    confirmed: bool | None
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Ask the methods.
+
+    ``settings``: ``seed``; ``counts``, number of cases of each family, by name, that every method is asked; ``more``,
+    number of further cases that only the fixed-step methods are asked; ``methods``, relative tolerances of each method
+    of :data:`lsvib.bench.rivals.catalogue.METHODS`. Raises ``InputError`` if a name is wrong or a package is missing.
+    """
+    entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
+    every = [True] * len(entries)
+    fixed = [find_method(name).family == Kind.FIXED_STEP for name, _ in entries]
+    rows = []
+    for name, count in settings["counts"].items():
+        family = CaseFamily[name.upper()]
+        rng = np.random.default_rng([settings["seed"], family])
+        for k, case in enumerate(cases(family, count + settings["more"].get(name, 0), rng)):
+            shared = k < count
+            engine, question = pose(case, rng)
+            answers: list[Answer | None] = [None] * len(entries)
+            if question is not None:
+                with quiet():
+                    answers = [
+                        ask(question, *entry) if asked else None
+                        for entry, asked in zip(entries, every if shared else fixed, strict=True)
+                    ]
+            wrong = sum(answer is not None and answer.verdict in WRONG for answer in answers)
+            disputed = shared and question is not None and 2 * wrong >= len(entries)
+            confirmed = None
+            if disputed:  # with draws of its own, so that the cases that follow do not depend on who disputed
+                confirmed = confirm(question, np.random.default_rng([settings["seed"], family, k]))
+            rows.append(_Row(case, shared, engine, question, answers, confirmed))
+    return _dataset(rows, entries, settings["seed"])
+
+
+def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> xr.Dataset:
+    families = sorted({row.case.family for row in rows})
+    family = np.array([row.case.family for row in rows], dtype=np.int8)
+    shared = np.array([row.shared for row in rows])
+    verdict = np.array([[NOT_ASKED if a is None else a.verdict for a in row.answers] for row in rows], dtype=np.int8)
+    level = np.array([row.case.level for row in rows])  # −inf, on the edge itself, is stored as missing
+    engine = np.array([row.engine for row in rows], dtype=np.int8)
+    count = _count(verdict, [family == f for f in families])
+    together = _count(verdict, [shared])[0]
+    by_family = ("edge_family", "method")
+    return xr.Dataset(
+        {
+            "method_verdict": (("case", "method"), verdict, _text("verdict on the method") | _verdicts()),
+            "error": (("case", "method"), _errors(rows), _text(
+                "error of final state and event times, relative to the motion, where its events are right")),
+            "engine_verdict": ("case", engine, _text("verdict on the engine") | flags(case_judge.CaseVerdict)),
+            "case_family": ("case", family, _text("family of the case") | flags(CaseFamily)),
+            "group": ("case", np.array([row.case.group for row in rows], np.int8), _text("edge of the case")
+                      | flags(Group)),
+            "level": ("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), _text(
+                "decimal logarithm of the parameter or of its distance from the edge")),
+            "shared": ("case", shared.astype(np.int8), _text("whether every method is asked") | {
+                "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+            "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
+                _text("whether 40 digits have the engine's events, asked where half of the methods have others") | {
+                    "flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "not_asked no yes"}),
+            "decay": ("case", _of_question(rows, "stiffness"), _text(
+                "fastest rate of decay, integrated over the motion")),
+            "shortest_stay": ("case", _of_question(rows, "shortest_stay"), _text(
+                "shortest time between two events, in shortest oscillations; missing where there are fewer than two")),
+            "count": ((*by_family, "method_outcome"), count, _text("number of cases")),
+            "shared_count": (("method", "method_outcome"), together, _text(
+                "number of cases, over those that every method is asked")),
+            "engine_count": (("edge_family", "engine_outcome"), np.array(
+                [[((family == f) & (engine == v)).sum() for v in case_judge.CaseVerdict] for f in families],
+                    dtype=np.int32),
+                _text("number of cases by verdict on the engine")),
+            **_shares("", by_family, count, "share of wrong verdicts"),
+            **_shares("shared_", ("method",), together,
+                      "share of wrong verdicts, over the cases that every method is asked"),
+            "relative_tolerance": ("method", np.array([value for _, value in entries]), _text(
+                "relative tolerance of the method")),
+        },
+        coords={
+            "case": ("case", np.arange(len(rows)), _text("index of the case")),
+            "edge_family": ("edge_family", np.array(families, np.int8),
+                            _text("what is driven to the edge") | flags(CaseFamily)),
+            "method_outcome": ("method_outcome", np.array(AnswerVerdict, np.int8),
+                               _text("verdict on a method") | flags(AnswerVerdict)),
+            "engine_outcome": ("engine_outcome", np.array(case_judge.CaseVerdict, np.int8),
+                               _text("verdict on the engine") | flags(case_judge.CaseVerdict)),
+            "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
+        },
+        attrs={
+            "title": "Verdicts on other methods over the sweeps to the edge of the domain",
+            "source": "lsvib; truth: the engine's motion where an independent computation has confirmed it",
+            "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
+            "seed": seed,
+            "reasons": json.dumps(_reasons(rows, entries)),
+            "examples": json.dumps(_examples(rows, entries)),
+            "rival_versions": json.dumps(_versions(entries)),
+        },
+    )  # fmt: skip
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the engine has no wrong verdict on the sample, and count those of the others."""
+    faults = (case_judge.CaseVerdict.WRONG, case_judge.CaseVerdict.INACCURATE, case_judge.CaseVerdict.UNBALANCED)
+    found = [int(dataset.engine_count.sel(engine_outcome=int(verdict)).sum()) for verdict in faults]
+    shared = dataset.shared_count
+    wrong = shared.sel(method_outcome=list(map(int, WRONG))).sum("method_outcome").values
+    gave_up = shared.sel(method_outcome=int(AnswerVerdict.GAVE_UP)).values
+    words = [
+        f"{label} {n} and {m}"
+        for label, n, m in zip(dataset.method.attrs["labels"].split("; "), wrong, gave_up, strict=True)
+    ]
+    return [
+        Check.holds(
+            "The engine is neither wrong nor inaccurate nor out of balance in any case that is drawn to ask the others",
+            _SOURCE,
+            f"{found[0]} wrong, {found[1]} inaccurate, {found[2]} unbalanced of {dataset.sizes['case']}",
+            not any(found),
+        ),
+        Check.holds(
+            "Where half of the others have other events than the engine, 40 digits have those of the engine",
+            _SOURCE,
+            f"{int((dataset.confirmed == 1).sum())} of {int((dataset.confirmed >= 0).sum())}",
+            bool((dataset.confirmed != 0).all()),
+        ),
+        Check.holds(
+            "Every other method shows a wrong motion, or none, in some of the same cases",
+            _SOURCE,
+            f"wrong and given up of {int(shared.isel(method=0).sum())}: {'; '.join(words)}",
+            bool((wrong + gave_up > 0).all()),
+        ),
+    ]
+
+
+def _text(words: str) -> dict[str, Any]:
+    return {"units": "1", "long_name": words}
+
+
+def _verdicts() -> dict[str, Any]:
+    known = flags(AnswerVerdict)
+    return {
+        "flag_values": np.concatenate([[np.int8(NOT_ASKED)], known["flag_values"]]),
+        "flag_meanings": f"not_asked {known['flag_meanings']}",
+    }
+
+
+def _methods(entries: list[tuple[str, float]]) -> dict[str, Any]:
+    """Each method at each tolerance is one entry."""
+    return _text("method") | {
+        "flag_values": np.arange(len(entries), dtype=np.int8),
+        "flag_meanings": " ".join(f"{name}_{value:.0e}" for name, value in entries),
+        "labels": "; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
+    }
+
+
+def _versions(entries: list[tuple[str, float]]) -> dict[str, str]:
+    packages = {METHODS[name].needs for name, _ in entries} - {None}
+    return {package: import_module(package).__version__ for package in sorted(packages)}
+
+
+def _count(verdict: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
+    """Number of cases by group, method and verdict."""
+    found = [
+        [[(verdict[group, m] == v).sum() for v in AnswerVerdict] for m in range(verdict.shape[1])] for group in groups
+    ]
+    return np.array(found, dtype=np.int32)
+
+
+def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -> dict[str, tuple]:
+    """Share of wrong verdicts and the ends of its interval."""
+    wrong, asked = count[..., list(WRONG)].sum(axis=-1), count.sum(axis=-1)
+    low, high = _interval(wrong, asked)
+    return {
+        f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), _text(words)),
+        f"{prefix}wrong_share_low": (dims, low, _text(f"{words}: lower end of the interval of 95 % (Wilson)")),
+        f"{prefix}wrong_share_high": (dims, high, _text(f"{words}: upper end of the interval of 95 % (Wilson)")),
+    }
+
+
+def _interval(part: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Interval of 95 % of a share (Wilson 1927); nan where there is no case."""
+    n, z = np.where(total, total, np.nan), _QUANTILE
+    share = part / n
+    middle = (share + z**2 / (2 * n)) / (1 + z**2 / n)
+    half = z / (1 + z**2 / n) * np.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
+    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+
+
+def _errors(rows: list[_Row]) -> np.ndarray:
+    return np.array([[math.nan if a is None else a.error for a in row.answers] for row in rows], dtype=np.float32)
+
+
+def _of_question(rows: list[_Row], name: str) -> np.ndarray:
+    values = [math.nan if row.question is None else getattr(row.question, name) for row in rows]
+    return np.where(np.isfinite(values), values, math.nan).astype(np.float32)
+
+
+def _reasons(rows: list[_Row], entries: list[tuple[str, float]]) -> dict[str, dict[str, int]]:
+    """Why each method gave up, and in how many of the cases that every method is asked."""
+    found = {}
+    for k, (name, value) in enumerate(entries):
+        given = [row.answers[k] for row in rows if row.shared and row.answers[k] is not None]
+        found[f"{name}_{value:.0e}"] = dict(Counter(a.failure for a in given if a.verdict is AnswerVerdict.GAVE_UP))
+    return found
+
+
+def _examples(rows: list[_Row], entries: list[tuple[str, float]]) -> dict[str, dict]:
+    """The first case in which each method shows another motion, so that it can be run again."""
+    found = {}
+    for k, (name, value) in enumerate(entries):
+        for row in rows:
+            if row.answers[k] is not None and row.answers[k].verdict is AnswerVerdict.OTHER_MOTION:
+                case = row.question.case
+                found[f"{name}_{value:.0e}"] = {"family": case.family.name.lower(), "drive": dict(case.drive),
+                                                "start": list(case.start), "duration": case.duration}  # fmt: skip
+                break
+    return found

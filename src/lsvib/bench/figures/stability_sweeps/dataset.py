@@ -1,0 +1,262 @@
+"""Stability on stiff and extreme cases: the engine judged at the edge of the domain, family by family."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.bench.sweeps.case_judge import (
+    ENERGY_TOLERANCE,
+    TOLERANCE,
+    CaseOutcome,
+    CaseVerdict,
+    Judge,
+    allowed_residual,
+    judge,
+)
+from lsvib.bench.sweeps.cases import THRESHOLDS
+from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
+from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
+from lsvib.bench.sweeps.worst_case_variables import description, worst_cases
+from lsvib.data.attributes import flags
+from lsvib.data.checks import Check
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+
+_SOURCE = "docs/stability.md"
+_NUMBERS = {
+    "state_error": ("1", "error of the final state, relative to the size of the motion"),
+    "time_error": ("1", "largest error of an event time, relative to the duration"),
+    "sensitivity": ("1", "change of the final state when the input is moved in its last places"),
+    "condition": ("1", "largest condition number of the modal forms"),
+    "energy_residual": ("1", "residual of the energy balance, relative to the largest energy or work in it"),
+    "energy_rounding": ("1", "residual of the energy balance that rounding may make"),
+}
+_WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.DOUBLE_RATE_OF_THREADS, CaseFamily.SUPPORT, CaseFamily.NUT)
+# Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/stability.md.
+_TOLERANCE_WITH_FOUR_STATES = 1e-8
+_NOT_PASSED = 1e-3  # share of the cases that need not pass, without a wrong one among them,
+_FEW = 3  # or this number, if that is more
+_BALANCED = 0.99  # share of the motions whose energy must be balanced
+_LONG = ({"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axial_force": 100.0})
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Run the sweeps, and search on from the worst cases of each family.
+
+    ``settings``: ``seed``; ``counts``, number of cases of each family by name; ``thorough``, how many of them are asked
+    of the reference in any case; ``evaluations``, steps of the search in each family; ``distances`` [1] from the
+    thresholds at which attractors are found; ``periods`` of the long runs.
+    """
+    rows: list[tuple[Case, CaseOutcome]] = []
+    worst: dict[CaseFamily, Tried] = {}
+    for name, count in settings["counts"].items():
+        family = CaseFamily[name.upper()]
+        rng = np.random.default_rng([settings["seed"], family])
+        begin = []
+        for k in range(count):
+            tried = attempt(family, rng.random(GENES), rng, thorough=k < settings["thorough"])
+            tried.outcome.path = None  # of no further use, and most of the memory
+            rows.append((tried.case, tried.outcome))
+            if tried.outcome.judge == Judge.REFERENCE:
+                begin.append(tried)
+        found = search(family, begin, settings["evaluations"], rng)
+        worst[family] = replace(found, outcome=judge(found.case, rng, thorough=True))
+    families = sorted({case.family for case, _ in rows})
+    sides = _sides(settings["distances"])
+    runs = [long_run(RigidParameters.of(changes), settings["periods"]) for changes in _LONG]
+    return xr.Dataset(
+        _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
+        coords={
+            "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
+            "edge_family": (
+                "edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", CaseFamily)),
+            "outcome": ("outcome", np.array(CaseVerdict, dtype=np.int8), _flag("verdict", CaseVerdict)),
+            "force_threshold": (
+                "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
+            "side": ("side", np.array([-1, 1], dtype=np.int8), {
+                "units": "1", "long_name": "side of the threshold", "flag_values": np.array([-1, 1], dtype=np.int8),
+                "flag_meanings": "smaller_force larger_force"}),
+            "threshold_distance": ("threshold_distance", np.array(settings["distances"], dtype=float),
+                         {"units": "1", "long_name": "relative distance from the threshold"}),
+            "run": ("run", np.arange(len(runs)), {"units": "1", "long_name": "index of the long run"}),
+            "passing_error": ((), TOLERANCE, {"units": "1", "long_name": "relative error that passes"}),
+            "energy_tolerance": ((), ENERGY_TOLERANCE, {
+                "units": "1", "long_name": "residual of the energy balance that passes, beyond rounding"}),
+            "evaluations": ((), settings["evaluations"], {
+                "units": "1", "long_name": "number of cases that the search for the worst one tried in each family"}),
+            "periods": ((), settings["periods"], {"units": "1", "long_name": "number of periods of a long run"}),
+        },
+        attrs={
+            "title": "The engine at the edge of the domain",
+            "source": "lsvib, exact event-driven motion; judges: Taylor steps, and a reference with 40 digits",
+            "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
+            "worst_cases": json.dumps({f.name.lower(): description(worst[f]) for f in families}),
+        },
+    )  # fmt: skip
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that no verdict is wrong and hardly one but passed, accuracy and energy, the thresholds and long runs."""
+    total = dataset.sizes["case"]
+    verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
+    inaccurate = verdict == CaseVerdict.INACCURATE
+    count = {kind: int((verdict == kind).sum()) for kind in CaseVerdict}
+    asked = rigid & (dataset.judge.values == Judge.REFERENCE) & (verdict != CaseVerdict.BEYOND_INPUT)
+    worst = float(np.nanmax(np.where(asked, dataset.state_error.values, np.nan)))
+    others = ~rigid & (verdict != CaseVerdict.BEYOND_INPUT)
+    errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
+    sides, closest = dataset.attractor_is_right.values, float(dataset.threshold_distance.min())
+    return [
+        Check.holds(
+            "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
+            _SOURCE,
+            f"{count[CaseVerdict.WRONG]} wrong of {total}",
+            count[CaseVerdict.WRONG] == 0,
+        ),
+        Check.holds(
+            f"At most one case in {1 / _NOT_PASSED:g}, or {_FEW} if that is more, does not pass",
+            _SOURCE,
+            f"{total - count[CaseVerdict.PASSED]} of {total} do not: {count[CaseVerdict.BEYOND_INPUT]} decided "
+            "by digits that "
+            f"the input does not have, {count[CaseVerdict.CORNER]} differ within an instant at a corner, "
+            f"{count[CaseVerdict.REFUSED]} refused in a sentence, {count[CaseVerdict.INACCURATE]} inaccurate, "
+            f"{count[CaseVerdict.UNBALANCED]} unbalanced",
+            total - count[CaseVerdict.PASSED] <= max(_FEW, _NOT_PASSED * total),
+        ),
+        Check.holds(
+            f"Rigid drive: final states and event times to {TOLERANCE:.0e} in every case",
+            _SOURCE,
+            f"{int((inaccurate & rigid).sum())} above it; worst error against 40 digits {worst:.1e}",
+            not bool((inaccurate & rigid).any()),
+        ),
+        Check.holds(
+            f"Drives with four states: final states and event times to {_TOLERANCE_WITH_FOUR_STATES:.0e} in every case "
+            "that its input decides",
+            _SOURCE,
+            f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, in "
+            f"{int(np.isnan(errors).sum())} unknown",
+            bool(errors.size and (errors <= _TOLERANCE_WITH_FOUR_STATES).all()),
+        ),
+        _energy_check(dataset),
+        _search_check(dataset),
+        Check.holds(
+            "Attractors on both sides of each threshold of the axial force are those that it promises",
+            _SOURCE,
+            f"{int(sides.sum())} of {sides.size}, down to {closest:.0e} of the threshold",
+            bool(sides.all()),
+        ),
+        Check.holds(
+            "Cycles over many periods: clock to 1e-12, state to 1e-12",
+            _SOURCE,
+            f"{int(dataset.periods)} periods, {int(dataset.run_events.sum())} events: clock "
+            f"{float(dataset.clock_error.max()):.1e}, state {float(dataset.run_state_error.max()):.1e}",
+            bool(dataset.clock_error.max() <= 1e-12 and dataset.run_state_error.max() <= 1e-12),
+        ),
+    ]
+
+
+def _energy_check(dataset: xr.Dataset) -> Check:
+    residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
+    tolerance = float(dataset.energy_tolerance)
+    drawn = np.isfinite(residual)
+    astray = int((residual[drawn] > allowed_residual(rounding[drawn])).sum())
+    sharp = drawn & (rounding <= tolerance)
+    return Check.holds(
+        f"Energy balances in every motion: supply, storage, friction, dampers and seizures, to {tolerance:.0e} of the "
+        "largest of them and what rounding makes of it",
+        _SOURCE,
+        f"{astray} of {int(drawn.sum())} do not, {int((~drawn).sum())} not drawn; where rounding makes less than "
+        f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
+        astray == 0 and bool(drawn[dataset.case_verdict.values != CaseVerdict.REFUSED].mean() > _BALANCED),
+    )
+
+
+def _search_check(dataset: xr.Dataset) -> Check:
+    state, time = dataset.worst_state_error.values, dataset.worst_time_error.values
+    errors = np.fmax(state, time)
+    names = [CaseFamily(int(f)).name.lower() for f in dataset.edge_family.values]
+    bad = np.isin(dataset.worst_verdict.values, (CaseVerdict.WRONG, CaseVerdict.UNBALANCED))
+    found = ", ".join(f"{name} {error:.0e}" for name, error in zip(names, errors, strict=True))
+    return Check.holds(
+        "A search for the worst case of each family finds no wrong one, and none of a rigid drive that is inaccurate",
+        _SOURCE,
+        f"{int(dataset.evaluations)} evaluations a family: {found}",
+        not bool(bad.any())
+        and not bool(
+            (errors[~np.isin(dataset.edge_family.values, _WITH_FOUR_STATES)] > float(dataset.passing_error)).any()
+        ),
+    )
+
+
+def _flag(words: str, kinds) -> dict[str, Any]:
+    return {"units": "1", "long_name": words, **flags(kinds)}
+
+
+def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
+    agrees = [-1 if o.stepper_agrees is None else int(o.stepper_agrees) for _, o in rows]
+    damping = [_log(c.drive.contact_damping) if isinstance(c.drive, ThreadsParameters) else np.nan for c, _ in rows]
+    # On the edge itself the logarithm is −inf, which is stored as missing.
+    level = np.array([case.level for case, _ in rows])
+    found = {
+        "case_family": (np.array([c.family for c, _ in rows], np.int8), _flag("family of the case", CaseFamily)),
+        "group": (np.array([c.group for c, _ in rows], np.int8), _flag("edge of the case", Group)),
+        "level": (np.where(np.isfinite(level), level, np.nan).astype(np.float32), {
+            "units": "1", "long_name": "decimal logarithm of the parameter or of its distance from the edge"}),
+        "damping_level": (np.array(damping, np.float32), {
+            "units": "1", "long_name": "decimal logarithm of the contact damping in N s/m"}),
+        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", CaseVerdict)),
+        "judge": (np.array([o.judge for _, o in rows], np.int8), _flag("who decided", Judge)),
+        "events": (np.array([o.events for _, o in rows], np.int32), {"units": "1", "long_name": "number of events"}),
+        "stepper_agrees": (np.array(agrees, np.int8), {
+            "units": "1", "long_name": "whether the Taylor stepper has the right events",
+            "flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "not_asked no yes"}),
+    }  # fmt: skip
+    for name, (units, words) in _NUMBERS.items():
+        values = np.array([_number(o, name) for _, o in rows], np.float32)
+        found[name] = (values, {"units": units, "long_name": words})
+    return {name: ("case", values, attributes) for name, (values, attributes) in found.items()}
+
+
+def _number(outcome: CaseOutcome, name: str) -> float:
+    if not name.startswith("energy_"):
+        return getattr(outcome, name)
+    return np.nan if outcome.energy is None else getattr(outcome.energy, name.removeprefix("energy_"))
+
+
+def _log(value: float) -> float:
+    return float(np.log10(value)) if value else np.nan
+
+
+def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -> dict[str, tuple]:
+    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in CaseVerdict] for f in families])
+    astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
+    return {
+        "case_count": (("edge_family", "outcome"), count, {"units": "1", "long_name": "number of cases"}),
+        "stepper_wrong": ("edge_family", np.array(astray), {
+            "units": "1", "long_name": "number of cases in which the Taylor stepper has wrong events"}),
+    }  # fmt: skip
+
+
+def _sides(distances: list[float]) -> dict[str, tuple]:
+    right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
+    return {
+        "attractor_is_right": (("force_threshold", "side", "threshold_distance"), np.array(right, np.int8), {
+            "units": "1", "long_name": "the attractor is the one that the threshold promises",
+            "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"})
+    }  # fmt: skip
+
+
+def _runs(runs: list) -> dict[str, tuple]:
+    words = {
+        "run_events": ("events", "number of events of the long run"),
+        "clock_error": ("clock_error", "relative error of the time of the last release from rest"),
+        "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
+    }
+    return {
+        name: ("run", [getattr(run, key) for run in runs], {"units": "1", "long_name": text})
+        for name, (key, text) in words.items()
+    }

@@ -1,0 +1,292 @@
+"""Error against run time: every method on every scene, against 40 digits, and how much faster the engine is."""
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.bench.record import RunVerdict
+from lsvib.bench.rivals import race_scenes
+from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
+from lsvib.bench.rivals.race import Budget, Entry, contest
+from lsvib.bench.rivals.time_at_equal_error import fastest
+from lsvib.data.attributes import flags
+from lsvib.data.checks import Check
+from lsvib.data.provenance import processor
+
+_CONTROLS = {
+    "relative_tolerance": ("1", "relative tolerance of the method"),
+    "time_step": ("s", "time step of the method"),
+    "smoothing_width": ("rad s-1", "width of the smoothed jump of friction"),
+}
+_GENERAL = (MethodFamily.GENERAL, MethodFamily.COMPILED, MethodFamily.TAYLOR)
+_RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
+_SOURCE = "docs/accuracy.md"
+_PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Run the methods on the scenes.
+
+    ``settings``: ``scenes`` (names of :data:`lsvib.bench.rivals.race_scenes.NAMES`); ``shorten``, part of each duration
+    that is run; ``methods``, settings of each method of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``repeats``,
+    ``seconds`` and ``limit`` as in :class:`lsvib.bench.rivals.race.Budget`; ``error_levels`` [1] at which run times are
+    compared; ``ratio_floor`` [1] that the checks ask for of solvers whose field is a Python function,
+    ``compiled_floor`` [1] of those that compile it. Raises ``InputError`` if a name is wrong or a package is missing.
+    """
+    names = [name for name, values in settings["methods"].items() if values]
+    longest = max(len(settings["methods"][name]) for name in names)
+    budget = Budget(settings["repeats"], settings["seconds"], settings["limit"])
+    table = _Table(settings["scenes"], names, longest)
+    for row, name in enumerate(settings["scenes"]):
+        this, truth, entries = contest(name, settings["methods"], budget, settings["shorten"])
+        table.fill(row, entries)
+        table.reference_events[row], table.durations[row] = len(truth.kinds), this.duration
+    levels = np.array(settings["error_levels"], dtype=float)
+    return table.dataset(
+        settings["methods"], levels, {key: float(settings[key]) for key in ("ratio_floor", "compiled_floor")}
+    )
+
+
+class _Table:
+    """Arrays over (scene, method, setting)."""
+
+    def __init__(self, scene_names: list[str], names: list[str], longest: int) -> None:
+        self.scenes, self.names = scene_names, names
+        shape = (len(scene_names), len(names), longest)
+        self.numbers = {key: np.full(shape, np.nan) for key in ("state", "times", "amplitude", "fastest", "median")}
+        self.verdict = np.full(shape, int(RunVerdict.NOT_RUN), dtype=np.int8)
+        self.events, self.runs = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.int32)
+        self.reference_events = np.zeros(len(scene_names), dtype=np.int32)
+        self.durations, self.first = np.zeros(len(scene_names)), np.full(shape[:2], np.nan)
+
+    def fill(self, row: int, entries: list[Entry]) -> None:
+        """Enter the results of one scene."""
+        seen: dict[str, int] = {}
+        for entry in entries:
+            column = seen.get(entry.method, 0)
+            seen[entry.method] = column + 1
+            place = row, self.names.index(entry.method), column
+            self.verdict[place], self.events[place] = int(entry.errors.verdict), entry.events
+            self.runs[place], self.first[place[:2]] = len(entry.seconds), entry.first
+            for key, value in (
+                ("state", entry.errors.state),
+                ("times", entry.errors.times),
+                ("amplitude", entry.errors.amplitude),
+                ("fastest", entry.fastest),
+                ("median", entry.median),
+            ):
+                self.numbers[key][place] = value
+
+    def points(self, row: int, method: str) -> list[tuple[float, float]]:
+        """Pairs (state error, shortest run time) of the right runs of a method on a scene."""
+        k = self.names.index(method)
+        right = self.verdict[row, k] == RunVerdict.RIGHT
+        state, seconds = self.numbers["state"][row, k], self.numbers["fastest"][row, k]
+        return list(zip(state[right], seconds[right], strict=True))
+
+    def family(self, family: MethodFamily) -> list[str]:
+        """Names of the methods of a family that are in the table."""
+        return [name for name in self.names if METHODS[name].family == family]
+
+    def ratios(self, levels: np.ndarray) -> np.ndarray:
+        """Run time of the best of each rival family at an error, over the engine's; (scene, family, level)."""
+        found = np.full((len(self.scenes), len(_RIVALS), levels.size), np.nan)
+        for row in range(len(self.scenes)):
+            for i, family in enumerate(_RIVALS):
+                for j, level in enumerate(levels):
+                    rival = fastest([self.points(row, name) for name in self.family(family)], level)
+                    found[row, i, j] = rival / fastest([self.points(row, "exact")], level)
+        return found
+
+    def dataset(
+        self, controls: Mapping[str, list[float]], levels: np.ndarray, floors: Mapping[str, float]
+    ) -> xr.Dataset:
+        """Put everything into a dataset."""
+        cube = ("scene", "method", "setting")
+        settings = {key: np.full(self.verdict.shape[1:], np.nan) for key in _CONTROLS}
+        for k, name in enumerate(self.names):
+            if METHODS[name].control in _CONTROLS:
+                settings[METHODS[name].control][k, : len(controls[name])] = controls[name]
+        titles = [race_scenes.scene(name).title for name in self.scenes]
+        labels = [find_method(name).label for name in self.names]
+        return xr.Dataset(
+            {
+                "state_error": (
+                    cube,
+                    self.numbers["state"],
+                    _text("1", "error of the final state, relative to the size of the motion"),
+                ),
+                "event_time_error": (cube, self.numbers["times"], _text("s", "largest error of an event's time")),
+                "amplitude_error": (
+                    cube,
+                    self.numbers["amplitude"],
+                    _text("1", "error of the steady amplitude in sizes of the motion"),
+                ),
+                "run_time": (cube, self.numbers["fastest"], _text("s", "run time, shortest of the runs")),
+                "run_time_median": (cube, self.numbers["median"], _text("s", "run time, median of the runs")),
+                "runs": (cube, self.runs, _text("1", "number of runs")),
+                "first_run_time": (
+                    cube[:2],
+                    self.first,
+                    _text("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
+                ),
+                "motion_verdict": (
+                    cube,
+                    self.verdict,
+                    _text("1", "whether the motion is the true one") | flags(RunVerdict),
+                ),
+                "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
+                "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
+                "duration": ("scene", self.durations, _text("s", "duration of the motion")),
+                "method_family": (
+                    "method",
+                    np.array([METHODS[name].family for name in self.names], dtype=np.int8),
+                    _text("1", "family of the method") | flags(MethodFamily),
+                ),
+                "ratio": (
+                    ("scene", "rival", "error_level"),
+                    self.ratios(levels),
+                    _text("1", "run time of the best rival of a family over that of the engine, at an equal error"),
+                ),
+                **{key: (("method", "setting"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
+            },
+            coords={
+                "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
+                "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
+                "setting": (
+                    "setting",
+                    np.arange(self.verdict.shape[2]),
+                    _text("1", "index of the method's setting, coarse to fine"),
+                ),
+                "rival": (
+                    "rival",
+                    np.array(_RIVALS, dtype=np.int8),
+                    _text("1", "family of the rival") | flags(MethodFamily),
+                ),
+                "error_level": ("error_level", levels, _text("1", "error of the final state that is asked for")),
+                "ratio_floor": (
+                    (),
+                    floors["ratio_floor"],
+                    _text("1", "ratio that the checks ask for, of scipy and CVODE"),
+                ),
+                "compiled_floor": (
+                    (),
+                    floors["compiled_floor"],
+                    _text("1", "ratio that the checks ask for, of diffrax and heyoka"),
+                ),
+            },
+            attrs={
+                "title": "Error against run time of the engine and of other methods",
+                "source": "lsvib; references with mpmath at 40 digits",
+                "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
+                "timing": "processor time of one process, methods interleaved, after a discarded run; "
+                "the preparation of a method (tables, compilation) is not in it",
+                "processor": processor(),
+                "processor_cores": os.cpu_count() or 0,
+                "operating_system": platform.system(),
+                "rival_versions": json.dumps(_versions()),
+            },
+        )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the engine's verdicts and errors, and its ratios to the best general solvers, scene by scene."""
+    return [
+        *_engine_checks(dataset),
+        *_ratio_checks(dataset, MethodFamily.GENERAL, "scipy or CVODE", float(dataset.ratio_floor)),
+        *_ratio_checks(dataset, MethodFamily.COMPILED, "diffrax", float(dataset.compiled_floor)),
+        *_ratio_checks(dataset, MethodFamily.TAYLOR, "heyoka", float(dataset.compiled_floor)),
+    ]
+
+
+def _engine_checks(dataset: xr.Dataset) -> list[Check]:
+    names = dataset.method.attrs["flag_meanings"].split()
+    engine = dataset.isel(method=names.index("exact"), setting=0)
+    worst = int(np.argmax(engine.state_error.values))
+    scene = dataset.scene.attrs["flag_meanings"].split()[worst]
+    largest = float(engine.state_error[worst])
+    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(RunVerdict.RIGHT)))
+    others = dataset.isel(method=np.isin(dataset.method_family.values, _GENERAL))
+    ran = others.motion_verdict.values != int(RunVerdict.NOT_RUN)
+    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(RunVerdict.RIGHT)))
+    return [
+        Check.holds(
+            "The engine shows the true motion on every scene",
+            _SOURCE,
+            f"{wrong} wrong of {engine.scene.size}",
+            not wrong,
+        ),
+        Check.holds(
+            "The engine's error is below 1e-11 on every scene",
+            _SOURCE,
+            f"largest {largest:.1e}, {scene}",
+            largest < 1e-11,
+        ),
+        Check.holds(
+            "General solvers show a wrong motion, or none, in some runs",
+            _SOURCE,
+            f"{missed} of {int(ran.sum())} runs",
+            missed > 0,
+        ),
+    ]
+
+
+def _ratio_checks(dataset: xr.Dataset, family: MethodFamily, solver: str, floor: float) -> list[Check]:
+    """One for each scene in which a solver of the family was run, over all error levels that one reaches."""
+    result = []
+    levels = dataset.error_level.values
+    for k, name in enumerate(dataset.scene.attrs["flag_meanings"].split()):
+        scene = dataset.isel(scene=k)
+        rivals, engine = (
+            scene.isel(method=dataset.method_family.values == kind) for kind in (family, MethodFamily.EXACT)
+        )
+        runs = int((rivals.motion_verdict != RunVerdict.NOT_RUN).sum())
+        if not runs:
+            continue
+        reached, ours = levels >= _least_error(rivals), bool((levels >= _least_error(engine)).all())
+        ratios = dataset.ratio.sel(rival=int(family)).values[k]
+        if reached.any():
+            claim = f"{name}: at every error that {solver} reaches, the engine is {floor:g} times faster"
+            words = ", ".join(f"{ratios[i]:.0f} at {levels[i]:.0e}" for i in np.flatnonzero(reached))
+        else:
+            claim = (
+                f"{name}: to none of the errors asked for does {solver} show the true motion, to all the engine does"
+            )
+            words = f"{runs} runs of others"
+        passed = ours and bool((ratios[reached] >= floor).all())
+        result.append(Check.holds(claim, _SOURCE, words if ours else f"{words}; the engine misses a level", passed))
+    return result
+
+
+def _least_error(methods: xr.Dataset) -> float:
+    """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
+    right = methods.motion_verdict.values == RunVerdict.RIGHT
+    return float(methods.state_error.values[right].min(initial=np.inf))
+
+
+def _text(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}
+
+
+def _words(kind: str, names: list[str], labels: list[str]) -> dict[str, Any]:
+    return _text("1", kind) | {
+        "flag_values": np.arange(len(names), dtype=np.int8),
+        "flag_meanings": " ".join(names),
+        "labels": "; ".join(labels),
+    }
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

@@ -1,0 +1,1 @@
+"""Ways to map a region of attraction, compared."""

@@ -1,0 +1,152 @@
+"""The ways to map a region of attraction that are compared: this engine in double and single precision, and rivals."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.basins.kernels import labelling
+from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.mapper import Mapper
+from lsvib.bench.maps import map_kernels
+from lsvib.bench.maps.single_precision import in_single, twin
+from lsvib.bench.rivals.catalogue import find_method
+from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
+from lsvib.bench.rivals.race_scenes import RaceScene
+from lsvib.cycles.attractors import Attractor
+from lsvib.engine.kernels import flow_planar
+
+_HORIZON = 1.0  # [s] after which a rival's motion is unresolved
+_BUDGET = 100_000  # events of a motion
+_TOLERANCE = 1e-6  # of the general solver
+_LIMIT = 30.0  # [s] of one motion of the general solver
+_STEP_CAP = 2e-4  # [s] from which it looks for a guard that falls within its first step
+
+Label = Callable[[np.ndarray, np.ndarray, np.ndarray], None]  # (x, y, labels), filled
+
+
+class Rule(IntEnum):
+    """When a motion need not be followed further."""
+
+    PROOF = 0  # as in the engine's map, without following it at all where bounds decide
+    TABLE = 1  # in the trapping ellipse, or after the first event, by the engine's table of intervals
+    SEIZURES = 2  # in the trapping ellipse, or at the third seizure
+
+
+@dataclass(frozen=True)
+class MapMethod:
+    """A way to map: ``prepare`` makes the function that is timed; ``dtype`` of the starts."""
+
+    label: str
+    rule: Rule
+    prepare: Callable[[Mapper], Label]
+    dtype: type = np.float64
+
+
+def _engine(mapper: Mapper) -> Label:
+    return _mapped(labelling.map_labels, mapper.automaton.tables, mapper.sections.known)
+
+
+def _single(mapper: Mapper) -> Label:
+    tables, known = in_single(mapper.automaton.tables), in_single(mapper.sections.known)
+    return _mapped(twin("labelling").map_labels, tables, known)
+
+
+def _mapped(kernel, tables, known) -> Label:
+    none = np.empty((0, 0), dtype=np.int8)
+    return lambda x, y, labels: kernel(tables, known, x, y, 0, _BUDGET, labels, none)
+
+
+def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
+    def prepare(mapper: Mapper) -> Label:
+        """Return the function that labels by steps of one length."""
+        tables, known, sprags = _tables(mapper)
+        cycle = int(Attractor.SPRAG_SLIP_CYCLE)
+        return lambda x, y, labels: map_kernels.stepped_labels(
+            tables, known, sprags, x, y, step, _HORIZON, seizures, cycle, labels
+        )
+
+    return prepare
+
+
+def _followed(seizures: int) -> Callable[[Mapper], Label]:
+    def prepare(mapper: Mapper) -> Label:
+        """Return the function that labels event by event, without proofs."""
+        tables, known, sprags = _tables(mapper)
+        cycle = int(Attractor.SPRAG_SLIP_CYCLE)
+        return lambda x, y, labels: map_kernels.followed_labels(
+            tables, known, sprags, x, y, _BUDGET, seizures, cycle, labels
+        )
+
+    return prepare
+
+
+def _tables(mapper: Mapper):
+    return mapper.automaton.tables, mapper.sections.known, np.array(mapper.automaton.sprag_kinds, dtype=np.int64)
+
+
+def _lsoda(mapper: Mapper) -> Label:
+    """scipy's LSODA with events; a motion that stays in a damped mode is followed until its ellipse is trapped."""
+    find_method("lsoda").require()
+    from lsvib.bench.rivals.methods.scipy_events import integrator
+
+    clock = Clock(_LIMIT)
+    hybrid = Hybrid(RaceScene("map", "map", mapper.model, mapper.drive, (0.0, 0.0), _HORIZON, _STEP_CAP))
+    integrate = integrator(hybrid, _TOLERANCE, clock, "LSODA")
+    tables, known, _ = _tables(mapper)
+
+    def label(start: tuple[float, float]) -> int:
+        """Return the attractor of one start; GaveUp where the solver fails."""
+        clock.start()
+        (mode, state), now = hybrid.enter(start), 0.0
+        while now < _HORIZON:
+            guard = hybrid.due(mode, state)
+            arrived = guard is None
+            if arrived:
+                end = now + _trapped_after(tables, known, mode, state)
+                now, state, guard = integrate(mode, now, state, min(end, _HORIZON))
+                if guard is None:
+                    return int(known.settled[mode]) if now == end else UNRESOLVED
+            transition = tables.guard_transition[hybrid.modes[mode].first_guard + guard]
+            mode, state, _ = hybrid.fire(mode, guard, state, arrived)
+            if known.resting[mode] != UNKNOWN:
+                return int(known.resting[mode])
+            surface = known.landing[transition]
+            found = labelling.look_up(known, mode, surface, np.array(state)) if surface >= 0 else UNKNOWN
+            if found != UNKNOWN:
+                return int(found)
+        return UNRESOLVED
+
+    def fill(x: np.ndarray, y: np.ndarray, labels: np.ndarray) -> None:
+        """Label every start (x[j], y[i]); what the solver gives up is unresolved."""
+        for i, w in enumerate(y.tolist()):
+            for j, u in enumerate(x.tolist()):
+                try:
+                    labels[i, j] = label((u, w))
+                except GaveUp:
+                    labels[i, j] = UNRESOLVED
+
+    return fill
+
+
+def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
+    """Time [s] after which a motion that stays in a mode is in the trapping ellipse; infinite if there is none."""
+    kappa2, reach = known.trap[mode, :2]
+    if not reach > 0.0:
+        return math.inf
+    row = tables.flow[mode]
+    rate = 2.0 * row[flow_planar.ALPHA] - abs(kappa2 - row[flow_planar.BETA] ** 2) / math.sqrt(kappa2)
+    return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
+
+
+METHODS: dict[str, MapMethod] = {
+    "engine": MapMethod("lsvib", Rule.PROOF, _engine),
+    "single": MapMethod("lsvib, float32", Rule.PROOF, _single, np.float32),
+    "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _followed(3)),
+    "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _stepped(1e-4, 0)),
+    "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _stepped(1e-5, 0)),
+    "rk4_seizures": MapMethod("RK4, 1e-4 s, to the third seizure", Rule.SEIZURES, _stepped(1e-4, 3)),
+    "lsoda": MapMethod("LSODA with events", Rule.TABLE, _lsoda),
+}

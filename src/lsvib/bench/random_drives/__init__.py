@@ -1,0 +1,1 @@
+"""Random drives over the full ranges, and the questions that each is asked."""

@@ -1,0 +1,300 @@
+"""Judge what the program says about one random drive against computations that share nothing with it.
+
+Every question is a *stage*, a function without arguments that returns findings, or a function that does: then the
+program has answered, and only judging is left. Who runs them may stop a stage that takes too long and go on with the
+next.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mp
+
+from lsvib.basins.mapper import mapper
+from lsvib.bench.random_drives import linear_judge, threshold_judge
+from lsvib.bench.reference.rigid_digits import RigidTrueDrive
+from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.fate import Fate, fate
+from lsvib.bench.second_opinions.stride_constants import Ladders
+from lsvib.bench.sweeps import case_judge
+from lsvib.bench.sweeps.energy_balance import balance
+from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.paths import (
+    MOST_EVENTS,
+    Path,
+    case_ladders,
+    engine_path,
+    exact_path,
+    quick_path,
+    strides_path,
+    watched_path,
+)
+from lsvib.bench.sweeps.paths import automaton as built
+from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.registry import find_model
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import follow
+from lsvib.errors import InputError, LsvibError
+from lsvib.steady_sliding.stability_table import stability_table
+
+RIGHT, CORNER, BEYOND_INPUT = "right", "corner", "beyond input"
+WRONG, CRASHED, LATE = "wrong", "crashed", "late"
+REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
+GOOD = (RIGHT, CORNER, BEYOND_INPUT)
+BAD = (WRONG, CRASHED, LATE)
+QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
+_EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
+_EIGENVALUES = 1e-12  # relative
+_TURNS = (0.3, 3.0)  # of the slow oscillation
+_MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
+_FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
+_IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
+_CONFIRMING = 12  # events that the reference must have as well
+_INSTANT = 1e-7  # of the duration
+_AT_ONCE = 1e-6  # of the duration; N turns twice within it where an undamped contact touches N = 0
+
+
+class Finding(NamedTuple):
+    """Verdict on one question; ``start``: index of the start, or None; ``said``, ``truth``: in words."""
+
+    verdict: str
+    start: int | None = None
+    said: str = ""
+    truth: str = ""
+
+
+Stage = tuple[str, Callable[[], list[Finding] | Callable[[], list[Finding]]]]
+
+
+def stages(wide: WideDrive, questions: Iterable[str] = QUESTIONS) -> Iterator[Stage]:
+    """Yield the questions that are asked about a drive."""
+    return (stage for stage in _stages(wide) if stage[0] in questions)
+
+
+def _stages(wide: WideDrive) -> Iterator[Stage]:
+    yield "stability", lambda: [_stability(wide)]
+    if wide.model != "rigid":
+        cases = lru_cache(lambda: four_cases(wide))
+        constants = lru_cache(lambda: case_ladders(cases()[0], max(case.duration for case in cases())))
+        model = lru_cache(lambda: built(cases()[0]))
+        for k in range(len(wide.starts)):
+            yield "motion", lambda k=k: _four_motion(wide, k, cases()[k], constants(), model())
+        return
+    constants = watch.constants(dict(wide.drive))
+    truths = [fate(constants, *start) for start in wide.starts]
+    automaton = lru_cache(lambda: rigid_automaton(wide.drive))  # its first use counts its construction
+    for k in range(len(wide.starts)):
+        yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
+    for k, truth in enumerate(truths):
+        yield "attractor", lambda k=k, truth=truth: [_attractor(wide, k, truth, automaton())]
+    yield "threshold", lambda: _thresholds(wide)
+    yield "label", lambda: _labels(wide, truths)
+
+
+def warm_up(model: str, questions: Iterable[str] = QUESTIONS) -> None:
+    """Ask everything about a harmless drive, so that compiling is no part of the time of any other."""
+    kind = find_model(model)
+    drive = kind.drive.of({"mass": 5.0, "support_damping": 1e-3})
+    start = kind.initial_state(drive, {key: 0.1 for key in kind.required})
+    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start])), questions):
+        ask()
+    if model in _IN_BLOCKS:
+        for _, ask in stages(wide_drive(model, *_IN_BLOCKS[model], 1), questions):
+            ask()
+
+
+def _motion(wide: WideDrive, k: int, constants: watch.WatchConstants, automaton: Automaton) -> Finding:
+    """Follow a motion for some turns; the closed form judges, and where it disagrees all others do."""
+    case = motion_case(wide, k)
+    try:
+        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError as error:
+        return Finding(REFUSED, k, str(error))
+    path = engine_path(motion, case)
+    if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
+        return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
+    other = watched_path(case, constants, path.size)
+    if other is not None and case_judge.agree(path, other, case):
+        drawn = balance(motion, wide.drive)
+        if not drawn.residual > case_judge.allowed_residual(drawn.rounding):
+            return Finding(RIGHT, k)
+    exact = exact_path(case, wide.drive, case.start)
+    if exact is None:
+        return Finding(UNDECIDED, k, "the reference does not decide")
+    if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
+        return Finding(CORNER, k)
+    # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
+    if not (path.complete or exact.complete) and _same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+        return Finding(RIGHT, k)
+    if constants.net_force == 0 and case_judge.same_end(
+        path, exact
+    ):  # rest ends on Q = 0: a corner on every such orbit
+        return Finding(CORNER, k)
+    return _by_reference(wide, k, case)
+
+
+def _four_motion(
+    wide: WideDrive, k: int, case: Case, constants: Ladders, automaton: Automaton
+) -> list[Finding] | Callable[[], list[Finding]]:
+    """Follow a motion of a drive with four states; strides judge, and where they disagree the reference does."""
+    try:
+        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError as error:
+        return [Finding(REFUSED, k, str(error))]
+    path = engine_path(motion, case)
+    if not any(case.start) and linear_judge.carries_no_force(wide):  # the equilibrium, on N = 0
+        return [Finding(WRONG if path.kinds or path.end.any() else RIGHT, k)]
+    other = strides_path(case, constants)
+    if other is not None and case_judge.agree(path, other, case):
+        drawn = balance(motion, wide.drive, wide.physics)
+        if not drawn.residual > case_judge.allowed_residual(drawn.rounding):
+            return [Finding(RIGHT, k)]
+    return lambda: [_by_strides(wide, k, case, path, other)]
+
+
+def _by_strides(wide: WideDrive, k: int, case: Case, path: Path, other: Path | None) -> Finding:
+    """Whether strides excuse a difference, by touches or by the digits of the input; else the reference decides."""
+    if other is not None:
+        if case_judge.same_end(path, other) and _without_touches(path, case) == _without_touches(other, case):
+            return Finding(CORNER, k)
+        finding = _by_reference(wide, k, case, quick_path)
+        if finding.verdict in (CORNER, BEYOND_INPUT):
+            return finding
+    return _by_reference(wide, k, case)
+
+
+def _without_touches(path: Path, case: Case) -> list[str]:
+    """Kinds of events without those contact reversals of which two follow each other at once."""
+    kept: list[int] = []
+    for k, kind in enumerate(path.kinds):
+        again = bool(kept) and kind == path.kinds[kept[-1]] == "contact_reversal"
+        if again and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration:
+            kept.pop()
+        else:
+            kept.append(k)
+    return [path.kinds[k] for k in kept]
+
+
+def four_case(wide: WideDrive, k: int, fastest: float) -> Case:
+    """Motion ``k`` of a drive with four states: up to three turns of the slow oscillation, or six of the fastest.
+
+    ``fastest`` [rad/s]: imaginary part of a rate near steady sliding.
+    """
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    drive, start = wide.drive, tuple(map(float, wide.starts[k]))
+    turn = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
+    duration = min(turn * rng.uniform(*_TURNS), _MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
+    return Case(_FAMILIES[wide.model], Group.ONLY, 0.0, drive, start, duration, wide.physics)
+
+
+def four_cases(wide: WideDrive) -> list[Case]:
+    """Return the motions of a drive with four states that are judged."""
+    fastest = max(abs(float(mp.im(x))) for x in linear_judge.rates(wide))
+    return [four_case(wide, k, fastest) for k in range(len(wide.starts))]
+
+
+def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth = exact_path) -> Finding:
+    outcome = case_judge.judge(case, np.random.default_rng([wide.seed, wide.index, k]), by_reference=True, truth=truth)
+    verdicts = {
+        case_judge.CaseVerdict.PASSED: RIGHT,
+        case_judge.CaseVerdict.CORNER: CORNER,
+        case_judge.CaseVerdict.BEYOND_INPUT: BEYOND_INPUT,
+        case_judge.CaseVerdict.REFUSED: REFUSED,
+    }
+    verdict = verdicts.get(outcome.verdict, WRONG)
+    if verdict == WRONG and math.isnan(outcome.state_error) and exact_path(case, case.drive, case.start) is None:
+        verdict = UNDECIDED
+    detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
+    return Finding(verdict, k, detail)
+
+
+def _same_after_an_instant(path: Path, other: Path, case: Case) -> bool:
+    """Whether motions that start on θ′ = 0 agree but for events at once, where rounding makes the torque."""
+    later = []
+    for one in (path, other):
+        late = one.times > _INSTANT * case.duration
+        kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
+        later.append(replace(one, kinds=kinds, times=one.times[late]))
+    return case_judge.agree(*later, case)
+
+
+def motion_case(wide: WideDrive, k: int) -> Case:
+    """Motion ``k`` of a rigid drive: its start, and up to four turns of the slow oscillation."""
+    rng = np.random.default_rng([wide.seed, wide.index, k])
+    drive = wide.drive
+    turn = 2 * math.pi * float(RigidTrueDrive(dict(drive), 20).u_scale) / abs(drive.input_speed)
+    return Case(
+        CaseFamily.RANDOM, Group.ONLY, 0.0, drive, tuple(map(float, wide.starts[k])), turn * rng.uniform(0.3, 4.0)
+    )
+
+
+def _attractor(wide: WideDrive, k: int, truth: Fate, automaton: Automaton) -> Finding:
+    found = steady_state(automaton, wide.starts[k])
+    return compared(wide, k, truth, found.label.name.lower())
+
+
+def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
+    labels = mapper(wide.drive).labels_of(wide.starts[:, 0], wide.starts[:, 1])
+    names = [Attractor(label).name.lower() for label in labels]
+    return [compared(wide, k, truth, name) for k, (truth, name) in enumerate(zip(truths, names, strict=True))]
+
+
+def _thresholds(wide: WideDrive) -> list[Finding]:
+    rng = np.random.default_rng([wide.seed, wide.index])
+    found = threshold_judge.objections(wide.drive, rng)
+    return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
+
+
+def compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
+    """Verdict on the name of an attractor, by the fate of the motion."""
+    told = f"{truth.name} ({truth.reason})"
+    if name == "unbounded":  # see lsvib.bench.second_opinions.fate
+        return Finding(WRONG, k, name, told)
+    if name == "unresolved":
+        return Finding(UNRESOLVED, k, name, told)
+    if name == truth.name or (truth.edge and name in _EDGE):
+        return Finding(RIGHT, k)
+    if truth.name == "unknown":
+        return Finding(UNDECIDED, k, name, told)
+    return Finding(WRONG if _confirmed(wide, k) else UNDECIDED, k, name, told)
+
+
+def _confirmed(wide: WideDrive, k: int) -> bool:
+    """Whether the reference has the first events that the watcher has, at the same times."""
+    case = motion_case(wide, k)
+    exact = exact_path(case, wide.drive, case.start)
+    watched = None if exact is None else watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+    if watched is None:
+        return False
+    count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
+    if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
+        return False
+    return _same_first(watched, exact, count, case)
+
+
+def _same_first(path: Path, other: Path, count: int, case: Case) -> bool:
+    """Whether the first events of two motions are the same, at the same times."""
+    late = np.abs(path.times[:count] - other.times[:count]).max(initial=0.0)
+    return path.kinds[:count] == other.kinds[:count] and late <= case_judge.TOLERANCE * case.duration
+
+
+def _stability(wide: WideDrive) -> Finding:
+    """The table's verdict and eigenvalues against those of Newton's laws with 120 digits."""
+    try:
+        table = stability_table(dict(wide.drive), wide.model)
+    except InputError as error:
+        return Finding(RIGHT if linear_judge.carries_no_force(wide) else REFUSED, None, str(error))
+    exact = linear_judge.rates(wide)
+    stable = linear_judge.stable(exact)
+    found = [mp.mpc(x["real"], x["imaginary"]) for x in table["eigenvalues"]]
+    gap = max(float(min(abs(x - y) for y in found) / abs(x)) for x in exact)
+    if table["stable"] != stable or gap > _EIGENVALUES:
+        said = f"stable {table['stable']}, {table['class']}, eigenvalues off by {gap:.1e}"
+        return Finding(WRONG, None, said, f"stable {stable}, {[mp.nstr(x, 8) for x in exact]}")
+    return Finding(RIGHT)

@@ -1,0 +1,183 @@
+"""Judge the thresholds of the axial force of any rigid drive: watched motions on both sides must do what they say.
+
+With R̃ = R − r_m tan λ c_x Ω and all forces counted in the direction of the motion (times sgn Ω):
+
+* onset: beyond it steady sliding is left from nearby, before it nearby motions come back;
+* stick: the cycle of the motion that leaves steady sliding touches θ′ = 0 beyond it, and not before it;
+* detach: the cycle from the end of rest reverses the contact before it, and not beyond it;
+* global stability (Painlevé region), short of the onset: between the two some motion goes on for ever, on the other
+  side all come to steady sliding.
+
+Where there is said to be none, nothing is asked but this: steady sliding that is said to be globally stable under every
+force against the motion must be.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.fate import fate
+from lsvib.drives.parameters import RigidParameters
+from lsvib.steady_sliding import thresholds
+
+NAMES = ("onset_force", "stick_force", "detach_force", "global_stability_force")
+_NEAR = 1e-6  # of the size of the motion: where motions start that leave or reach the equilibrium
+_ASIDE = 1e-3  # of |R̃| or, at the onset, of |R|: the distance from the threshold at which both sides are asked
+_STARTS = 24  # that come to steady sliding where it is globally stable
+_POINTS = 150  # on each side of the end of rest, where motions start that might go on for ever
+_FAINT = 1e-10  # damping ratio below which a return moves by no more than a few thousand of its own roundings
+_FORCES = np.logspace(-4, 4, 9)  # of the scale of the force, where all are asked
+
+
+def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:
+    """Ask every threshold of a drive; yields its name, a verdict (right, wrong, undecided), what it says, the truth."""
+    for name in NAMES:
+        try:
+            force = getattr(thresholds, name)(drive)
+        except thresholds.NoThreshold as absent:
+            yield name, *_absent(drive, name, str(absent), rng)
+            continue
+        if not math.isfinite(force):
+            yield name, "wrong", f"{force} N", "a finite force"
+            continue
+        yield name, *_JUDGES[name](drive, float(force), rng)
+
+
+def _onset(drive: RigidParameters) -> float:
+    d = watch.constants(dict(drive))
+    return drive.axial_force - d.net_force
+
+
+def _at(drive: RigidParameters, force: float, aside: float, size: float) -> watch.WatchConstants:
+    """The drive with an axial force a little beyond (aside > 0) a threshold, or before it."""
+    moved = force + math.copysign(1.0, drive.input_speed) * aside * size
+    return watch.constants({**dict(drive), "axial_force": moved})
+
+
+def _size_of(c: watch.WatchConstants) -> float:
+    return abs(c.speed) / math.sqrt(c.flow[1, 1])
+
+
+def _judge_onset(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
+    size = abs(force) or 1.0
+    beyond, before = (_at(drive, force, aside, size) for aside in (_ASIDE, -_ASIDE))
+    verdicts = []
+    for c, stable in ((beyond, False), (before, True)):
+        near = _NEAR * min(_size_of(c), abs(c.contact[2] / c.contact[0]))
+        found = fate(c, near, 0.0)
+        if found.name == "unknown":
+            return "undecided", f"{force} N", found.reason
+        verdicts.append((found.name == "steady_sliding") == stable)
+    return "right" if all(verdicts) else "wrong", f"{force} N", f"beyond, before as it should be: {verdicts}"
+
+
+def _sides(drive: RigidParameters, force: float) -> tuple[watch.WatchConstants, watch.WatchConstants] | None:
+    """The drive a little beyond and a little before a force that lies beyond the onset; None if it does not."""
+    ahead = force - _onset(drive)
+    if not ahead * drive.input_speed > 0:
+        return None
+    return _at(drive, force, _ASIDE, abs(ahead)), _at(drive, force, -_ASIDE, abs(ahead))
+
+
+def _judge_stick(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
+    sides = _sides(drive, force)
+    if sides is None:
+        return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
+    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+        if np.all(np.abs(c.flow[:, 0]) < _FAINT * np.sqrt(c.flow[:, 1])):
+            return "undecided", f"{force} N", "a damping too faint for the return map of a watched motion"
+        stops = aside > 0
+        found = fate(c, _NEAR * abs(c.contact[2] / c.contact[0]), 0.0)
+        if found.name == "unknown":
+            return "undecided", f"{force} N", found.reason
+        if found.name not in ("stick_slip_cycle", "other_cycle") or found.stops != stops:
+            told = f"{found.name}, which {'touches' if found.stops else 'does not touch'} it ({found.reason})"
+            return "wrong", f"{force} N: the cycle touches θ′ = 0 is {stops} at {aside:+g}", told
+    return "right", "", ""
+
+
+def _judge_detach(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
+    sides = _sides(drive, force)
+    if sides is None:
+        return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
+    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+        reverses = aside < 0
+        kinds = _first_slip(c)
+        if kinds is None:
+            return "undecided", f"{force} N", "a guard that cannot be told in double precision"
+        if (watch.CONTACT_REVERSAL in kinds) != reverses:
+            return "wrong", f"{force} N: reverses {reverses} at {aside:+g}", f"{[watch.KINDS[k] for k in kinds[:4]]}"
+    return "right", "", ""
+
+
+def _first_slip(c: watch.WatchConstants) -> list[int] | None:
+    """Kinds of the events from the end of rest until the next rest, or of some if there is none."""
+    room = 64
+    times, kinds, modes = np.empty(room), np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+    mode = watch.coded(int(math.copysign(1, c.speed)), c.force_sign, watch.RELEASE)
+    end, count, *_ = watch.watch(
+        c, c.released, -c.speed, mode, math.inf, True, times, kinds, modes, np.empty((room, 2))
+    )
+    if end == watch.AMBIGUOUS:
+        return None
+    found = kinds[:count].tolist()
+    return found[: found.index(watch.STICK)] if watch.STICK in found else found
+
+
+def _judge_global(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
+    size = abs(force - _onset(drive))
+    before = _at(drive, force, _ASIDE, size)  # less force against the motion
+    beyond = _at(drive, force, -_ASIDE, size)
+    if not (force - _onset(drive)) * drive.input_speed < 0:
+        return "wrong", f"{force} N", "a force short of the onset"
+    lasting = [fate(before, u, w) for u, w in (*_widest(before), *_starts(before, rng))]
+    if all(found.name == "steady_sliding" for found in lasting):
+        # Next to the threshold the starts of motions that go on may be few: these need not be among them.
+        return "undecided", f"{force} N: some motion goes on at {_ASIDE:+g}", "none of the starts does"
+    return _all_come_to_rest(beyond, f"{force} N at {-_ASIDE:+g}", rng)
+
+
+def _widest(c: watch.WatchConstants) -> list[tuple[float, float]]:
+    """Starts on θ′ = 0: the end of rest, and points on both sides of it over ten decades."""
+    parts = np.logspace(-6, 4, _POINTS)
+    return [(c.released + part * _size_of(c), -c.speed) for part in (0.0, *parts, *-parts)]
+
+
+def _starts(c: watch.WatchConstants, rng) -> list[tuple[float, float]]:
+    size = _size_of(c) * 10 ** rng.uniform(-1, 2, _STARTS)
+    angle = rng.uniform(0, 2 * math.pi, _STARTS)
+    return [(x * math.cos(a), x * math.sin(a) * abs(c.speed) / _size_of(c)) for x, a in zip(size, angle, strict=True)]
+
+
+def _all_come_to_rest(c: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
+    unknown = 0
+    for u, w in (*_widest(c), *_starts(c, rng)):
+        found = fate(c, u, w)
+        unknown += found.name == "unknown"
+        if found.name not in ("steady_sliding", "unknown"):
+            return "wrong", said, f"{found.name} from u = {u!r}, w = {w!r} ({found.reason})"
+    return ("undecided", said, "unknown") if unknown else ("right", "", "")
+
+
+def _absent(drive: RigidParameters, name: str, reason: str, rng) -> tuple[str, str, str]:
+    if name != "global_stability_force" or "globally stable" not in reason:
+        return "right", "", ""
+    onset = _onset(drive)
+    scale = max(abs(onset), 1e-3)
+    for part in _FORCES:
+        force = -math.copysign(part * scale, drive.input_speed)
+        there = watch.constants({**dict(drive), "axial_force": force})
+        verdict = _all_come_to_rest(there, f"{reason} R = {force}", rng)
+        if verdict[0] != "right":
+            return verdict
+    return "right", "", ""
+
+
+_JUDGES = {
+    "onset_force": _judge_onset,
+    "stick_force": _judge_stick,
+    "detach_force": _judge_detach,
+    "global_stability_force": _judge_global,
+}

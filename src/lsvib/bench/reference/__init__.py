@@ -1,0 +1,1 @@
+"""References in many digits, independent of the engine."""

@@ -1,0 +1,1 @@
+"""Other methods: how they are driven, timed and judged."""

@@ -1,0 +1,67 @@
+"""How another method's run is compared with the true motion.
+
+A method is held to no more than it was asked for: an error of ``GENEROSITY`` times its tolerance is right, events
+within that part of the duration may come in any order, and so near to the start and the end they may be missing.
+"""
+
+import math
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.bench.record import Run
+from lsvib.bench.sweeps.paths import Path, same_but_corners, without_clusters
+
+GENEROSITY = 1000.0  # times the tolerance that a method was asked for is still right
+
+
+class AnswerVerdict(IntEnum):
+    """What became of a method on a case."""
+
+    RIGHT = 0
+    INACCURATE = 1  # the right events, an error above what it was asked for
+    OTHER_EVENTS = 2  # events missed or invented, but the motion ends where it should
+    OTHER_MOTION = 3  # other events, and another end
+    GAVE_UP = 4  # too much effort, a step that cannot be made, an endless chain of events, overflow
+
+
+class Answer(NamedTuple):
+    """Verdict; largest error of final state and times, relative to the motion, nan unless the events are right; why it
+    gave up.
+    """
+
+    verdict: AnswerVerdict
+    error: float = math.nan
+    failure: str = ""
+
+
+def compare(duration: float, truth: Path, run: Run, allowed: float) -> Answer:
+    """Compare a run with the true motion; ``allowed``: error, relative to the motion and to its duration [s]."""
+    gap = allowed * duration
+    state_error = float(np.max(np.abs(run.end_state - truth.end) / np.where(truth.size > 0, truth.size, 1.0)))
+    ours, theirs = list(zip(truth.times, truth.kinds, strict=True)), list(zip(run.times, run.kinds, strict=True))
+    pairs = [(a, b) for a in _trimmed(ours, gap, duration) for b in _trimmed(theirs, gap, duration)]
+    for a, b in pairs:
+        if [kind for _, kind in a] == [kind for _, kind in b]:
+            late = max((abs(x - y) for (x, _), (y, _) in zip(a, b, strict=True)), default=0.0)
+            error = max(state_error, float(late) / duration)
+            return Answer(AnswerVerdict.RIGHT if error <= allowed else AnswerVerdict.INACCURATE, error)
+    if state_error > allowed:
+        return Answer(AnswerVerdict.OTHER_MOTION)
+    same = any(same_but_corners(_tokens(a, gap), _tokens(b, gap)) for a, b in pairs)
+    return Answer(AnswerVerdict.RIGHT, state_error) if same else Answer(AnswerVerdict.OTHER_EVENTS)
+
+
+def _trimmed(events: list[tuple[float, str]], gap: float, duration: float) -> Iterator[list[tuple[float, str]]]:
+    """The events, all of them first, then without some of those that are next to the start or the end."""
+    early = sum(time <= gap for time, _ in events)
+    late = sum(time >= duration - gap for time, _ in events)
+    for first in range(early + 1):
+        for last in range(late + 1):
+            yield events[first : max(first, len(events) - last)]
+
+
+def _tokens(events: list[tuple[float, str]], gap: float) -> list[str]:
+    return without_clusters([kind for _, kind in events], [time for time, _ in events], gap)

@@ -1,0 +1,149 @@
+"""All methods on one scene: interleaved in one process, timed after a discarded run, compared with 40 digits.
+
+Times are processor times of this process: on a quiet machine the same as by the clock on the wall, on a busy one not
+inflated by what others do.
+"""
+
+import ctypes
+import os
+import statistics
+import sys
+import time
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lsvib.bench.record import Errors, Reference, Run, errors
+from lsvib.bench.rivals.catalogue import find_method
+from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
+from lsvib.bench.rivals.race_scenes import RaceScene, scene
+from lsvib.bench.rivals.truth import reference
+
+_TURN = 3e-3  # [s], at least, of an entry in a round
+_WARM_UP = 0.01  # of the duration, discarded: loads, compiles and fills caches
+
+
+@dataclass(frozen=True)
+class Budget:
+    """``repeats``: rounds; ``seconds`` after which an entry is left out of further rounds; ``limit`` [s] of one run,
+    after which it gives up.
+    """
+
+    repeats: int
+    seconds: float
+    limit: float
+
+
+@dataclass
+class Entry:
+    """One method at one setting: its errors, the times of its runs [s], its number of events, why it gave up.
+
+    ``first`` [s] is the time of the method's discarded run on the scene, in which what it needs is loaded and compiled.
+    """
+
+    method: str
+    setting: float
+    first: float = float("nan")
+    errors: Errors | None = None
+    seconds: list[float] = field(default_factory=list)
+    events: int = -1
+    failure: str = ""
+
+    @property
+    def fastest(self) -> float:
+        """Shortest run [s]."""
+        return min(self.seconds, default=float("nan"))
+
+    @property
+    def median(self) -> float:
+        """Median run [s]."""
+        return statistics.median(self.seconds) if self.seconds else float("nan")
+
+
+def contest(
+    name: str, settings: Mapping[str, Sequence[float]], budget: Budget, shorten: float = 1.0
+) -> tuple[RaceScene, Reference, list[Entry]]:
+    """Run the methods with their settings on a scene, and its reference.
+
+    ``settings``: for each method its tolerances, steps or widths, none to leave it out; [0] where there is nothing to
+    set. Each round runs every entry, so that a slow spell of the machine hits all alike. Methods for non-stiff problems
+    are left out of a stiff scene; ``shorten`` cuts the scene to that part of its duration. Raises ``InputError`` if a
+    name is wrong or a package is missing.
+    """
+    this = scene(name, shorten)
+    truth = reference(this)
+    hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
+    with quiet():
+        entries = _compete(this, truth, hybrid, limit, settings, budget)
+    return this, truth, entries
+
+
+def _compete(this: RaceScene, truth: Reference, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
+    entries, functions = [], []
+    for method_name, values in settings.items():
+        method = find_method(method_name)
+        if not values or (method.explicit and not this.explicit):
+            continue
+        clock = Clock(budget.limit)
+        first = _warm_up(method, this, values[0], clock)
+        for setting in values:
+            entries.append(Entry(method_name, setting, first))
+            functions.append(method.prepare(hybrid, setting, clock, limit))
+    for _ in range(budget.repeats):
+        for entry, function in zip(entries, functions, strict=True):
+            if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
+                _run(entry, function, truth)
+    return entries
+
+
+def _warm_up(method, this: RaceScene, setting: float, clock: Clock) -> float:
+    """Run a method on the first hundredth of a scene; returns how long it took [s]."""
+    short = Hybrid(replace(this, duration=_WARM_UP * this.duration))
+    start = time.process_time()
+    with suppress(GaveUp):  # then the whole run gives up too, and is counted
+        method.prepare(short, setting, clock, 1000)().run()
+    return time.process_time() - start
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Silence what solvers print or warn of, also from compiled code: a run that fails is counted, not described."""
+    flush = ctypes.CDLL(None).fflush  # what compiled code has printed may still be in its buffers
+    flush(None)
+    kept = [os.dup(1), os.dup(2)]
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with open(os.devnull, "w") as nowhere:
+        try:
+            for stream in (1, 2):
+                os.dup2(nowhere.fileno(), stream)
+            with warnings.catch_warnings(), np.errstate(all="ignore"):
+                warnings.simplefilter("ignore")
+                yield
+        finally:
+            flush(None)
+            for stream, copy in zip((1, 2), kept, strict=True):
+                os.dup2(copy, stream)
+                os.close(copy)
+
+
+def _run(entry: Entry, function, truth: Reference) -> None:
+    """Run an entry once, or a quick one so often that caches and clock have settled; compare its first result."""
+    total, outcome = 0.0, None
+    try:
+        while total < _TURN:
+            start = time.process_time()
+            outcome = function()
+            entry.seconds.append(time.process_time() - start)
+            total += entry.seconds[-1]
+    except GaveUp as reason:
+        entry.failure = str(reason)
+        entry.errors = errors(Run(np.array([np.nan]), failure=entry.failure), truth)
+        return
+    if entry.errors is None:
+        run = outcome.run()
+        entry.errors, entry.failure = errors(run, truth), run.failure
+        entry.events = -1 if run.kinds is None else len(run.kinds)

@@ -1,0 +1,1 @@
+"""Fast followers of motions that share nothing with the engine's search."""

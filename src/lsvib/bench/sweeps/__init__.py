@@ -1,0 +1,1 @@
+"""Cases at the edge of the domain, and their judges."""

@@ -1,0 +1,218 @@
+"""Judge the engine on cases at the edge of the domain: status, events, times, states, and what the input itself allows.
+
+A case passes if the engine reports the events of an independent computation, in order, and its final state and event
+times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.bench.second_opinions.taylor`; where it
+disagrees, or the drive is too stiff for it, the reference with 40 digits decides (always, for the other models). Where
+the engine disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16
+units of its last place, the size below which the engine takes a sum for zero: if that changes its own answer as early,
+the case is decided by digits that double precision does not have. The energy of the motion must balance, too
+(:mod:`lsvib.bench.sweeps.energy_balance`).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.bench.sweeps.energy_balance import Balance, balance
+from lsvib.bench.sweeps.families import Case
+from lsvib.bench.sweeps.paths import (
+    MOST_EVENTS,
+    Path,
+    automaton,
+    engine_path,
+    exact_path,
+    is_rigid,
+    same_but_corners,
+    stepper_path,
+    without_clusters,
+)
+from lsvib.drives.parameters import RigidParameters
+from lsvib.engine.motion import follow
+from lsvib.errors import InputError, LsvibError
+
+TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
+ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
+ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
+_AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
+_LAST_PLACES = 16
+_PERTURBED = 4
+_EPS = float(np.finfo(float).eps)
+
+
+class CaseVerdict(IntEnum):
+    """What became of a case."""
+
+    PASSED = 0
+    REFUSED = 1  # one clear sentence instead of a motion
+    BEYOND_INPUT = 2  # the digits that decide are not in the input
+    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
+    INACCURATE = 4  # the right events, an error above the tolerance
+    WRONG = 5  # other events
+    UNBALANCED = 6  # right events, time and state, but the energy of the motion does not balance
+
+
+_GOOD = (CaseVerdict.PASSED, CaseVerdict.CORNER)
+
+
+class Judge(IntEnum):
+    """Who decided."""
+
+    NONE = 0
+    STEPPER = 1
+    REFERENCE = 2
+
+
+@dataclass
+class CaseOutcome:
+    """Verdict on a case; errors are relative to the size of the motion, nan where nobody computed them.
+
+    ``sensitivity``: what a change of the input in its last places changes in the reference's final state and times.
+    ``stepper_agrees``: whether the stepper had the events of the reference (None: it was not asked).
+    """
+
+    verdict: CaseVerdict
+    judge: Judge
+    events: int = 0
+    state_error: float = math.nan
+    time_error: float = math.nan
+    sensitivity: float = math.nan
+    condition: float = math.nan
+    stepper_agrees: bool | None = None
+    energy: Balance | None = None
+    path: Path | None = field(default=None, repr=False)
+
+
+Truth = Callable[[Case, RigidParameters, tuple[float, ...]], Path | None]
+
+
+def judge(
+    case: Case,
+    rng: np.random.Generator,
+    thorough: bool = False,
+    by_reference: bool = False,
+    truth: Truth = exact_path,
+) -> CaseOutcome:
+    """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity.
+
+    ``truth``: what stands for the reference, called as :func:`lsvib.bench.sweeps.paths.exact_path` is.
+    """
+    outcome = _judge(case, rng, thorough, by_reference, truth)
+    balanced = outcome.energy
+    # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
+    if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
+        outcome.verdict = CaseVerdict.UNBALANCED
+    return outcome
+
+
+def allowed_residual(rounding):
+    """Residual of an energy balance that passes, from what rounding may make of it; floats or arrays [1]."""
+    return ENERGY_TOLERANCE + ENERGY_PLACES * rounding
+
+
+def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: bool, truth: Truth) -> CaseOutcome:
+    try:
+        model = automaton(case)
+        motion = follow(model, case.start, case.duration, max_events=MOST_EVENTS)
+    except LsvibError:
+        return CaseOutcome(CaseVerdict.REFUSED, Judge.NONE)
+    path = engine_path(motion, case)
+    outcome = CaseOutcome(CaseVerdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=model.condition, path=path)
+    if not np.isfinite(path.end).all():
+        return outcome
+    outcome.energy = balance(motion, case.drive, case.physics)
+    quick = stepper_path(case, path.size) if is_rigid(case) else None
+    if quick is not None:
+        outcome.stepper_agrees = _compare(outcome, path, quick, case) is CaseVerdict.PASSED
+        if outcome.stepper_agrees and not (thorough or by_reference):
+            outcome.verdict, outcome.judge = CaseVerdict.PASSED, Judge.STEPPER
+            return outcome
+    exact = truth(case, case.drive, case.start)
+    if exact is None:
+        return outcome
+    if quick is not None:
+        outcome.stepper_agrees = quick.kinds == exact.kinds or agree_but_corners(quick, exact, case)
+    outcome.verdict = _compare(outcome, path, exact, case)
+    if outcome.verdict is CaseVerdict.WRONG and agree_but_corners(path, exact, case):
+        outcome.verdict = CaseVerdict.CORNER
+        outcome.state_error = _distance(path.end, exact)
+    if outcome.verdict not in _GOOD or thorough:
+        _weigh(outcome, path, exact, case, rng, truth)
+    return outcome
+
+
+def agree(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions have the same events, at the same times, and end in the same state."""
+    return _compare(CaseOutcome(CaseVerdict.WRONG, Judge.NONE), path, other, case) is CaseVerdict.PASSED
+
+
+def _compare(outcome: CaseOutcome, path: Path, other: Path, case: Case) -> CaseVerdict:
+    """Errors of a path against another, written to ``outcome``, and the verdict on it."""
+    outcome.state_error = outcome.time_error = math.nan
+    if path.kinds != other.kinds or path.complete != other.complete:
+        return CaseVerdict.WRONG
+    late = np.abs(path.times - other.times)
+    outcome.time_error = float(np.max(late, initial=0.0)) / case.duration
+    if path.complete:
+        outcome.state_error = _distance(path.end, other)
+    return CaseVerdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else CaseVerdict.PASSED
+
+
+def agree_but_corners(path: Path, other: Path, case: Case) -> bool:
+    """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
+    if not (path.complete and other.complete):
+        return False
+    tokens = [without_clusters(x.kinds, x.times, _AT_ONCE * case.duration) for x in (path, other)]
+    return same_but_corners(*tokens) and _distance(path.end, other) <= TOLERANCE
+
+
+def same_end(path: Path, other: Path) -> bool:
+    """Whether two motions end in the same state, whatever their events."""
+    return path.complete and other.complete and _distance(path.end, other) <= TOLERANCE
+
+
+def _distance(end: np.ndarray, other: Path) -> float:
+    return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
+
+
+def _weigh(outcome: CaseOutcome, path: Path, exact: Path, case: Case, rng: np.random.Generator, truth: Truth) -> None:
+    """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
+    known, moved = len(path.kinds) + 1, 0.0
+    for _ in range(_PERTURBED):
+        try:
+            other = truth(case, *_moved(case, rng))
+        except InputError:  # moved out of the domain
+            continue
+        if other is None:
+            continue
+        known = min(known, _common(exact.kinds, other.kinds))
+        if exact.complete == other.complete and exact.kinds == other.kinds:
+            moved = max(moved, float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration)
+            moved = max(moved, _distance(other.end, exact)) if exact.complete else moved
+    outcome.sensitivity = moved
+    undecided = outcome.verdict is CaseVerdict.WRONG and known <= _common(path.kinds, exact.kinds)
+    error = np.fmax(outcome.state_error, outcome.time_error)  # the first is nan if the motion was cut off
+    if undecided or (outcome.verdict is CaseVerdict.INACCURATE and error <= 4 * moved):
+        outcome.verdict = CaseVerdict.BEYOND_INPUT
+
+
+def _common(left: list[str], right: list[str]) -> int:
+    """Number of leading events that two motions share; all, and one more, if they are the same."""
+    if left == right:
+        return len(left) + 1
+    return next((k for k, pair in enumerate(zip(left, right, strict=False)) if pair[0] != pair[1]),
+                min(len(left), len(right)))  # fmt: skip
+
+
+def _moved(case: Case, rng: np.random.Generator) -> tuple[RigidParameters, tuple[float, ...]]:
+    def move(value: float) -> float:
+        return value * (1 + rng.uniform(-_LAST_PLACES, _LAST_PLACES) * _EPS)
+
+    values = {key: move(value) for key, value in case.drive}
+    # On θ′ = 0 to the last digit it has to stay: a motion that starts there is one that has just stopped.
+    start = list(map(move, case.start))
+    if case.start[1] == -case.drive.input_speed:
+        start[1] = -values["input_speed"]
+    return type(case.drive).model_construct(**values), tuple(start)

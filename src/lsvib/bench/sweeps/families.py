@@ -1,0 +1,79 @@
+"""What a case at the edge of the domain is: its family, where in it it stands, its drive, start and duration."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from lsvib.drives.parameters import RigidParameters
+
+
+class CaseFamily(IntEnum):
+    """What is driven to the edge."""
+
+    CONTACT = 0  # contact stiffness and damping of compliant threads
+    CRITICAL_MASS = 1  # Γ₊ → 0 from both sides
+    FRICTION = 2  # μ → 0, tan λ, cot λ
+    INPUT_SPEED = 3  # Ω → 0 and 1e6
+    AXIAL_FORCE = 4  # R → 0 and the thresholds from both sides
+    SUPPORT_DAMPING = 5  # c = 0 and c → 1e15
+    TRANSLATION_DAMPING = 6  # c_x = 0 and c_x → 1e15
+    TIME_SPAN = 7
+    START = 8  # on guards, on corners, on the equilibrium, at 1e±8
+    DOUBLE_RATE = 9  # critical damping, to the last digit
+    RANDOM = 10  # every parameter over decades
+    DOUBLE_RATE_OF_THREADS = 11  # two or three rates of compliant threads that coincide
+    SUPPORT = 12  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
+    NUT = 13  # rotating nut, the same
+
+
+class Group(IntEnum):
+    """Which edge of a family a case is at; 0 where the family has only one."""
+
+    ONLY = 0
+    ZERO = 1
+    TAN_LEAD = 2
+    COT_LEAD = 3
+    ONSET_FORCE = 4
+    STICK_FORCE = 5
+    DETACH_FORCE = 6
+    GLOBAL_STABILITY_FORCE = 7
+    ON_SPEED_ZERO = 8
+    ON_CONTACT_ZERO = 9
+    ON_CORNER = 10
+    ON_EQUILIBRIUM = 11
+    NEAR_EQUILIBRIUM = 12
+    FAR_AWAY = 13
+    LAW_PLUS = 14
+    LAW_MINUS = 15
+    DOUBLE_BY_DAMPING = 16
+    DOUBLE_BY_STIFFNESS = 17
+    TRIPLE = 18
+    WITHOUT_FRICTION = 19
+    WITH_SLIDE = 20
+    WITH_BEARING = 21
+    WITH_BOTH = 22
+
+
+class Case(NamedTuple):
+    """One motion: its drive and start, and where in its family it stands.
+
+    ``level`` is the decimal logarithm of what the family varies: of the parameter, or of its relative distance from
+    the edge (−inf: on the edge). ``physics``: the frictions of a second body that are there, in the words of a scene.
+    """
+
+    family: CaseFamily
+    group: Group
+    level: float
+    drive: RigidParameters
+    start: tuple[float, ...]
+    duration: float
+    physics: tuple[str, ...] = ()
+
+
+def sign(rng) -> int:
+    """Draw −1 or +1."""
+    return int(rng.choice((-1, 1)))
+
+
+def power(rng, low: float, high: float) -> float:
+    """Draw a number whose decimal logarithm is uniform between two bounds."""
+    return 10.0 ** rng.uniform(low, high)

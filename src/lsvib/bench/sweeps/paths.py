@@ -1,0 +1,250 @@
+"""Motions as far as judges compare them: of the engine, of the Taylor stepper, and of the references with 40 digits."""
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from mpmath import mpf
+
+from lsvib.bench.reference import rigid_digits as rigid_reference
+from lsvib.bench.reference import threads_digits as threads_reference
+from lsvib.bench.reference import two_bodies_digits
+from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive as TwoBodies
+from lsvib.bench.second_opinions import strides, taylor, watch
+from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
+from lsvib.bench.sweeps.families import Case
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
+from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
+from lsvib.drives.threads import ThreadsEvent, threads_automaton
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion
+
+MOST_EVENTS = 60
+# Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
+_SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
+_MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
+_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+_CORNER = "corner"
+_LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
+_SLIPS = {1: "forward", -1: "backward"}
+_CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
+_SECONDS = {1: "_forward", -1: "_backward", 0: "_held"}
+
+
+@dataclass(frozen=True)
+class Path:
+    """A motion as far as judges compare it: kinds and times [s] of events, final state, size of each coordinate.
+
+    ``kinds`` are those of the model's events; with a second body, the mode after the event and whether it is a seizure.
+    ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
+    """
+
+    kinds: list[str]
+    times: np.ndarray
+    end: np.ndarray
+    size: np.ndarray
+    complete: bool
+
+
+def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -> list[str]:
+    """Return the kinds of events, with each run of events that follow each other within ``gap`` [s] as one corner."""
+    tokens: list[str] = []
+    for k, kind in enumerate(kinds):
+        if k and times[k] - times[k - 1] <= gap:
+            tokens[-1] = _CORNER
+        else:
+            tokens.append(kind)
+    return tokens
+
+
+def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
+    """Whether two results of :func:`without_clusters` agree; a corner agrees with any event."""
+    return len(left) == len(right) and all(a == b or _CORNER in (a, b) for a, b in zip(left, right, strict=True))
+
+
+def is_rigid(case: Case) -> bool:
+    """Whether a case is of the rigid drive, which the stepper can follow."""
+    return type(case.drive) is RigidParameters
+
+
+def automaton(case: Case) -> Automaton:
+    """Build the engine's model of a case; errors of the library where it refuses."""
+    if isinstance(case.drive, ThreadsParameters):
+        return threads_automaton(case.drive)
+    if is_rigid(case):
+        return rigid_automaton(case.drive)
+    build = support_automaton if isinstance(case.drive, SupportParameters) else nut_automaton
+    return build(case.drive, **_frictions(case))
+
+
+def engine_path(motion: Motion, case: Case) -> Path:
+    """Path of the engine's motion."""
+    counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
+    if isinstance(case.drive, SupportParameters | NutParameters):
+        modes, events = (
+            (SupportMode, SupportEvent) if isinstance(case.drive, SupportParameters) else (NutMode, NutEvent)
+        )
+        pairs = zip(motion.mode[counted], motion.kind[counted] == events.SEIZURE, strict=True)
+        kinds = [_token(modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
+        size = np.maximum(size, _least(case))
+    else:
+        names: Callable = EventKind if is_rigid(case) else ThreadsEvent
+        kinds = [names(kind).name.lower() for kind in motion.kind[counted]]
+    return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
+
+
+def stepper_path(case: Case, size: np.ndarray) -> Path | None:
+    """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
+    constants = taylor.constants(dict(case.drive))
+    rates = np.abs(constants.rates)
+    if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * taylor.PART:
+        return None
+    times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
+    complete, count, u, w = taylor.run(constants, *case.start, case.duration, times, kinds)
+    names = [taylor.KINDS[kind] for kind in kinds[:count]]
+    return _path(case, names, times[:count], (u, w), size, complete)
+
+
+def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) -> Path | None:
+    """The motion in closed form, or None where double precision does not tell; ``size``: as for the stepper."""
+    times, states = np.empty(MOST_EVENTS), np.empty((MOST_EVENTS, 2))
+    kinds, modes = np.empty(MOST_EVENTS, dtype=np.int64), np.empty(MOST_EVENTS, dtype=np.int64)
+    end, count, u, w, _ = watch.watch(
+        constants, *case.start, watch.ANYWHERE, case.duration, False, times, kinds, modes, states
+    )
+    if end not in (watch.TIME_REACHED, watch.EVENTS_FULL):
+        return None
+    names = [watch.KINDS[kind] for kind in kinds[:count]]
+    return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
+
+
+def case_ladders(case: Case, longest: float) -> Ladders:
+    """Constants of a drive with four states for :func:`strides_path`, for motions up to ``longest`` [s]."""
+    return ladders(_model(case), dict(case.drive), *_frictions(case).values(), longest)
+
+
+def strides_path(case: Case, constants: Ladders) -> Path | None:
+    """The motion of a drive with four states by strides of propagators, or None where they do not tell."""
+    times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
+    before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
+    status, count = strides.follow(
+        constants, np.array(case.start), case.duration, times, before, after, fired, end, size
+    )
+    if status not in (strides.TIME_REACHED, strides.EVENTS_FULL):
+        return None
+    kinds = []
+    for one, other, kind in zip(before[:count], after[:count], fired[:count], strict=True):
+        if isinstance(case.drive, ThreadsParameters):
+            if constants.direction[one] == 0:
+                kinds.append("release")
+            elif kind == FORCE:
+                kinds.append("contact_reversal")
+            else:
+                kinds.append("reversal" if constants.direction[other] else "stick")
+        else:
+            seconds = constants.second[other] if constants.has_second else None
+            mode = (constants.direction[other], constants.contact[other], seconds)
+            kinds.append(_token(_name(mode, _model(case)), kind == strides.SEIZURE))
+    if not isinstance(case.drive, ThreadsParameters):
+        size = np.maximum(size, _least(case))
+    return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
+
+
+def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
+    """:func:`strides_path` in the place of :func:`exact_path`."""
+    moved = case._replace(drive=drive, start=start)
+    return strides_path(moved, case_ladders(moved, case.duration))
+
+
+def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
+    """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
+    for digits in (40, 80):
+        with suppress(ArithmeticError, AssertionError):
+            return _exact_path(case, drive, start, digits)
+    return None
+
+
+def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Path:
+    if isinstance(drive, ThreadsParameters):
+        result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
+        kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
+        visited += [arc.state(stay * x) for _, _, arc, stay in result.arcs for x in _SAMPLES if stay]
+        end, complete = result.state, result.complete
+    elif is_rigid(case):
+        result = rigid_reference.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
+        kinds = [event.kind for event in result.events]
+        visited = [(event.u_before, event.w_before) for event in result.events]
+        visited += [(segment.u, segment.w) for segment in result.segments]
+        end, complete = (result.u, result.w), result.complete
+    else:
+        model = "support" if isinstance(drive, SupportParameters) else "nut"
+        result = two_bodies_digits.simulate(
+            dict(drive),
+            model,
+            *_frictions(case).values(),
+            start,
+            case.duration,
+            dps=digits,
+            max_events=MOST_EVENTS,
+        )
+        kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
+        visited = [event.state for event in result.events]
+        visited += result.sampled(_SAMPLES)
+        end, complete = result.state, result.complete
+    size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
+    if isinstance(drive, SupportParameters | NutParameters):
+        size = np.maximum(size, _least(case))
+    times = np.array([float(event.time) for event in result.events])
+    return _path(case, kinds, times, end, size, complete)
+
+
+def _model(case: Case) -> str:
+    if isinstance(case.drive, ThreadsParameters):
+        return "threads"
+    return "support" if isinstance(case.drive, SupportParameters) else "nut"
+
+
+def _frictions(case: Case) -> dict[str, bool]:
+    return {"slide": "slide_friction" in case.physics, "bearing": "bearing_friction" in case.physics}
+
+
+def _token(mode: str, seized: bool) -> str:
+    return mode + ("_by_seizure" if seized else "")
+
+
+def _name(mode: tuple, model: str) -> str:
+    """Name of a mode (d, q, a) of the reference."""
+    slip, contact, second = mode
+    name = f"slip_{_SLIPS[slip]}{_CONTACTS[contact]}" if slip else f"rest{_CONTACTS[contact]}"
+    body = "nut" if model == "support" else "screw"
+    return name if second is None else f"{name}_{body}{_SECONDS[second]}"
+
+
+def _least(case: Case) -> np.ndarray:
+    """Smallest size by which each coordinate of a drive with a second body is measured."""
+    model = "support" if isinstance(case.drive, SupportParameters) else "nut"
+    steady = TwoBodies(model, dict(case.drive), *_frictions(case).values())
+    speed = abs(case.drive.input_speed)
+    rate = speed * math.tan(case.drive.lead_angle) * case.drive.pitch_radius if model == "support" else speed
+    return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
+
+
+def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Path:
+    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
+    kept: list[int] = []
+    instant = _INSTANT * case.duration
+    for k, kind in enumerate(kinds):
+        if times[k] <= instant:
+            continue
+        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
+            kept.pop()
+            continue
+        kept.append(k)
+    return Path([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)

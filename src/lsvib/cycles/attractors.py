@@ -1,0 +1,339 @@
+"""The attractor that a motion of any model reaches; exact means and extremes over a cycle.
+
+A motion either *settles* – the engine proves that no guard can fire again, so it stays in one linear mode for ever – or
+its events recur. Then the return map of its events decides (:mod:`lsvib.cycles.return_map`): the motion has reached
+its cycle when the map returns the same state to rounding; if it converges slowly, the map is solved for the fixed
+point that the motion approaches. No waiting time enters.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.cycles import leaps
+from lsvib.cycles.return_map import ROUNDING, FixedPoint, ReturnSection, section_key
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import dispatch, flow_planar
+from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import DivergenceError, EngineError
+
+_CHUNK = 64  # events looked at first; then twice as many, and so on
+_PERIODS = 64  # returns to the section in the longest cycle that is seen to repeat
+_LONG = 1000  # events after which returns that hardly move are leapt over
+_LONGER = 8  # factor from one such attempt to the next
+_MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
+_SOLVED = 8  # and in the longest that is solved for
+_REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
+_CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
+
+
+class Attractor(IntEnum):
+    """Where a motion ends up."""
+
+    UNRESOLVED = -1
+    STEADY_SLIDING = 0
+    STICK_SLIP_CYCLE = 1
+    SPRAG_SLIP_CYCLE = 2
+    OTHER_CYCLE = 3  # pure slip
+    UNBOUNDED = 4  # no model of a drive has it: energy enters as the work of constant forces only
+    REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
+    NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+
+
+class Passage(NamedTuple):
+    """A stretch of a line on which a ``mode`` is entered; every motion that enters it there ends as this one does.
+
+    ``ends`` (2, 2): the states at its ends.
+    """
+
+    mode: int
+    ends: np.ndarray
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The attractor of a motion.
+
+    ``label``; for a cycle: ``orbit``, one period as a motion from a point on the section; ``returns``, returns to the
+    section in a period; ``residual`` [1], change of the section state over one period relative to the size of the
+    motion; ``enclosure`` [1], half width of the interval that is proved to hold the fixed point, relative to that size
+    (0 if the section state repeats to the last bit, nan if the section is no line); ``multiplier`` [1] of the return
+    map, the largest. ``state`` (n) is the equilibrium or the section state. ``passages``: where the motion was leapt
+    over.
+    """
+
+    label: Attractor
+    state: np.ndarray
+    orbit: Motion | None = None
+    returns: int = 0
+    residual: float = math.nan
+    enclosure: float = math.nan
+    multiplier: float = math.nan
+    passages: tuple[Passage, ...] = ()
+
+    @property
+    def period(self) -> float:
+        """Period [s]; nan for an equilibrium."""
+        return self.orbit.end_time if self.orbit else math.nan
+
+    def extremes(self, row) -> tuple[float, float]:
+        """Smallest and largest value over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
+        if self.orbit is None:
+            value = float(row[:-1] @ self.state + row[-1])
+            return value, value
+        return orbit_extremes(self.orbit, row)
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad]."""
+        low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
+        return 0.5 * (high - low)
+
+
+def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
+    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
+
+    Raises ``EngineError`` where the rates of a mode lie too far apart to isolate them.
+    """
+    low, high = math.inf, -math.inf
+    modes, starts, _, durations = orbit.arcs()
+    for mode, start, duration in zip(modes, starts, durations, strict=True):
+        functional = row if row.ndim == 1 else row[mode]
+        a, b = dispatch.extremes(orbit.automaton.tables.flow, mode, start, functional, duration)
+        low, high = min(low, a), max(high, b)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
+    return low, high
+
+
+def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Exact ∫(u, w, 1) dt over each arc of a motion, shape (k, 3) [rad s, rad, s], and the arcs' modes (k).
+
+    From the equation of motion of the mode:  a₀ ∫u = b τ − Δw − a₁ Δu;  without stiffness, as at rest, w is constant.
+    """
+    modes, starts, ends, durations = orbit.arcs()
+    flow = orbit.automaton.tables.flow[modes]
+    change = ends - starts
+    a0, a1, b = flow[:, flow_planar.A0], flow[:, flow_planar.A1], flow[:, flow_planar.B]
+    resting = a0 == 0
+    spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
+    drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
+    return np.stack([np.where(resting, drift, spring), change[:, 0], durations], axis=1), modes
+
+
+def steady_state(
+    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000, patience: int = _LONG
+) -> SteadyState:
+    """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
+
+    ``patience``: events after which the returns of a motion with two states are leapt over, if they hardly move.
+
+    Exits:
+
+    * the model vouches that areas never grow (``Automaton.contracts``): then a closed orbit cannot lie where they
+      shrink, nor a motion spiral outwards, so that all motions end in steady sliding, or without damping in the
+      neutral oscillations that never pass θ′ = 0;
+    * the motion settles, see :func:`settled`: steady sliding, rest, neutral oscillations, or unbounded;
+    * the section state repeats after 1 to 64 returns, or an attracting fixed point of the map of 1 to 8 returns is
+      found: a cycle, named sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed
+      point is the origin;
+    * a motion of a part of a drive, as slip without rest, leaves the range of numbers: unbounded;
+    * ``max_events``, or a next event that the engine cannot decide: unresolved. So remain motions with no attracting
+      cycle – chaotic and quasi-periodic ones, above all where nothing damps – and, of the cycles that attract slowly,
+      those with a multiplier within 1e-6 of the unit circle, with more than 8 returns, or where the return map has no
+      derivative.
+    """
+    return _steady_state(automaton, np.array(state, dtype=float), mode, max_events, patience, True)
+
+
+def _steady_state(
+    automaton: Automaton, state: np.ndarray, mode: int | None, max_events: int, patience: int, twice: bool
+) -> SteadyState:
+    """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
+    if automaton.contracts and (automaton.tables.flow[:, flow_planar.ALPHA] > 0).any():
+        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
+    used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
+    while used < max_events:
+        try:
+            motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
+        except DivergenceError:
+            return SteadyState(Attractor.UNRESOLVED if automaton.passive else Attractor.UNBOUNDED, state)
+        except EngineError:
+            return SteadyState(Attractor.UNRESOLVED, state)
+        if motion.status == Status.SETTLED:
+            return settled(automaton, motion)
+        if automaton.contracts or _only_touches(motion):
+            return _neutral(automaton, motion)
+        used += motion.time.size
+        if used >= patience and size_of_state == 2:
+            patience *= _LONGER
+            slow = _slow_end(automaton, motion, max_events - used, twice)
+            if slow is not None:
+                return slow
+        cycle = _recurrence(automaton, motion)
+        if cycle is not None:
+            return cycle
+        chunk = min(2 * chunk, max(max_events - used, 1))
+        state, mode = motion.end_state, motion.end_mode
+    return SteadyState(Attractor.UNRESOLVED, state)
+
+
+def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
+    """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
+
+    ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns: with
+    ``twice`` the last of them and a place half a return further must end alike.
+    """
+    key = section_key(motion)
+    if key is None:
+        return None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0
+    if len(points) < 4:
+        return None
+    section = ReturnSection(automaton, key, points[-1], size, 1, _MORE_PATIENCE * longest)
+    if section.dimension != 1:
+        return None
+    end = leaps.drift(section, 0.0)
+    if end is None:
+        return None
+    place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
+    came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
+    passage = Passage(key[1], np.array([came_from, place]))
+    if end.end == leaps.End.CLOSES:
+        there = ReturnSection(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
+        fixed = there.fixed_point(place[None])
+        found = None if fixed is None else _cycle(there, fixed)
+    elif end.end == leaps.End.SHRINKS:
+        found = _steady_state(automaton, place, key[1], left, _LONG, twice)
+    else:
+        between = section.state(np.array([end.place + 0.5 * leaps.come_back(section, end.place).excess]))
+        found = _steady_state(automaton, place, key[1], left, _LONG, False)
+        if twice and found.label != _steady_state(automaton, between, key[1], left, _LONG, False).label:
+            return SteadyState(Attractor.UNRESOLVED, place)
+    return None if found is None else replace(found, passages=(passage, *found.passages))
+
+
+def settled(automaton: Automaton, motion: Motion) -> SteadyState:
+    """Where a motion goes that never leaves its last mode, which is a sum of oscillators: one, or one to a pair.
+
+    Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; a neutral
+    family if any goes on for ever, with a period if one alone does: several frequencies have none in common.
+    """
+    flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
+    if automaton.codes[mode] in automaton.rest_codes:
+        return SteadyState(Attractor.REST, state)
+    if isinstance(flow, BlockFlow):  # it settles only where all that moves dies away
+        field = flow.field[mode]
+        return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
+    if isinstance(flow, np.ndarray):
+        rows, equilibrium = flow[mode][None], np.array([flow[mode, flow_planar.EQUILIBRIUM], 0.0])
+        excited = np.array([(state != equilibrium).any()])
+    else:
+        pairs, field = flow.pairs[mode], flow.field[mode]
+        rows, table = flow.oscillators[mode, :pairs], flow.to_modal[mode, : 2 * pairs + flow.singles[mode]]
+        equilibrium = np.linalg.solve(field[:, :-1], -field[:, -1])
+        rounding = ROUNDING * (np.abs(table[:, :-1]) @ np.abs(state) + np.abs(table[:, -1]))
+        moved = np.abs(table[:, :-1] @ state + table[:, -1]) > rounding
+        if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
+            return SteadyState(Attractor.UNBOUNDED, state)
+        excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
+    damping = rows[:, flow_planar.ALPHA]
+    undamped = np.abs(damping) <= ROUNDING * rows[:, flow_planar.BETA]
+    if (excited & ~undamped & (damping < 0)).any():
+        return SteadyState(Attractor.UNBOUNDED, state)
+    lasting = np.flatnonzero(excited & undamped & (rows[:, flow_planar.BETA] > 0))
+    if lasting.size == 0:
+        return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
+    if lasting.size > 1:
+        return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
+    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], flow_planar.BETA], mode=mode)
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
+
+
+def _only_touches(motion: Motion) -> bool:
+    """Whether the later half of a planar motion's events are touches of guards in one undamped mode."""
+    half = motion.time.size // 2
+    flow = motion.automaton.tables.flow
+    touches = isinstance(flow, np.ndarray) and bool((motion.kind[half:] == GRAZE_KIND).all())
+    return touches and flow[motion.end_mode, flow_planar.ALPHA] == 0 and flow[motion.end_mode, flow_planar.BETA] > 0
+
+
+def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
+    """The neutral oscillation that a motion without damping is on after many events, one period of it as its orbit.
+
+    Where it only touches a guard, rounding decides whether an event is told; one turn of the mode is then the period.
+    """
+    state, mode = motion.end_state, motion.end_mode
+    if _only_touches(motion):
+        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, flow_planar.BETA], mode=mode)
+    else:
+        own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
+        state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])
+        orbit = follow(automaton, state, math.inf, mode=mode, stop=(kind, mode), max_events=_CHUNK)
+    size = np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny)
+    residual = float(np.max(np.abs(orbit.end_state - state) / size))
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
+
+
+def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
+    """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
+    key = section_key(motion)
+    if key is None:
+        return None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0  # zero at every event: any scale does
+    changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
+    repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
+    if len(points) < 4 and not repeats.size:
+        return None
+    nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
+    section = ReturnSection(automaton, key, points[-1], size, nearest, longest)
+    if repeats.size and size.size == 2:
+        return _cycle(section, section.repeated())
+    divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
+    for returns in divisors:  # a slow cycle may seem to repeat later than it does
+        before = points[-1 - returns : len(points) // 2 : -returns][::-1]
+        section = ReturnSection(automaton, key, points[-1], size, returns, longest)
+        found = section.fixed_point(before) if len(before) else None
+        if found is None:
+            continue
+        if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
+            continue
+        if np.abs(found.state / size).max() < _CORNER:
+            if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
+                return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
+            continue
+        for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
+            there = ReturnSection(automaton, key, found.state, size, fewer, longest)
+            again = there.fixed_point(before)
+            if again is not None and (np.abs(again.state - found.state) <= _CORNER * size).all():
+                return _cycle(there, again)
+        return _cycle(section, found)
+    return _cycle(section, section.repeated()) if repeats.size else None
+
+
+def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
+    """The cycle through a fixed point of the return map; None if its motion does not come back."""
+    orbit = section.come_back(found.state)
+    if orbit is None:
+        return None
+    automaton = orbit.automaton
+    modes = automaton.codes[orbit.arcs()[0]]
+    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
+        label = Attractor.SPRAG_SLIP_CYCLE
+    elif np.isin(modes, automaton.rest_codes).any():
+        label = Attractor.STICK_SLIP_CYCLE
+    else:
+        label = Attractor.OTHER_CYCLE
+    residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
+    return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)

@@ -1,0 +1,190 @@
+"""Where a motion with two states goes whose returns hardly move: leaps along its return map.
+
+The return map P of a line that the motion crosses again and again is monotone while the events of a return stay the
+same, because motions in a plane do not cross. The motion then drifts the way in which f(y) = P(y) − y points, past
+every y up to the first zero of f, or until the events of a return change. Between two places f is followed by its
+Chebyshev interpolant: where all of the interpolant is well above what its last coefficients leave open, f has no zero,
+and the motion passes from the one place to the other however many returns that takes.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from lsvib.cycles.return_map import ReturnSection
+
+_NODES = 17  # of an interpolant; a drift with fewer than a few turning points is resolved by them
+_TAIL = 4  # last coefficients, whose size is taken for the error of the interpolant
+_SAFE = 8.0  # times that error the interpolant must be away from zero
+_SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of degree 16 turns less often
+_FIRST = 64.0  # length of the first leap, in returns
+_LONGER = 4.0  # factor from one leap to the next
+_NEARER = 0.7  # part of the distance to zero that a leap may take: what f does has the scale of that distance
+_SHORTER = 0.125  # factor after a leap that was too long
+_LEAPS = 80  # of one drift, of which two dozen cross ten decades
+_SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
+_STALLS = 8  # such leaps in one drift: f is too close to its rounding, or changes its sign too often
+_HALVINGS = 80  # of an interval in which the events of a return change
+_FINE = 16.0  # times the rounding of f below which a line with a finer scale is taken,
+_FAR = 0.25  # once the drift has come so far, in scales of the line
+_FEW = 32.0  # returns
+_NEARLY = 1e-3  # of the way is left out, where f vanishes
+_EDGE = 0.25  # width, in returns, within which that place is found
+
+_PLACES = chebyshev.chebpts1(_NODES)  # in [−1, 1]
+_TO_WEIGHTS = np.linalg.inv(chebyshev.chebvander(_PLACES, _NODES - 1))  # from values there to Chebyshev coefficients
+_TO_SAMPLES = chebyshev.chebvander(np.linspace(-1, 1, _SAMPLES), _NODES - 1)
+
+
+class Return(NamedTuple):
+    """One return to a line: f(y) and what happened on the way; ``events`` is None if the motion does not come back."""
+
+    excess: float
+    events: tuple[bytes, bytes] | None
+
+
+class End(IntEnum):
+    """What a drift comes to."""
+
+    CLOSES = 0  # a zero of f, where a cycle passes
+    LEAVES = 1  # a place beyond which the events of a return change
+    SHRINKS = 2  # returns so short that a line with a finer scale is needed
+
+
+class Drift(NamedTuple):
+    """Where a drift ends, at ``place`` on the line, and why; ``beyond`` is a place on the other side of a zero of f."""
+
+    place: float
+    beyond: float
+    end: End
+
+
+def come_back(section: ReturnSection, place: float) -> Return:
+    """Follow one return from y = ``place`` on a section of one dimension."""
+    excess, events = section.outcome(np.array([place]))
+    return Return(float(excess[0]), events)
+
+
+def drift(section: ReturnSection, place: float) -> Drift | None:
+    """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if it cannot be told.
+
+    It cannot if f is zero to rounding, or if its zeros and turning points lie too close together for ``_LEAPS`` leaps.
+    """
+    first = come_back(section, place)
+    if first.events is None or abs(first.excess) <= _rounding(section, place):
+        return None
+    way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
+    for _ in range(_LEAPS):
+        step = abs(come_back(section, here).excess)
+        length = min(length, max(_NEARER * section.distance(here), _FIRST * step))
+        there = here + way * length
+        if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
+            return Drift(here, here, End.SHRINKS)
+        if come_back(section, there).events != first.events:
+            there = _last_same(section, here, there, first.events, step)
+            if abs(there - here) <= step:
+                return Drift(here, there, End.LEAVES)
+        outcome = _passes(section, here, there, way, first.events)
+        if outcome is None:
+            length *= _SHORTER
+            if length < _SHORTEST * step:
+                stalls += 1
+                if stalls > _STALLS:
+                    return None
+                following = come_back(section, here)
+                here, length = here + following.excess, _SHORTEST * step
+                if come_back(section, here).events != first.events:
+                    return Drift(here, here, End.LEAVES)
+        elif outcome == there and way * come_back(section, there).excess <= 0:  # a zero behind the last node
+            length *= _SHORTER
+        elif outcome == there:
+            here, length = there, length * _LONGER
+        else:
+            return Drift(*_closer(section, here, outcome, way), End.CLOSES)
+    return None
+
+
+def goes_straight(section: ReturnSection, target: float) -> bool:
+    """Whether the motion from y = 0 drifts to y = ``target``, near a zero of f, and f has no other zero before.
+
+    So it is if the target is a few returns away, as a motion that converges fast is before it arrives.
+    """
+    first = come_back(section, 0.0)
+    if abs(target) <= _FEW * abs(first.excess):
+        return True
+    nearly = target - math.copysign(_FEW * abs(come_back(section, target).excess) + _NEARLY * abs(target), target)
+    return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
+
+
+def reach_back(section: ReturnSection, place: float) -> float:
+    """Return how far back the drift of a motion at y = ``place`` comes from: a place from which all go that way."""
+    first = come_back(section, place)
+    way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
+    for _ in range(_LEAPS):
+        step = abs(come_back(section, here).excess)
+        if not length > _SHORTEST * step:
+            break
+        there = here - way * length
+        if come_back(section, there).events != first.events:
+            there = _last_same(section, here, there, first.events, step)
+        if there == here:
+            break
+        if _passes(section, here, there, way, first.events) == there:
+            here, length = there, length * _LONGER
+        else:
+            length *= _SHORTER
+    return here
+
+
+def _closer(section: ReturnSection, here: float, there: float, way: float) -> tuple[float, float]:
+    """Halve an interval at whose ends f points to the other one until rounding of f, or of y, decides."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (here + there)
+        excess = way * come_back(section, middle).excess
+        if middle in (here, there) or not abs(excess) > _rounding(section, middle):
+            break
+        here, there = (middle, there) if excess > 0 else (here, middle)
+    return here, there
+
+
+def _rounding(section: ReturnSection, place: float) -> float:
+    """Size of f below which it is rounding: that of the line's coordinate."""
+    return 8 * np.finfo(float).eps * max(1.0, abs(place))
+
+
+def _last_same(section: ReturnSection, here: float, there: float, events, step: float) -> float:
+    """The farthest place from ``here`` towards ``there`` with the same events, to within a part of a return."""
+    for _ in range(_HALVINGS):
+        if abs(there - here) <= _EDGE * step:
+            break
+        middle = 0.5 * (here + there)
+        if middle in (here, there):
+            break
+        if come_back(section, middle).events == events:
+            here = middle
+        else:
+            there = middle
+    return here
+
+
+def _passes(section: ReturnSection, here: float, there: float, way: float, events) -> float | None:
+    """Return ``there`` if f points the same way from ``here`` to there, a place beyond its first zero, or None."""
+    places = here + 0.5 * (_PLACES + 1) * (there - here)
+    found = [come_back(section, float(y)) for y in places]
+    if any(one.events != events for one in found):
+        return None
+    values = way * np.array([one.excess for one in found])
+    weights = _TO_WEIGHTS @ values
+    error = _SAFE * np.abs(weights[-_TAIL:]).max() + _rounding(section, there)
+    samples = _TO_SAMPLES @ weights
+    negative = np.flatnonzero(values < -error)
+    if negative.size:
+        before = samples[: max(1, int(_SAMPLES * 0.5 * (_PLACES[negative[0]] + 1)))]
+        # One change of sign: above the error, then within it while f falls, then below.
+        undecided = np.flatnonzero(before <= error)
+        falls = np.diff(before[max(0, undecided[0] - 1) :]) if undecided.size else np.array([-1.0])
+        return float(places[negative[0]]) if (falls < 0).all() else None
+    return there if samples.min() > error else None

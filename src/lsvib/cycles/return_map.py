@@ -1,0 +1,260 @@
+"""The return map that a motion induces where its events happen, and the fixed points of it that attract.
+
+Events of one kind that enter one mode lie on one surface, or where several meet, as on release from rest. The states
+there form an affine *section* with as many dimensions d as are left.
+
+* d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
+  its right, so a fixed point lies between.
+* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ by central differences along the section. So slow
+  multipliers – real, negative or complex – are no obstacle, as they are to waiting. The proof is the residual
+  P(y) − y, and that the motion comes closer with each of its returns, in the norm in which P′ contracts.
+
+A fixed point counts only if its multipliers, the eigenvalues of P′, lie inside the unit circle.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import EngineError
+
+ROUNDING = 16 * flow_planar.EPS
+_SECANTS = 60
+_WIDER = 4.0  # factor from one interval tried around a fixed point to the next
+_WIDEST = 1e-3  # half width of the last one, in scales of the section: where P′ is nearly 1, rounding moves the point
+_SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
+_NEWTONS = 12
+_JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
+_CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
+_MARGIN = 1e-6  # by which multipliers must lie inside the unit circle, well beyond their error
+_WATCHED = 10  # states of the motion on the section, at least, each of which must be closer than the one before
+_THERE = 1e-6  # distance within which it is there, well above rounding even in a stiff contact
+_LONGEST = 1000  # events in one return
+_PATIENCE = 10  # returns of the longest duration seen that are waited for the next one
+_ONE_PLANE = 1e-9  # relative singular value below which surfaces are one
+_LEAST_SCALE = 1e-6  # of a coordinate, beside its size in the whole motion
+_DOUBLINGS = 40  # of the sum that makes the norm
+
+
+@dataclass(frozen=True)
+class FixedPoint:
+    """An attracting fixed point of the return map: ``state`` (n).
+
+    ``multiplier`` [1]: the eigenvalue of P′ of the largest magnitude, its magnitude if it is complex. ``enclosure``
+    [1]: half width of the interval that is proved to hold the point, relative; nan where d > 1.
+    """
+
+    state: np.ndarray
+    multiplier: float
+    enclosure: float
+
+
+def section_key(motion: Motion) -> tuple[int, int] | None:
+    """Return kind and mode of the events to watch: the rarest of a motion's last ones; None if it only touches guards.
+
+    If several kinds are equally rare, take the latest one (two states) or the one that lies on the most surfaces (more
+    states), because its section has the fewest dimensions and does not lie where the contact force passes zero, where
+    the map is steep.
+    """
+    ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    pairs, states = np.stack([motion.kind[ours], motion.mode[ours]], axis=1), motion.after[ours]
+    if not len(pairs):
+        return None
+    half = len(pairs) // 2
+    found, first, counts = np.unique(pairs[half:][::-1], axis=0, return_index=True, return_counts=True)
+    order, size = np.argsort(first), np.abs(motion.after).max(axis=0)
+    rarest = [k for k in order if counts[k] == counts.min()]
+    if size.size > 2:
+        rarest.sort(key=lambda k: -len(_surfaces(motion.automaton, states[len(pairs) - 1 - first[k]], size)))
+    kind, mode = found[rarest[0]].tolist()
+    return kind, mode
+
+
+def _surfaces(automaton: Automaton, state: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Normals (k, n) of the surfaces on which a state (n) lies."""
+    rows = automaton.tables.surfaces
+    values = rows[:, :-1] @ state + rows[:, -1]
+    return rows[np.abs(values) <= ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1])), :-1]
+
+
+class ReturnSection:
+    """The states near ``origin`` (n) with which events of one kind (``key``: kind, mode after) end.
+
+    A state is ``origin`` + ``directions`` (n, d) · y. In the plane y counts in scales of the motion, ``size`` (n), else
+    in the origin's own coordinates: an unloaded contact is far from its peak. ``returns`` make one return of the map;
+    ``longest`` [s] is the longest that the motion was seen to take for one of them.
+    """
+
+    def __init__(
+        self,
+        automaton: Automaton,
+        key: tuple[int, int],
+        origin: np.ndarray,
+        size: np.ndarray,
+        returns: int,
+        longest: float,
+    ) -> None:
+        self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
+        self._limit = _PATIENCE * longest
+        met = _surfaces(automaton, origin, size)
+        if origin.size > 2:
+            scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
+            normals = met * scales
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            _, lengths, basis = np.linalg.svd(normals)
+            axes = basis[np.count_nonzero(lengths > _ONE_PLANE) :]
+            self.directions, self._axes = (axes * scales).T, axes / scales
+        elif len(met) == 1:
+            tangent = np.array([-met[0, 1], met[0, 0]])
+            direction = tangent / np.abs(tangent / size).max()
+            chosen = np.argmax(np.abs(direction / size))
+            self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
+        else:
+            self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
+
+    @property
+    def dimension(self) -> int:
+        """Number d of directions along the section."""
+        return len(self._axes)
+
+    def state(self, place: np.ndarray) -> np.ndarray:
+        """Return the state (n) at y = ``place`` (d)."""
+        return self.origin + self.directions @ place
+
+    def place(self, states: np.ndarray) -> np.ndarray:
+        """Return y (..., d) of states (..., n) on the section."""
+        return (states - self.origin) @ self._axes.T
+
+    def distance(self, place: float) -> float:
+        """Return how far a place on a line is from where its free coordinate is zero, in the scale of y."""
+        free = int(np.argmax(np.abs(self._axes[0])))
+        return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
+
+    def come_back(self, state: np.ndarray) -> Motion | None:
+        """Return the motion from a state (n) of the section until it is back, or None if it does not come back."""
+        motion, events, here = None, 0, state
+        for _ in range(self.returns):
+            try:
+                motion = follow(self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=_LONGEST)
+            except EngineError:
+                return None
+            if motion.status != Status.STOP_EVENT:
+                return None
+            here, events = motion.end_state, events + motion.time.size
+        if self.returns > 1:
+            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
+        return motion
+
+    def excess(self, place: np.ndarray) -> np.ndarray:
+        """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""
+        return self.outcome(place)[0]
+
+    def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
+        """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
+
+        None for the latter, and nan, if the motion does not come back, or leaves the section the moment it starts:
+        there the surface is crossed the other way.
+        """
+        motion = self.come_back(self.state(place))
+        if motion is None or motion.time[0] == 0.0:
+            return np.full(self.dimension, math.nan), None
+        return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
+
+    def jacobian(self, place: np.ndarray) -> np.ndarray:
+        """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
+        step = _SLOPE_STEP if self.dimension == 1 else _JACOBIAN_STEP
+        offsets = step * np.eye(self.dimension)
+        columns = [(self.excess(place + h) - self.excess(place - h)) / (2 * step) for h in offsets]
+        return np.reshape(columns, offsets.shape).T + np.eye(self.dimension)
+
+    def fixed_point(self, earlier: np.ndarray) -> FixedPoint | None:
+        """Return the fixed point that attracts the origin, or None; ``earlier`` (k, n) are the states before it."""
+        if self.dimension == 0:
+            return FixedPoint(self.origin, 0.0, 0.0)
+        if self.dimension == 1:
+            return self._enclosed(self.place(earlier[-1]))
+        return self._by_newton(self.place(earlier))
+
+    def repeated(self) -> FixedPoint:
+        """Return the origin as a fixed point, for a motion that has come back to it."""
+        exact = 0.0 if self.origin.size == 2 else math.nan
+        return FixedPoint(self.origin, largest(self.jacobian(np.zeros(self.dimension))), exact)
+
+    def _enclosed(self, older: np.ndarray) -> FixedPoint | None:
+        """Solve by the secant method from the last two states, and enclose."""
+        old = np.zeros(1)
+        f_older, f_old = self.excess(older), self.excess(old)
+        for _ in range(_SECANTS):
+            if abs(f_old) <= flow_planar.EPS or f_old == f_older:
+                break
+            new = old - f_old * (old - older) / (f_old - f_older)
+            f_new = self.excess(new)
+            if np.isnan(f_new):
+                return None
+            older, f_older, old, f_old = old, f_old, new, f_new
+            if abs(old - older) <= flow_planar.EPS:
+                break
+        width = ROUNDING
+        while width < _WIDEST and not all(self._inward(old, part * width) for part in (1.0, _WIDER)):
+            width *= _WIDER
+        if width >= _WIDEST:
+            return None
+        slope = float(self.jacobian(old)[0, 0])
+        if not abs(slope) < 1:
+            return None
+        return FixedPoint(self.state(old), slope, width)
+
+    def _inward(self, place: np.ndarray, width: float) -> bool:
+        """Whether motions from both ends of an interval come back closer to its middle, by the same events."""
+        (left, before), (right, after) = self.outcome(place - width), self.outcome(place + width)
+        return bool(left > 0 > right) and before == after
+
+    def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
+        """Solve by Newton's method from the origin; the motion, ``earlier`` (k, d), must come closer or be there."""
+        place, length = np.zeros(self.dimension), math.inf
+        for _ in range(_NEWTONS):
+            slopes, gap = self.jacobian(place), self.excess(place)
+            if not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
+                return None
+            step = np.linalg.lstsq(np.eye(self.dimension) - slopes, gap, rcond=None)[0]
+            place, last, length = place + step, length, np.abs(step).max()
+            if length <= _CONVERGED:
+                break
+            if not length < last:
+                return None
+        else:
+            return None
+        leading = largest(slopes)
+        if not abs(leading) < 1 - _MARGIN:
+            return None
+        if np.abs(place).max() > _THERE:
+            away = np.vstack([earlier, np.zeros(self.dimension)]) - place
+            distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
+            if len(earlier) < _WATCHED or (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
+                return None
+        return FixedPoint(self.state(place), leading, math.nan)
+
+
+def largest(slopes: np.ndarray) -> float:
+    """Return the eigenvalue of P′ (d, d) of the largest magnitude, its magnitude if it is complex; 0 if d = 0."""
+    if slopes.size == 0:
+        return 0.0
+    if not np.isfinite(slopes).all():
+        return math.nan
+    values = np.linalg.eigvals(slopes)
+    leading = values[np.argmax(np.abs(values))]
+    return float(leading.real if leading.imag == 0 else abs(leading))
+
+
+def _contracting(slopes: np.ndarray) -> np.ndarray:
+    """Σ (P′ᵀ)ᵏ P′ᵏ: the quadratic form that P′ makes smaller, whatever its eigenvectors."""
+    form, power = np.eye(len(slopes)), slopes
+    for _ in range(_DOUBLINGS):
+        form = form + power.T @ form @ power
+        power = power @ power
+    return form

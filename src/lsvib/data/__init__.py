@@ -1,0 +1,1 @@
+"""Datasets: sampling, attributes, checks, provenance, files, tiles."""

@@ -1,0 +1,195 @@
+"""Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.exact_basin import Basin, basin
+from lsvib.basins.grid import COORDINATES, Axis, Grid
+from lsvib.basins.mapper import Mapper
+from lsvib.basins.refinement import RefinedMap, count
+from lsvib.cycles.attractors import Attractor
+from lsvib.data import phase_plane
+from lsvib.data.attributes import flags, quantity
+from lsvib.data.parameter_origins import GIVEN, parameter
+from lsvib.data.phase_plane import attributes
+from lsvib.errors import InputError
+
+_CYCLE_SAMPLES = 400
+_LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
+_BOUNDARY_SAMPLES = 100  # of each arc
+
+
+def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
+    """Return the dataset of a map.
+
+    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid.
+    The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
+    ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
+    """
+    dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
+    data = {
+        variable_name(name): (dims, _values(name, array), variable_attributes(mapper, name))
+        for name, array in found.items()
+    }
+    return xr.Dataset(
+        data | fractions(count(found["label"])) | parameters(mapper) | surroundings(mapper, grid),
+        coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
+        attrs=global_attributes(mapper, grid),
+    )
+
+
+def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
+    """Return the dataset of a boundary-refined map: its blocks, along ``block``, to be painted in their order.
+
+    A block of level l covers 2^l × 2^l cells from ``row`` 2^l and ``column`` 2^l on; the grid is an attribute.
+    """
+    levels = [(level, blocks) for level, blocks in reversed(list(enumerate(refined.levels))) if blocks.key.size]
+    places = [np.divmod(blocks.key, -(-refined.grid.x.count >> level)) for level, blocks in levels]
+    level = np.concatenate([np.full(blocks.key.size, level, dtype=np.int32) for level, blocks in levels])
+    label = np.concatenate([blocks.label for _, blocks in levels])
+    row, column = (np.concatenate([place[k] for place in places]).astype(np.int32) for k in (0, 1))
+    return xr.Dataset(
+        {
+            "level": ("block", level, attributes("1", "level of the block; it is 2 to the power of it cells wide")),
+            "row": ("block", row, attributes("1", "row of the block among those of its level")),
+            "column": ("block", column, attributes("1", "column of the block among those of its level")),
+            "label": ("block", label, variable_attributes(mapper, "label")),
+        }
+        | fractions(refined.counts())
+        | parameters(mapper)
+        | surroundings(mapper, refined.grid),
+        attrs=global_attributes(mapper, refined.grid),
+    )
+
+
+def axis_coordinate(axis: Axis) -> tuple:
+    """Return the coordinate variable of an axis: the middles of its cells."""
+    name = COORDINATES[axis.coordinate]
+    return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
+
+
+def variable_name(quantity: str) -> str:
+    """Return the name of a quantity of a map in its file, where ``time`` is that of a motion."""
+    return {"time": "settling_time"}.get(quantity, quantity)
+
+
+def parameters(mapper: Mapper) -> dict[str, tuple]:
+    """Return the parameters of the drive of a map as variables."""
+    return {name: ((), value, parameter(name, GIVEN)) for name, value in mapper.drive}
+
+
+def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
+    """Return the attributes of a quantity of a map, by its name."""
+    if name == "label":
+        return phase_plane.flag(phase_plane.ATTRACTOR, Attractor)
+    if name == "time":
+        return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
+    if name == "seizures":
+        return attributes("1", "number of seizures until the attractor is reached")
+    kinds = flags(mapper.events)
+    kinds["flag_values"] = np.append(kinds["flag_values"], np.int8(-1))
+    return attributes("1", "first event of the motion", **kinds | {"flag_meanings": kinds["flag_meanings"] + " none"})
+
+
+def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
+    """Return the fraction of the cells of each attractor, as a variable along the coordinate ``attractor``."""
+    kinds = np.array([int(kind) for kind in Attractor], dtype=np.int8)
+    values = np.array([counts[kind] for kind in Attractor]) / sum(counts.values())
+    return {
+        "attractor": ("attractor", kinds, phase_plane.flag("attractor", Attractor)),
+        "fraction": ("attractor", values, attributes("1", "fraction of the cells")),
+    }
+
+
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
+    """Return what is drawn around a map in the plane of u and w.
+
+    Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
+    :mod:`lsvib.basins.exact_basin` covers the drive, the exact boundary of the basin of steady sliding and the area of
+    the basin within the map.
+    """
+    data: dict[str, tuple] = {}
+    if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
+        return data
+    orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
+    count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
+    points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
+    if orbits:
+        dims = ("cycle", "sample")
+        data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on the limit cycle", "$u$"))
+        data["cycle_velocity"] = (
+            dims,
+            points[..., 1],
+            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
+        )
+    if mapper.model != "rigid":
+        return data
+    lines = phase_plane.lines([mapper.drive])
+    data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
+    found = exact_basin(mapper)
+    if found is not None:
+        window = window_of(grid)
+        line = found.line(window, _BOUNDARY_SAMPLES)
+        names = (
+            ("boundary_angle", "rad", "deviation", "$u$"),
+            ("boundary_velocity", "rad s-1", "rate of the deviation", r"$\dot u$"),
+        )
+        for k, (name, unit, what, symbol) in enumerate(names):
+            data[name] = ("boundary_point", line[:, k], attributes(unit, f"{what} on the exact boundary", symbol))
+        data["basin_area"] = (
+            (),
+            found.area(window),
+            attributes("rad2 s-1", "area of the basin of steady sliding within the map, exact"),
+        )
+    return data
+
+
+def exact_basin(mapper: Mapper) -> Basin | None:
+    """Return the exact basin of steady sliding, or None for a model or a drive that it is not known for."""
+    if mapper.model != "rigid":
+        return None
+    try:
+        return basin(mapper.drive)
+    except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
+        return None
+
+
+def window_of(grid: Grid) -> Window:
+    """Return the rectangle of a map in u and w."""
+    return Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
+
+
+def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
+    """Return the global attributes of a map; ``grid`` holds its axes and fixed coordinates as JSON."""
+    axes = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
+    return {
+        "title": "Regions of attraction of a lead-screw drive",
+        "source": "lsvib, exact event-driven motion from the middle of every cell",
+        "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        "model": mapper.model,
+        "parameters": json.dumps(dict(mapper.drive)),
+        "physics": " ".join(mapper.physics),
+        "resume": mapper.resume,
+        "grid": json.dumps({"axes": axes, "fixed": dict(grid.fixed)}),
+    }
+
+
+def summary(counts: Mapping[Attractor, int], exact_basin_area: float | None, seconds: float) -> dict[str, Any]:
+    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells, ``cells_per_second``, exact area."""
+    cells = sum(counts.values())
+    return {
+        "cells": cells,
+        "fractions": {kind.name.lower(): n / cells for kind, n in counts.items() if n and kind >= 0},
+        "unresolved": counts[Attractor.UNRESOLVED],
+        "exact_basin_area": exact_basin_area,
+        "cells_per_second": cells / seconds,
+    }
+
+
+def _values(name: str, array: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(array), array, np.nan) if name == "time" else array

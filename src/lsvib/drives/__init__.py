@@ -1,0 +1,1 @@
+"""The models: parameters, friction, and the automaton of a drive in a scene."""

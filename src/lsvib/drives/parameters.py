@@ -1,0 +1,253 @@
+"""The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1)."""
+
+import math
+from collections.abc import Iterator, Mapping
+from decimal import Decimal, localcontext
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lsvib.drives.once import once
+from lsvib.engine.exact.precision import PLACES
+from lsvib.errors import InputError
+from lsvib.numbers import NotNumber, number, shown, whole
+
+
+def _quantity_of(value: Any) -> float:
+    if type(value) is float and value == value:  # nearly always, and quick
+        return value + 0.0  # -0.0 and 0.0 are one drive
+    return number(value) + 0.0
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Quantity = Annotated[float, BeforeValidator(_quantity_of)]
+Whole = Annotated[int, BeforeValidator(whole)]
+
+
+def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
+    return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
+
+
+class RigidParameters(BaseModel):
+    """A rigid lead-screw drive in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+
+    Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
+    differ from the defaults. ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad] wherever values are given.
+    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
+    are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
+    ``InputError`` through :func:`RigidParameters.of` and :meth:`replace`, in one sentence naming key, value and range.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model: ClassVar[str] = "rigid"  # of :data:`lsvib.drives.registry.MODELS`
+
+    pitch_radius: Quantity = _quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
+    lead_angle: Quantity = _quantity(
+        math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2
+    )
+    screw_inertia: Quantity = _quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
+    coupling_stiffness: Quantity = _quantity(
+        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15
+    )
+    support_damping: Quantity = _quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
+    friction_coefficient: Quantity = _quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
+    input_speed: Quantity = _quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
+    mass: Quantity = _quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
+    translation_damping: Quantity = _quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
+    axial_force: Quantity = _quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
+
+    if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
+
+        def __init__(self, /, **values: Any) -> None:
+            """Make a drive from its parameters; raises ``InputError`` in one sentence."""
+            if "lead_angle_deg" in values:
+                values = _in_radians(values)
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                raise InputError(sentence_about(type(self), error)) from None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RigidParameters):
+            return NotImplemented
+        return self.model == other.model and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((self.model, *self.__dict__.values()))
+
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        for key, field in type(self).model_fields.items():
+            if getattr(self, key) != field.default:
+                yield key, getattr(self, key)
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def model_post_init(self, context: Any) -> None:
+        """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
+        limit = 1 / math.tan(self.lead_angle)
+        if not self.friction_coefficient < limit:
+            raise InputError(
+                f"friction_coefficient = {self.friction_coefficient:g} is outside the allowed range "
+                f"0 <= friction_coefficient < cot(lead_angle) = {limit:.6g}."
+            )
+        if self.input_speed == 0:
+            raise InputError(
+                f"input_speed = 0 is outside the allowed range {allowed_range(type(self), 'input_speed')}."
+            )
+
+    @classmethod
+    def of(cls, values: "RigidParameters | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+        """Make a drive from another drive, or from names and values, with ``more`` of them.
+
+        Raises ``InputError`` in one sentence.
+        """
+        if isinstance(values, RigidParameters):
+            return cls(**values.model_dump()).replace(**more)
+        return cls(**{**names_and_values("drive", values), **more})
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a copy with some parameters changed, checked again."""
+        return type(self)(**{**self.model_dump(), **_in_radians(changes)})
+
+    def exact(self) -> "ExactParameters":
+        """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
+        return _exact(self)
+
+
+class ThreadsParameters(RigidParameters):
+    """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
+
+    model = "threads"
+
+    contact_stiffness: Quantity = _quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Quantity = _quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+
+
+class SupportParameters(RigidParameters):
+    """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
+
+    model = "support"
+
+    screw_mass: Quantity = _quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
+    support_stiffness: Quantity = _quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
+    axial_support_damping: Quantity = _quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
+    slide_friction: Quantity = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+
+
+class NutParameters(RigidParameters):
+    """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
+
+    model = "nut"
+
+    nut_inertia: Quantity = _quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
+    nut_stiffness: Quantity = _quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
+    nut_damping: Quantity = _quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
+    slide_friction: Quantity = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+
+
+class ExactParameters:
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`RigidParameters`, plus the functions of λ."""
+
+    def __init__(self, drive: RigidParameters) -> None:
+        self.__dict__.update({key: Decimal(value) for key, value in drive.__dict__.items()})
+        with localcontext(prec=PLACES + 10):
+            self.sin_lead, self.cos_lead = _sine_and_cosine(self.lead_angle)
+            self.tan_lead = self.sin_lead / self.cos_lead
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Decimal: ...
+
+
+@once
+def _exact(drive: RigidParameters) -> ExactParameters:
+    return ExactParameters(drive)
+
+
+def _sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
+    """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
+    sums = [Decimal(0), Decimal(1)]
+    term = Decimal(1)
+    for n in range(1, 100):
+        term = term * angle / n
+        sums[(n + 1) % 2] += term if n % 4 < 2 else -term
+    return sums[0], sums[1]
+
+
+def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
+    if "lead_angle_deg" not in values:
+        return values
+    if "lead_angle" in values:
+        raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
+    given, allowed = values["lead_angle_deg"], "0 < lead_angle_deg < 90"
+    try:
+        degrees = number(given)
+    except NotNumber as error:
+        raise InputError(f"lead_angle_deg = {shown(given)} {error}; the allowed range is {allowed}.") from None
+    if not 0 < degrees < 90:
+        raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
+    rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
+    return {**rest, "lead_angle": math.radians(degrees)}
+
+
+def names_and_values(name: str, given: Any) -> dict[str, Any]:
+    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+    for key in given:
+        if not isinstance(key, str):
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names, such as mass.")
+    return dict(given)
+
+
+def parameters_of(drive: RigidParameters | Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
+    return drive.model_dump() if isinstance(drive, RigidParameters) else names_and_values("drive", drive)
+
+
+def model_of(drive: Any, model: str = "rigid") -> str:
+    """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
+    return drive.model if isinstance(drive, RigidParameters) and model == "rigid" else model
+
+
+def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
+    """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
+    # Of a misspelt key the misspelling is the news, not that the right one is missing.
+    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
+    cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
+        return str(cause)
+    key = ".".join(str(part) for part in first["loc"])
+    field = model.model_fields.get(key)
+    if first["type"] == "extra_forbidden":
+        return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
+    if first["type"] == "missing":
+        return f"{key} is missing."
+    allowed, value = allowed_range(model, key) if field is not None else "", shown(first["input"])
+    if isinstance(cause, NotNumber):
+        return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
+    if allowed:
+        return f"{key} = {value} is outside the allowed range {allowed}."
+    return f"{key} = {value} is not acceptable: {first['msg']}."
+
+
+def described(model: type[BaseModel], key: str) -> dict[str, str]:
+    """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
+    extra = model.model_fields[key].json_schema_extra
+    return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
+
+
+def allowed_range(model: type[BaseModel], key: str) -> str:
+    """Return the allowed range of a parameter as text, e.g. ``0 < mass <= 1e+09``; empty if it has no bounds."""
+    if key == "friction_coefficient":
+        return "0 <= friction_coefficient < cot(lead_angle)"
+    schema = model.model_json_schema()["properties"][key]
+    low = [f"{schema[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in schema]
+    high = [f" {sign} {schema[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in schema]
+    without = ", not 0" if key == "input_speed" else ""
+    return f"{''.join(low)}{key}{''.join(high)}{without}" if low or high else ""

@@ -1,0 +1,328 @@
+r"""The rigid drive: one degree of freedom, nut and screw tied by x = r_m tan λ θ (Sect. 5.3, eqs 8.13–8.17).
+
+          Ω t                θ                      x = r_m tan λ θ
+    motor ──/\/\/\── k ──▶ (I) screw ═══threads═══▶ [m] nut ──▶ R
+                            c to ground                c_x to ground
+
+State (u, w): u = z − z_0 [rad] is the deviation of the coupling deflection z = θ − Ω t from steady sliding, w = u′
+[rad/s] its rate; the screw turns at θ′ = Ω + w. With s = sgn(θ′)·sgn(N) and R̃ = R − r_m tan λ c_x Ω,
+
+    Γ_s u″ + C_s u′ + k u = r_m (ξ_0 − ξ_s) R̃,        N = Q / [Γ_s (cos λ + s μ sin λ)],
+    (8.16, 8.17) Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃,
+
+so the motion is linear in each combination of signs of θ′ and Q, and at rest, where u′ = −Ω and static friction holds
+while the coupling torque T_r = −k (z_0 + u) stays between r_m R ξ₊ and r_m R ξ₋.
+
+Γ₊ > 0: the sign of N is that of Q, and N reverses where Q does.
+Γ₊ ≤ 0 (Painlevé region): law s = −1 is followed where it is admissible (θ′ > 0, Q < 0 and θ′ < 0, Q > 0); elsewhere,
+and on arriving at Q = 0, the screw *seizes*: θ′ jumps to zero, with an impulse of the sign of θ′. The contact then
+still carries the sign of the impulse. If slip under law −1 with that sign of N is admissible and accelerates away from
+rest, it starts at once; otherwise the screw rests, and goes on under law −1 when T_r leaves the band
+(``resume="contact_sign"``, the limit of a compliant contact). With ``resume="at_once"`` – the chapter's reading – the
+sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyond which the screw rests.
+"""
+
+from decimal import localcontext
+from enum import IntEnum
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from lsvib.drives.coefficients import Coefficients, coefficients
+from lsvib.drives.once import once
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import Model
+from lsvib.engine.automaton import (
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Surface,
+    Transition,
+    assemble,
+    eigenform,
+    oscillator,
+    scaled,
+)
+from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.errors import InputError
+
+
+class EventKind(IntEnum):
+    """What happens at an event."""
+
+    GRAZE = GRAZE_KIND  # a guard is touched, not crossed
+    ACCUMULATION = ACCUMULATION_KIND  # infinitely many events end here
+    CONTACT_REVERSAL = FIRST_MODEL_KIND  # N changes sign
+    STICK = FIRST_MODEL_KIND + 1  # θ′ = 0, and static friction holds
+    REVERSAL = FIRST_MODEL_KIND + 2  # θ′ = 0, and the screw turns back
+    RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
+    SEIZURE = FIRST_MODEL_KIND + 4  # θ′ jumps to zero by a tangential impact
+
+
+class MotionMode(IntEnum):
+    """Modes of the rigid drive; the second word of a slip mode is the sign of Q."""
+
+    SLIP_FORWARD_POSITIVE = 0
+    SLIP_FORWARD_NEGATIVE = 1
+    SLIP_BACKWARD_POSITIVE = 2
+    SLIP_BACKWARD_NEGATIVE = 3
+    REST = 4
+
+
+Resume = Literal["contact_sign", "at_once"]
+
+SLIPS = {  # mode: (sign of θ′, sign of Q)
+    "slip_forward_positive": (1, 1),
+    "slip_forward_negative": (1, -1),
+    "slip_backward_positive": (-1, 1),
+    "slip_backward_negative": (-1, -1),
+}
+_FORWARD, _BACKWARD = "slip_forward_negative", "slip_backward_positive"  # the slips under law −1
+
+
+def rigid_automaton(drive: RigidParameters, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
+    """Return the rigid drive's automaton.
+
+    Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
+    for motions that are known not to reach it – only outside the Painlevé region; ``resume``: see the module docstring.
+    Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
+    ``InputError`` for ``rest=False`` in the Painlevé region.
+    """
+    # Without seizures the rules of resuming make no difference.
+    return _automaton(drive, rest, resume if coefficients(drive).paradox else "contact_sign")
+
+
+@once
+def _automaton(drive: RigidParameters, rest: bool, resume: Resume) -> Automaton:
+    c = coefficients(drive)
+    d = drive.exact()
+    with localcontext(prec=PLACES):
+        terms = {
+            s: (
+                c.gamma[s],
+                c.damping[s],
+                d.coupling_stiffness,
+                d.pitch_radius * (c.xi[c.steady_law] - c.xi[s]) * c.net_force,
+            )
+            for s in ((-1,) if c.paradox else (1, -1))
+        }
+        flows = {s: _SlipFlow(oscillator(*row), eigenform(*row)) for s, row in terms.items()}
+        stand = _Stand(c, d)
+        surfaces = {"contact": Surface(c.q_row, _mover(c, d))}
+        if rest:
+            surfaces["screw_speed"] = Surface((0, 1, d.input_speed), 1)
+            surfaces["band_end"] = Surface(stand.band_end, 0)
+        modes, transitions = _painleve(flows, stand, rest, resume) if c.paradox else _regular(flows, stand, rest)
+        return assemble(
+            states=("angle_deviation", "velocity_deviation"),
+            surfaces=surfaces,
+            modes=modes,
+            transitions=transitions,
+            observables=_observables(c, d, modes),
+            shortest_stay=1e-13 * min(float(flow.row[flow_planar.TIME_SCALE]) for flow in flows.values()),
+            rest_codes=(MotionMode.REST,),
+            sprag_kinds=(EventKind.SEIZURE,),
+            passive=rest,
+            contracts=_contracts(c),
+        )
+
+
+def _contracts(c: Coefficients) -> bool:
+    """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0 and both C_s > 0, or both zero.
+
+    Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses: the
+    acceleration forward is below that backward by |Q| (1/Γ₊ − 1/Γ₋) / (m r_m tan λ), so that areas are squeezed.
+    """
+    undamped = c.damping[1] == 0 == c.damping[-1]
+    return not c.paradox and (undamped or min(c.damping.values()) > 0)
+
+
+def _mover(c: Coefficients, d) -> int:
+    """Coordinate that is set on Q = 0: the one that moves Q more, so that its own rounding is not amplified."""
+    time = (c.gamma[-1] / d.coupling_stiffness).sqrt()
+    return 0 if abs(c.q_row[0]) * time >= abs(c.q_row[1]) else 1
+
+
+class _SlipFlow(NamedTuple):
+    row: np.ndarray
+    exact: tuple | None
+
+
+class _Stand:
+    """Rows and conditions at θ′ = 0 (positive where the name says)."""
+
+    def __init__(self, c: Coefficients, d) -> None:
+        def torque_above(law: int) -> tuple:
+            """(T_r − r_m ξ R) / k [rad] as a function of (u, w) under a law; k z_0 is inserted: nothing cancels."""
+            steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
+            return (
+                -1,
+                0,
+                steady + d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness,
+            )
+
+        upper, lower = (1, -1) if d.axial_force >= 0 else (-1, 1)
+        self.above = torque_above(upper)
+        self.below = scaled(torque_above(lower), -1)
+        self.pushes_forward = torque_above(-1)  # slip under law −1 accelerates forward
+        self.pushes_backward = scaled(self.pushes_forward, -1)
+        self.q = c.q_row
+        self.speed = (0, 1, d.input_speed)
+        self.to_rest = ((1, 0, 0), (0, 0, -d.input_speed))
+        # T_r grows at k Ω while the screw rests, so one end of the band is ahead; this row is positive before it.
+        self.turning = 1 if d.input_speed > 0 else -1
+        self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
+        # Without R the band is a point, the corner of θ′ = 0 and Q = 0. Events accumulate there when what is left of
+        # them lies below rounding; rest then ends as soon as it begins.
+        self.after_all = None if d.axial_force else "rest"
+        self.release_sign = (1 if d.axial_force > 0 else -1) if d.axial_force else -self.turning
+
+    def beyond_band(self, kinds: tuple[int, int], sign: int = 0) -> tuple[Branch, ...]:
+        """Rest within the band, else slip under law −1 in the direction of the excess torque; kinds (rest, slip)."""
+        return (
+            Branch(_FORWARD, kinds[1], ((self.above, Test.POSITIVE),), sign),
+            Branch(_BACKWARD, kinds[1], ((self.below, Test.POSITIVE),), sign),
+            Branch("rest", kinds[0], (), sign),
+        )
+
+
+def _name(direction: int, q_sign: int) -> str:
+    return f"slip_{'forward' if direction > 0 else 'backward'}_{'positive' if q_sign > 0 else 'negative'}"
+
+
+def _rest_mode(stand: _Stand) -> Mode:
+    return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),))
+
+
+def _regular(flows, stand: _Stand, rest: bool):
+    """Modes and transitions for Γ₊ > 0."""
+    modes = {}
+    for code, (name, (direction, q_sign)) in enumerate(SLIPS.items()):
+        if not rest and direction != stand.turning:
+            continue
+        guards = (Guard("contact", q_sign, f"contact_reversal_{name}"),)
+        if rest:
+            guards += (Guard("screw_speed", direction, "stop"),)
+        flow = flows[direction * q_sign]
+        modes[name] = Mode(code, flow.row, guards, stand.after_all if rest else None, flow.exact)
+    # Q′ at Q = 0 is the same under both laws; on the line itself it decides which side is entered.
+    transitions = {"entry": Transition(tuple(_entry(modes, flows, stand, rest)))}
+    for name in modes:
+        direction, q_sign = SLIPS[name]
+        other = Branch(_name(direction, -q_sign), EventKind.CONTACT_REVERSAL, sign=-q_sign)
+        transitions[f"contact_reversal_{name}"] = Transition((other,))
+    if rest:
+        transitions["stop"] = Transition(_stop(stand))
+        released = Branch(_name(stand.turning, stand.release_sign), EventKind.RELEASE)
+        transitions["release"] = Transition((released,))
+        modes["rest"] = _rest_mode(stand)
+    return modes, transitions
+
+
+def _stop(stand: _Stand) -> tuple[Branch, ...]:
+    """At θ′ = 0 with Γ₊ > 0: the torque beyond the band decides the direction, Q the law."""
+    positive, negative = (stand.q, Test.POSITIVE), (scaled(stand.q, -1), Test.POSITIVE)
+    above, below = (stand.above, Test.POSITIVE), (stand.below, Test.POSITIVE)
+    return (
+        Branch("slip_forward_positive", EventKind.REVERSAL, (above, positive)),
+        Branch("slip_forward_negative", EventKind.REVERSAL, (above,)),
+        Branch("slip_backward_negative", EventKind.REVERSAL, (below, negative)),
+        Branch("slip_backward_positive", EventKind.REVERSAL, (below,)),
+        Branch("rest", EventKind.STICK),
+    )
+
+
+def _entry(modes, flows, stand: _Stand, rest: bool):
+    """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
+    flow = flows[1].row
+    a0, a1, b = flow[flow_planar.A0], flow[flow_planar.A1], flow[flow_planar.B]
+    q_u, q_w = float(stand.q[0]), float(stand.q[1])
+    q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
+    for direction in (1, -1):
+        moving = ((scaled(stand.speed, direction), Test.POSITIVE),) if rest else ()
+        if _name(direction, 1) not in modes:
+            continue
+        for q_sign in (1, -1):
+            name = _name(direction, q_sign)
+            yield Branch(name, EventKind.RELEASE, (*moving, (scaled(stand.q, q_sign), Test.POSITIVE)))
+            yield Branch(
+                name, EventKind.RELEASE, (*moving, (stand.q, Test.ZERO), (scaled(q_rate, q_sign), Test.NOT_NEGATIVE))
+            )
+    if rest:
+        yield from _stop(stand)
+
+
+def _painleve(flows, stand: _Stand, rest: bool, resume: Resume):
+    """Modes and transitions for Γ₊ ≤ 0: slip under law −1 only, seizure at Q = 0."""
+    if not rest:
+        raise InputError(
+            "physics leaves out rest, which a drive at or beyond its critical mass may always come to; list rest, or "
+            "take mass < critical_mass (see lsvib thresholds)."
+        )
+    modes, transitions = {}, {}
+    forward_now = ((scaled(stand.q, -1), Test.POSITIVE), (stand.pushes_forward, Test.POSITIVE))
+    backward_now = ((stand.q, Test.POSITIVE), (stand.pushes_backward, Test.POSITIVE))
+    standing = stand.beyond_band((EventKind.STICK, EventKind.REVERSAL))
+    transitions["entry"] = Transition(
+        (
+            Branch(_FORWARD, EventKind.RELEASE, ((stand.speed, Test.POSITIVE),)),
+            Branch(_BACKWARD, EventKind.RELEASE, ((scaled(stand.speed, -1), Test.POSITIVE),)),
+            *standing,
+        )
+    )
+    transitions["stop"] = Transition(standing)
+    for name in (_FORWARD, _BACKWARD):
+        direction, q_sign = SLIPS[name]
+        guards = (Guard("contact", q_sign, f"seizure_{name}"), Guard("screw_speed", direction, "stop"))
+        flow = flows[-1]
+        modes[name] = Mode(MotionMode[name.upper()], flow.row, guards, "rest", flow.exact)
+        # A forward impact leaves N > 0, with which law −1 slips backward; and the other way round.
+        go_backward = Branch(_BACKWARD, EventKind.SEIZURE, backward_now, sign=direction)
+        go_forward = Branch(_FORWARD, EventKind.SEIZURE, forward_now, sign=direction)
+        if resume == "at_once":
+            at_once = (go_forward, go_backward)
+        else:
+            at_once = (go_backward,) if direction > 0 else (go_forward,)
+        later = stand.beyond_band((EventKind.SEIZURE, EventKind.SEIZURE), sign=direction)
+        transitions[f"seizure_{name}"] = Transition((*at_once, *later), reset=stand.to_rest)
+    transitions["release"] = Transition((Branch(_FORWARD if stand.turning > 0 else _BACKWARD, EventKind.RELEASE),))
+    modes["rest"] = _rest_mode(stand)
+    return modes, transitions
+
+
+def _observables(c: Coefficients, d, modes) -> dict[str, dict[str, tuple]]:
+    stiffness, z0 = d.coupling_stiffness, c.deflection
+    normal = {}
+    for name in modes:
+        if name == "rest":
+            lever = stiffness * d.sin_lead / d.pitch_radius
+            normal[name] = (lever, 0, d.axial_force * d.cos_lead + lever * z0)
+        else:
+            law = SLIPS[name][0] * SLIPS[name][1]
+            normal[name] = scaled(
+                c.q_row, 1 / (c.gamma[law] * (d.cos_lead + law * d.friction_coefficient * d.sin_lead))
+            )
+    return {
+        "normal_force": normal,
+        "coupling_torque": dict.fromkeys(modes, (-stiffness, 0, -stiffness * z0)),
+        "coupling_deflection": dict.fromkeys(modes, (1, 0, z0)),
+        "screw_speed": dict.fromkeys(modes, (0, 1, d.input_speed)),
+    }
+
+
+MODEL = Model(
+    drive=RigidParameters,
+    build=lambda drive, physics, resume: rigid_automaton(drive, rest="rest" in physics, resume=resume),
+    start=lambda drive, values: np.array([values["u"], values["w"]], dtype=float),
+    modes=MotionMode,
+    events=EventKind,
+    required=("u", "w"),
+    optional=(),
+    terms=("support_damping", "translation_damping", "axial_force"),
+    options=("rest",),
+    outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
+    equations="eqs 8.13-8.17",
+)

@@ -1,0 +1,138 @@
+"""A scene: which model and which physics, from which state, for how long, and what is wanted of it."""
+
+import math
+import re
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
+
+from lsvib.drives.parameters import Number, RigidParameters, Whole, names_and_values, sentence_about
+from lsvib.drives.registry import Model, find_model
+from lsvib.errors import InputError
+from lsvib.numbers import NotNumber, number
+
+
+class Scene(BaseModel):
+    """One simulation, immutable and checked.
+
+    ``model``: a name of :data:`lsvib.drives.registry.MODELS`; ``drive``: its parameters. ``physics``: the terms that
+    the scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion
+    of a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
+    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.drives.rigid`. ``initial``: u [rad],
+    w [rad/s], and what else the model has. ``t_end`` [s]. ``samples``: number of equidistant output times, both ends
+    included. ``outputs``: observables to store besides the state, the mode and the events.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    model: str = "rigid"
+    drive: SerializeAsAny[RigidParameters]
+    physics: tuple[str, ...] | None = None
+    resume: Literal["contact_sign", "at_once"] = "contact_sign"
+    initial: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "initial"))]
+    t_end: Number = Field(gt=0, le=1e9)
+    samples: Whole = Field(default=1001, ge=2, le=100_000_000)
+    outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
+
+    def __init__(self, /, **values: Any) -> None:
+        """Make a scene from its keys; raises ``InputError`` in one sentence."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drive_of_the_model(cls, values: Any) -> Any:
+        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
+        known = isinstance(drive, RigidParameters) and drive.model == kind.model  # of another model: converted
+        return {**values, "drive": drive if known else kind.of(drive)}
+
+    def model_post_init(self, context: Any) -> None:
+        """Check what couples two keys: initial state, words of physics and outputs, no term that physics omits."""
+        kind = self.kind
+        kind.initial_state(self.drive, self.initial)
+        for key, words in (("physics", (*kind.terms, *kind.options)), ("outputs", kind.outputs)):
+            for word in getattr(self, key) or ():
+                if word not in words:
+                    raise InputError(f"{key} has the word {word!r}; the model {self.model} knows {', '.join(words)}.")
+        for term in kind.terms:
+            value = getattr(self.drive, term)
+            if self.physics is not None and term not in self.physics and value != 0:
+                raise InputError(f"{term} = {value:g} although physics does not list {term}; set it to 0 or list it.")
+
+    @property
+    def kind(self) -> Model:
+        """The model by its name."""
+        return find_model(self.model)
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """The physics of the scene, spelled out."""
+        if self.physics is not None:
+            return self.physics
+        return (*(term for term in self.kind.terms if getattr(self.drive, term) != 0), *self.kind.options)
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
+        return {key: value for key, value in self.drive if key not in self.kind.terms or key in self.terms}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a scene from names and values; raises ``InputError`` in one sentence."""
+        return cls(**names_and_values("scene", values))
+
+
+def read_yaml(path: str | Path) -> dict[str, Any]:
+    """Read a YAML file that holds names and values.
+
+    Numbers are decimal, with leading zeros too; what YAML 1.1 would read as sexagesimal, hexadecimal or with
+    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
+    key twice.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        values = yaml.load(text, Loader=_Loader)
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except RecursionError:
+        raise InputError(f"{path} is not valid YAML: it is nested too deeply.") from None
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, no day of the calendar, a null in the path
+        raise InputError(f"{path} is not valid YAML: {' '.join(str(error).split()).rstrip('.')}.") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path} does not hold names and values.")
+    return values
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML without the surprises: no key twice, and numbers are decimal."""
+
+    def construct_mapping(self, node: yaml.Node, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping; refuse a key that is given twice."""
+        seen = set()
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if isinstance(key, yaml.ScalarNode):
+                if (key.tag, key.value) in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"the key {key.value} is given twice", key.start_mark
+                    )
+                seen.add((key.tag, key.value))
+        return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
+
+    def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
+        """Return a decimal number; what is none, such as an octal or sexagesimal one, stays text."""
+        text = self.construct_scalar(node)
+        try:
+            return int(text) if _DECIMAL.fullmatch(text) else number(text)
+        except NotNumber:
+            return _NOT_FINITE.get(text.lower().lstrip("+"), text)
+
+
+_DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")
+_NOT_FINITE = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.construct_decimal)

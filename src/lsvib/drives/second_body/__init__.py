@@ -1,0 +1,1 @@
+"""Drives with a second body: axial support and rotating nut."""

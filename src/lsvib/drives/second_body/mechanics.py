@@ -1,0 +1,129 @@
+r"""Drives with two coordinates whose threads stay rigid – axial support, rotating nut – as mechanical systems.
+
+The threads slip with a speed ω in the direction d = sgn ω under the law s = d sgn n, n being the axial contact force,
+or they rest. A second body may slide against the ground with Coulomb friction; its direction a – or that it is held, a
+= 0 – is then part of the mode. A model solves Newton's laws in each mode;
+:mod:`lsvib.drives.second_body.modes_and_guards` makes the automaton of it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import IntEnum
+
+from lsvib.drives.parameters import ExactParameters
+from lsvib.engine.automaton import Row, scaled
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
+
+DIRECTIONS = {1: "forward", -1: "backward"}
+SIGNS = {1: "positive", -1: "negative"}
+SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
+# Of the larger: two numbers made of doubles that differ by less are equal, as their decimals of 50 digits are rounded.
+_CANCELLED = Decimal("1e-40")
+HELD = {1: "forward", -1: "backward", 0: "held"}
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Newton's laws solved in one mode: affine functions of the state, constant last.
+
+    ``law``: s, 0 at rest; ``field``: rate of the state; ``frozen``: coordinates that keep a value; ``contact``: n [N];
+    ``torque``: what the contact (at rest with the bearing) takes from the screw [N m]; ``slip_rate``: ω′;
+    ``second_rate`` and ``second_force``: acceleration and friction of the second body.
+    """
+
+    law: int
+    field: tuple[Row, ...]
+    frozen: Mapping[int, Decimal]
+    contact: Row
+    torque: Row
+    slip_rate: Row
+    second_rate: Row
+    second_force: Row
+
+
+@dataclass(frozen=True)
+class TwoBodies:
+    """A drive with two coordinates in the words of this module.
+
+    ``solve(d, s, a)`` solves the mode with slip direction d (0: rest), law s and direction a of the second body.
+    ``holds(a)`` gives, by the side of rest and by direction d, the row that is positive while static friction keeps the
+    threads from slipping in direction d; the sides are the signs of n, or 0 alone if they do not matter. ``released(d,
+    side)`` is the sign of n with which slip begins at the end of static friction. ``tied(slip, second)`` are the rows
+    of the reset that makes the speeds which are zero exactly so; ``impact`` those of a seizure. ``turning``: sgn Ω.
+    ``horizon``: see :func:`lsvib.engine.exact.reach.reached`.
+    ``second``: word for the second body, with friction of size ``limit`` (0: none). ``turns_over``: n may pass zero at
+    rest. ``snaps``: the coordinates that put the speeds ``slip`` and ``sliding`` on zero.
+    """
+
+    states: tuple[str, ...]
+    sizes: tuple[float, ...]
+    horizon: float
+    slip: Row
+    sliding: Row
+    snaps: tuple[int, int]
+    solve: Callable[[int, int, int], Solution]
+    holds: Callable[[int], Mapping[int, Mapping[int, Row]]]
+    released: Callable[[int, int], int]
+    tied: Callable[[bool, bool], tuple[Row, ...]]
+    impact: tuple[Row, ...]
+    observables: Callable[[Solution], Mapping[str, Row]]
+    turning: int
+    paradox: bool
+    turns_over: bool
+    second: str
+    limit: Decimal
+
+
+def mode_enum(name: str, rests: Sequence[str], second: str) -> type[IntEnum]:
+    """Return the codes of a model's modes: slips and rests, alone and with each direction of the second body."""
+    plain = [f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" for d, q in SLIPS] + list(rests)
+    names = plain + [f"{mode}_{second}_{how}" for how in HELD.values() for mode in plain]
+    return IntEnum(name, {mode.upper(): code for code, mode in enumerate(names)})
+
+
+def event_enum(name: str, friction: str) -> type[IntEnum]:
+    """Return the kinds of a model's events; ``friction``: word for the friction of the second body."""
+    kinds = ["CONTACT_REVERSAL", "STICK", "REVERSAL", "RELEASE", "SEIZURE"]
+    kinds += [f"{friction}_{kind}".upper() for kind in ("stick", "reversal", "release")]
+    own = {kind: FIRST_MODEL_KIND + i for i, kind in enumerate(kinds)}
+    return IntEnum(name, {"GRAZE": GRAZE_KIND, "ACCUMULATION": ACCUMULATION_KIND, **own})
+
+
+def normal_force(drive: ExactParameters, solution: Solution) -> tuple:
+    """N: n / (cos λ + s μ sin λ) in slip, n cos λ − T sin λ / r_m at rest, where the threads carry the torque T."""
+    if solution.law:
+        push = drive.cos_lead + solution.law * drive.friction_coefficient * drive.sin_lead
+        return scaled(solution.contact, 1 / push)
+    tilted = scaled(solution.torque, -drive.sin_lead / drive.pitch_radius)
+    return plus(scaled(solution.contact, drive.cos_lead), tilted)
+
+
+def constant(value) -> tuple:
+    """Row of a constant."""
+    return (Decimal(0),) * 4 + (Decimal(value),)
+
+
+def plus(*rows: Row) -> tuple:
+    """Sum of rows; what is left of numbers that cancel but for the digits of decimals is zero."""
+    return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
+
+
+def _sum(terms: list[Decimal]) -> Decimal:
+    total = sum(terms, Decimal(0))
+    return Decimal(0) if abs(total) < _CANCELLED * max(map(abs, terms)) else total
+
+
+def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
+    """Solve linear equations whose right-hand sides are rows, by elimination in decimal arithmetic."""
+    n = len(matrix)
+    table = [[Decimal(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
+    for k in range(n):
+        pivot = max(range(k, n), key=lambda i: abs(table[i][k]))
+        table[k], table[pivot] = table[pivot], table[k]
+        table[k] = [x / table[k][k] for x in table[k]]
+        for i in range(n):
+            if i != k:
+                factor = table[i][k]
+                table[i] = [_sum([x, -factor * y]) for x, y in zip(table[i], table[k], strict=True)]
+    return [tuple(row[n:]) for row in table]

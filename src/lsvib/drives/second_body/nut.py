@@ -1,0 +1,178 @@
+r"""Rotating nut: the nut is held against rotation by a spring and a damper only (Sect. 5.8, eq. 8.33).
+
+State (u, w, φ, ψ): u = z − z_0 [rad] and w = u′ as in the rigid drive; φ [rad] is the angle θ_2 of the nut, less that
+of steady sliding, and ψ = φ′. The nut is at x = r_m tan λ (θ − θ_2) and slips in the direction of ω = θ′ − θ_2′. With
+the axial contact force n = N (cos λ + s μ sin λ), s = sgn ω sgn N, T = −k z − c θ′, S_2 = −k_2 θ_2 − c_2 θ_2′ and
+P = R − c_x x′ − F_0 sgn ω,
+
+    I θ″ = T − T_0 sgn θ′ − r_m ξ_s n,      I_2 θ_2″ = S_2 + r_m ξ_s n,      m x″ = P − n,
+    n = Q / Γ̂_s,      Γ̂_s = I_eff − ξ_s tan λ m r_m²,      I_eff = I I_2 / (I + I_2),
+    Q = I_eff [P − m r_m tan λ (T / I − S_2 / I_2)]      (friction of the bearing included in T).
+
+While ω = 0 nut and screw turn together, (I + I_2) θ″ = T + S_2, and the nut does not move along the axis. The threads
+carry the torque τ = I_eff (T / I − S_2 / I_2). Static friction holds while neither slip forward nor slip backward can
+start, τ lying between r_m ξ (R + F_0) and r_m ξ (R − F_0), each with the law of that slip. That takes the friction of
+slide and threads as opposing one and the same impending motion; a slide that pushed the other way could jam the threads
+at larger τ, where slip is possible, too. In this rest the slide's share of R is not determined; n is that of a slide
+which takes nothing.
+
+Γ̂₊ ≤ 0: in a seizure the axial impulse J = m r_m tan λ ω stops the nut's travel, x′ → 0, and its moment r_m ξ J brings
+both to the common speed (I θ′ + I_2 θ_2′) / (I + I_2); springs, dampers and F_0 give no impulse. Both agree for
+ξ = I_eff / (m r_m² tan λ), which is no more than ξ₊. T_0 needs Γ̂₊ > 0: a bearing that holds the screw changes the
+effective inertia, and with it whether the threads seize, so the rule for what follows an impact does not cover it.
+"""
+
+import math
+from decimal import localcontext
+
+from lsvib.drives.once import once
+from lsvib.drives.parameters import NutParameters
+from lsvib.drives.second_body.mechanics import (
+    Solution,
+    TwoBodies,
+    constant,
+    event_enum,
+    mode_enum,
+    plus,
+    solved,
+)
+from lsvib.drives.second_body.modes_and_guards import two_bodies
+from lsvib.drives.second_body.registration import two_body_model
+from lsvib.drives.second_body.screw import Screw
+from lsvib.engine.automaton import Automaton, scaled
+from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.reach import SWINGS
+from lsvib.errors import InputError
+
+STATES = ("angle_deviation", "velocity_deviation", "nut_angle", "nut_rate")
+NutMode = mode_enum("NutMode", ("rest",), "screw")
+NutEvent = event_enum("NutEvent", "bearing")
+
+
+def nut_automaton(drive: NutParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
+    """Return the automaton of the drive with a rotating nut; ``slide``, ``bearing``: with F_0, with T_0.
+
+    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` for T_0 in the Painlevé region, ``EngineError`` if the rates of
+    a mode cannot be separated in double precision.
+    """
+    return _automaton(drive, slide, bearing)
+
+
+@once
+def _automaton(drive: NutParameters, slide: bool, bearing: bool) -> Automaton:
+    with localcontext(prec=PLACES):
+        return two_bodies(_NutBuild(drive, slide, bearing).bodies(), NutMode, NutEvent)
+
+
+class _NutBuild(Screw):
+    """Newton's laws as rows over (u, w, φ, ψ, 1)."""
+
+    def __init__(self, drive: NutParameters, slide: bool, bearing: bool) -> None:
+        super().__init__(drive, slide, bearing)
+        d = self.d
+        inertia = d.screw_inertia * d.nut_inertia / (d.screw_inertia + d.nut_inertia)
+        self.paradox = inertia <= self.turned * d.mass
+        if self.bearing and self.paradox:
+            raise InputError(
+                f"bearing_friction = {drive.bearing_friction:g} needs mass < {inertia / self.turned:.6g} kg in model "
+                "nut: above, the threads can seize, and what follows is not determined while the bearing holds the "
+                "screw."
+            )
+        self.angle = (0, 0, 1, 0, self.twist / d.nut_stiffness)
+        self.slip = plus(self.speed, (0, 0, 0, -1, 0))
+        self.nut_speed = scaled(self.slip, self.reach)
+
+    def bodies(self) -> TwoBodies:
+        """The drive in the words of :mod:`lsvib.drives.second_body.mechanics`: typical sizes of the state, speeds,
+        laws, resets."""
+        d, speed = self.d, abs(float(self.d.input_speed))
+        total = d.screw_inertia + d.nut_inertia
+        common = plus(scaled(self.speed, d.screw_inertia / total), (0, 0, 0, d.nut_inertia / total, 0))
+        return TwoBodies(
+            states=STATES,
+            sizes=(0.1, speed, 0.1 * float(min(d.coupling_stiffness / d.nut_stiffness, 1)), speed),
+            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
+            slip=self.slip,
+            sliding=self.speed,
+            snaps=(3, 1),
+            solve=self.solve,
+            holds=self.holds,
+            released=lambda direction, side: self._sign(direction) or -direction,
+            tied=self.tied,
+            impact=((1, 0, 0, 0, 0), plus(common, constant(-d.input_speed)), (0, 0, 1, 0, 0), common),
+            observables=self.observables,
+            turning=self.turning,
+            paradox=self.paradox,
+            turns_over=False,
+            second="screw",
+            limit=self.bearing,
+        )
+
+    def _sign(self, direction: int) -> int:
+        """Sign of n when slip in a direction begins from rest, R ∓ F_0."""
+        force = self.d.axial_force - self.slide * direction
+        return (force > 0) - (force < 0)
+
+    def solve(self, direction: int, law: int, way: int) -> Solution:
+        """Newton's laws for θ″, θ_2″, n, the torque that the threads take, and the friction of the bearing."""
+        d, zero = self.d, constant(0)
+        rests, held = direction == 0, bool(self.bearing) and way == 0
+        turning = zero if held else self.speed
+        rate = turning if rests else (0, 0, 0, 1, 0)
+        travel = zero if rests else plus(scaled(turning, self.reach), scaled(rate, -self.reach))
+        torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(turning, -d.support_damping))
+        spring = plus(scaled(self.angle, -d.nut_stiffness), scaled(rate, -d.nut_damping))
+        push = plus(constant(d.axial_force - self.slide * direction), scaled(travel, -d.translation_damping))
+        threads = (1, -1, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
+        bearing = (1, 0, 0, 0, 0) if held else (0, 0, 0, 0, 1)
+        screw, nut, contact, taken, second = solved(
+            [
+                (d.screw_inertia, 0, 0, 1, 1),
+                (0, d.nut_inertia, 0, -1, 0),
+                (d.mass * self.reach, -d.mass * self.reach, 1, 0, 0),
+                threads,
+                bearing,
+            ],
+            [torque, spring, push, zero, zero if held else constant(self.bearing * way)],
+        )
+        frozen = {1: -d.input_speed} if held else {}
+        return Solution(
+            law=direction and law,
+            field=((0, 1, 0, 0, 0), screw, rate, nut),
+            frozen={**frozen, 3: 0} if rests and held else frozen,
+            contact=contact,
+            torque=taken,
+            slip_rate=plus(screw, scaled(nut, -1)),
+            second_rate=screw,
+            second_force=second,
+        )
+
+    def holds(self, way: int) -> dict[int, dict[int, tuple]]:
+        """Static friction that is left: ±(r_m ξ_s (R ∓ F_0) − τ) with s = ± sgn(R ∓ F_0)."""
+        torque = self.solve(0, 1, way).torque
+
+        def left(direction: int) -> tuple:
+            force = self.d.axial_force - self.slide * direction
+            most = self.d.pitch_radius * self.xi[1 if direction * force > 0 else -1] * force
+            return scaled(plus(constant(most), scaled(torque, -1)), direction)
+
+        return {0: {direction: left(direction) for direction in (1, -1)}}
+
+    def tied(self, slip: bool, second: bool) -> tuple[tuple, ...]:
+        """θ_2′ = θ′ where ``slip`` is zero, θ′ = 0 where ``second`` is."""
+        speed = constant(-self.d.input_speed) if second else (0, 1, 0, 0, 0)
+        common = constant(0) if second else self.speed
+        return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
+
+
+MODEL = two_body_model(
+    name="nut",
+    drive=NutParameters,
+    make=nut_automaton,
+    modes=NutMode,
+    events=NutEvent,
+    second=("nut_angle", "nut_rate"),
+    damping="nut_damping",
+    equations="Sect. 5.8, eq. 8.33",
+)

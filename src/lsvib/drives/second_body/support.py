@@ -1,0 +1,172 @@
+r"""Axial support: the screw can shift along its axis against a spring and a damper (Sect. 5.6, eqs 8.23–8.32).
+
+State (u, w, y, v): u = z − z_0 [rad] and w = u′ as in the rigid drive; y [m] is the shift x_1 of the screw, less that
+of steady sliding, and v = y′. The nut is at x = r_m tan λ θ + x_1. With the axial contact force n = N (cos λ + s μ sin
+λ), T = −k z − c θ′, S = k_1 x_1 + c_1 x_1′ and P = R − c_x x′,
+
+    I θ″ = T − T_0 sgn θ′ − r_m ξ_s n,      m_1 x_1″ = n − S,      m x″ = P − F_0 sgn x′ − n,
+    n = Q / [(m + m_1) Γ̃_s],      Γ̃_s = I − ξ_s tan λ m̃ r_m²,      m̃ = m m_1 / (m + m_1),
+    Q = I (m_1 P + m S) − m m_1 r_m tan λ T      (forces of friction included in P and T).
+
+Without θ″ these are (8.23). While the screw does not turn, it shifts together with the nut: n = A = (m_1 P + m S) /
+(m + m_1). Then static friction holds as long as T = −k z lies between r_m A ξ₋ − T_0 and r_m A ξ₊ + T_0 (for A > 0).
+How the threads and the bearing share T is not determined then; N is that of a bearing which takes nothing.
+
+Γ̃₊ ≤ 0: in a seizure the axial impulse J = m̃ r_m tan λ θ′ stops the screw and shifts it, x_1′ → x_1′ + J / m_1; the
+friction that this takes, ξ = I / (m̃ r_m² tan λ), is no more than ξ₊. F_0 needs I > ξ₊ tan λ m_1 r_m²: otherwise the
+threads jam while the slide is held (its mass is then in effect infinite), and the motion is not determined.
+"""
+
+import math
+from decimal import localcontext
+
+from lsvib.drives.once import once
+from lsvib.drives.parameters import SupportParameters
+from lsvib.drives.second_body.mechanics import (
+    Solution,
+    TwoBodies,
+    constant,
+    event_enum,
+    mode_enum,
+    plus,
+    solved,
+)
+from lsvib.drives.second_body.modes_and_guards import two_bodies
+from lsvib.drives.second_body.registration import two_body_model
+from lsvib.drives.second_body.screw import Screw
+from lsvib.engine.automaton import Automaton, scaled
+from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.reach import SWINGS
+from lsvib.errors import InputError
+
+STATES = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
+SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
+SupportEvent = event_enum("SupportEvent", "slide")
+
+
+def support_automaton(drive: SupportParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
+    """Return the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
+
+    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``EngineError`` if
+    the rates of a mode cannot be separated in double precision.
+    """
+    return _automaton(drive, slide, bearing)
+
+
+@once
+def _automaton(drive: SupportParameters, slide: bool, bearing: bool) -> Automaton:
+    with localcontext(prec=PLACES):
+        return two_bodies(_SupportBuild(drive, slide, bearing).bodies(), SupportMode, SupportEvent)
+
+
+class _SupportBuild(Screw):
+    """Newton's laws as rows over (u, w, y, v, 1)."""
+
+    def __init__(self, drive: SupportParameters, slide: bool, bearing: bool) -> None:
+        super().__init__(drive, slide, bearing)
+        d = self.d
+        self.paradox = d.screw_inertia <= self.turned * d.mass * d.screw_mass / (d.mass + d.screw_mass)
+        if self.slide and d.screw_inertia <= self.turned * d.screw_mass:
+            raise InputError(
+                f"slide_friction = {drive.slide_friction:g} needs screw_mass < {d.screw_inertia / self.turned:.6g} kg "
+                "in model support: above, the threads jam while the slide is held, and the motion is not determined."
+            )
+        self.shift = (0, 0, 1, 0, self.force / d.support_stiffness)
+        self.nut_speed = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
+
+    def bodies(self) -> TwoBodies:
+        """The drive in the words of :mod:`lsvib.drives.second_body.mechanics`: typical sizes of the state, speeds,
+        laws, resets."""
+        d = self.d
+        rate = float(self.reach * abs(d.input_speed))
+        loaded = (abs(float(d.axial_force)) + 1) / float(d.support_stiffness)
+        swing = rate * math.sqrt(float(d.screw_mass / d.support_stiffness))
+        kick = d.mass * self.reach / (d.mass + d.screw_mass)
+        return TwoBodies(
+            states=STATES,
+            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),
+            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
+            slip=self.speed,
+            sliding=self.nut_speed,
+            snaps=(1, 3),
+            solve=self.solve,
+            holds=self.holds,
+            released=lambda d, side: side,
+            tied=self.tied,
+            impact=(*self.tied(True, False)[:3], plus((0, 0, 0, 1, 0), scaled(self.speed, kick))),
+            observables=self.observables,
+            turning=self.turning,
+            paradox=self.paradox,
+            turns_over=bool(self.bearing),
+            second="nut",
+            limit=self.slide,
+        )
+
+    def solve(self, direction: int, law: int, way: int) -> Solution:
+        """Newton's laws for θ″, x_1″, n, the torque of friction on the screw, and the friction of the slide."""
+        d, zero = self.d, constant(0)
+        rests, held = direction == 0, bool(self.slide) and way == 0
+        turning = self.speed if direction else zero
+        rate = scaled(turning, -self.reach) if held else (0, 0, 0, 1, 0)
+        travel = zero if held else plus(scaled(turning, self.reach), rate)
+        torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(turning, -d.support_damping))
+        support = plus(scaled(self.shift, d.support_stiffness), scaled(rate, d.axial_support_damping))
+        push = plus(constant(d.axial_force), scaled(travel, -d.translation_damping))
+        threads = (1, 0, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
+        slide = (self.reach, 1, 0, 0, 0) if held else (0, 0, 0, 0, 1)
+        turn, shift, contact, taken, second = solved(
+            [
+                (d.screw_inertia, 0, 0, 1, 0),
+                (0, d.screw_mass, -1, 0, 0),
+                (d.mass * self.reach, d.mass, 1, 0, 1),
+                threads,
+                slide,
+            ],
+            [
+                torque,
+                scaled(support, -1),
+                push,
+                zero if rests else constant(self.bearing * direction),
+                zero if held else constant(self.slide * way),
+            ],
+        )
+        frozen = {1: -d.input_speed} if rests else {}
+        return Solution(
+            law=direction and law,
+            field=((0, 1, 0, 0, 0), turn, rate, shift),
+            frozen={**frozen, 3: 0} if rests and held else frozen,
+            contact=contact,
+            torque=taken,
+            slip_rate=turn,
+            second_rate=plus(scaled(turn, self.reach), shift),
+            second_force=second,
+        )
+
+    def holds(self, way: int) -> dict[int, dict[int, tuple]]:
+        """Static friction that is left: ±(r_m A ξ_s − T) + T_0 with s = ± sgn A."""
+        rest = self.solve(0, 1, way)
+
+        def left(side: int, direction: int) -> tuple:
+            threads = scaled(rest.contact, self.d.pitch_radius * self.xi[direction * side])
+            return plus(scaled(plus(threads, scaled(rest.torque, -1)), direction), constant(self.bearing))
+
+        return {side: {direction: left(side, direction) for direction in (1, -1)} for side in (1, -1)}
+
+    def tied(self, slip: bool, second: bool) -> tuple[tuple, ...]:
+        """θ′ = 0 where ``slip`` is zero, x′ = 0 where ``second`` is."""
+        speed = constant(-self.d.input_speed) if slip else (0, 1, 0, 0, 0)
+        held = constant(0) if slip else scaled(self.speed, -self.reach)
+        return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
+
+
+MODEL = two_body_model(
+    name="support",
+    drive=SupportParameters,
+    make=support_automaton,
+    modes=SupportMode,
+    events=SupportEvent,
+    second=("screw_shift", "shift_rate"),
+    damping="axial_support_damping",
+    equations="eqs 8.23-8.32",
+)

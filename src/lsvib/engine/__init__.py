@@ -1,0 +1,1 @@
+"""The engine: automata as tables of numbers, and their exact motions."""

@@ -1,0 +1,226 @@
+"""From a model in words – surfaces, modes, transitions – to the tables that the engine runs.
+
+Every number may be a ``Decimal``; it is rounded to double once, here.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from typing import Any
+
+import numpy as np
+
+from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.tables import Tables
+from lsvib.errors import EngineError
+
+Row = Sequence[Decimal | float | int]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Zero set of an affine function of the state (constant last); ``snap`` is the coordinate that is set on it."""
+
+    row: Row
+    snap: int
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A side of a surface: the mode lies where ``sign`` × function is positive; leaving it makes the transition."""
+
+    surface: str
+    sign: int
+    transition: str
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A linear flow and the guards around it; ``code`` names the mode in datasets.
+
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``LinearMode`` (more); ``exact`` is the
+    :func:`eigenform` of the oscillator, where it has one.
+    """
+
+    code: int
+    flow: Any
+    guards: tuple[Guard, ...]
+    beyond_accumulation: str | None = None
+    exact: tuple[Decimal, Decimal, Decimal] | None = None
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One outcome of a transition, taken if all ``conditions`` (row, test) hold and no earlier branch was."""
+
+    mode: str
+    kind: int
+    conditions: tuple[tuple[Row, Test], ...] = ()
+    sign: int = 0
+
+
+@dataclass(frozen=True)
+class Transition:
+    """An affine reset (one row for each coordinate) or none, then the first branch whose conditions hold."""
+
+    branches: tuple[Branch, ...]
+    reset: tuple[Row, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Automaton:
+    """A model ready to run: the engine's tables, the code of each mode and the observables.
+
+    ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
+    mode. ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
+    ``rest_codes`` are the codes of the modes at rest; a motion sprags in modes of ``sprag_codes`` and at events
+    of ``sprag_kinds``. The model vouches for two facts: ``passive``, energy enters as the work of constant forces
+    only, so that no motion grows faster than in proportion to time; ``contracts``, slip makes every area of the phase
+    plane smaller, or leaves every one as it is, and passing θ′ = 0 makes none larger (see docs/attraction.md).
+    """
+
+    tables: Tables
+    codes: np.ndarray
+    states: tuple[str, ...]
+    observables: dict[str, np.ndarray]
+    condition: float = 1.0
+    rest_codes: tuple[int, ...] = ()
+    sprag_codes: tuple[int, ...] = ()
+    sprag_kinds: tuple[int, ...] = ()
+    passive: bool = False
+    contracts: bool = False
+
+    def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
+        """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
+        rows = self.observables[name][modes]
+        return np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1]
+
+
+def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
+    """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
+
+    The characteristic roots are formed in decimal arithmetic, free of cancellation.
+    """
+    with localcontext(prec=PLACES):
+        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
+        alpha = a1 / 2
+        discriminant = alpha * alpha - a0
+        row = np.zeros(flow_planar.COLUMNS)
+        row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.B], row[flow_planar.ALPHA] = a0, a1, b, alpha
+        if discriminant < 0:
+            row[flow_planar.BETA] = (-discriminant).sqrt()
+        else:
+            row[flow_planar.DELTA] = discriminant.sqrt()
+            row[flow_planar.R1], row[flow_planar.R2] = _real_rates(alpha, a0)
+        row[flow_planar.EQUILIBRIUM] = b / a0 if a0 else 0
+        row[flow_planar.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
+    return row
+
+
+def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Decimal] | None:
+    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, to 50 digits; None if it has none."""
+    with localcontext(prec=PLACES):
+        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        alpha, square = damping / inertia / 2, stiffness / inertia
+        if not stiffness or alpha * alpha <= square:
+            return None
+        return force / stiffness, *_real_rates(alpha, square)
+
+
+def _real_rates(alpha: Decimal, square: Decimal) -> tuple[Decimal, Decimal]:
+    """Real roots r₁ ≥ r₂ of r² + 2α r + square: the larger one first, so that nothing cancels."""
+    large = -alpha - (alpha * alpha - square).sqrt().copy_sign(alpha)
+    small = square / large if large else Decimal(0)
+    return max(large, small), min(large, small)
+
+
+def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tuple:
+    """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
+    if mode.exact is None:
+        return 0, 0, 0
+    with localcontext(prec=PLACES):
+        place, rate, constant = (guard.sign * Decimal(x) for x in surfaces[guard.surface].row)
+        equilibrium, slow, fast = mode.exact
+        return place * equilibrium + constant, place + rate * slow, place + rate * fast
+
+
+def assemble(
+    states: tuple[str, ...],
+    surfaces: dict[str, Surface],
+    modes: dict[str, Mode],
+    transitions: dict[str, Transition],
+    observables: dict[str, dict[str, Row]],
+    shortest_stay: float,
+    stack: Callable = np.array,
+    **facts: tuple[int, ...] | bool,
+) -> Automaton:
+    """Lay a model out as tables.
+
+    Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); ``facts``, the other attributes of
+    :class:`Automaton`. Branches into modes that the model does not have are an error.
+    """
+    mode_index = {name: i for i, name in enumerate(modes)}
+    surface_index = {name: i for i, name in enumerate(surfaces)}
+    transition_index = {name: i for i, name in enumerate(transitions)}
+    guards = [guard for mode in modes.values() for guard in mode.guards]
+    branches = [branch for transition in transitions.values() for branch in transition.branches]
+    conditions = [condition for branch in branches for condition in branch.conditions]
+    resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
+    reset_index = iter(range(len(resets)))
+    n = len(states)
+    tables = Tables(
+        flow=stack([mode.flow for mode in modes.values()]),
+        surfaces=_rows([surface.row for surface in surfaces.values()], n),
+        snap=_integers(surface.snap for surface in surfaces.values()),
+        guard_start=_starts(mode.guards for mode in modes.values()),
+        guard_surface=_integers(surface_index[guard.surface] for guard in guards),
+        guard_sign=np.array([float(guard.sign) for guard in guards]),
+        guard_transition=_integers(transition_index[guard.transition] for guard in guards),
+        guard_parts=np.array(
+            [_guard_parts(mode, guard, surfaces) if n == 2 else () for mode in modes.values() for guard in mode.guards],
+            dtype=float,
+        ).reshape(len(guards), -1),
+        transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
+        resets=np.array([_rows(reset, n) for reset in resets]).reshape(-1, n, n + 1),
+        branch_start=_starts(transition.branches for transition in transitions.values()),
+        branch_mode=_integers(mode_index[branch.mode] for branch in branches),
+        branch_kind=_integers(branch.kind for branch in branches),
+        branch_sign=_integers(branch.sign for branch in branches),
+        condition_start=_starts(branch.conditions for branch in branches),
+        condition_row=_rows([row for row, _ in conditions], n),
+        condition_test=_integers(test for _, test in conditions),
+        beyond_accumulation=_integers(mode_index.get(mode.beyond_accumulation, -1) for mode in modes.values()),
+        shortest_stay=float(shortest_stay),
+    )
+    return Automaton(
+        tables=tables,
+        codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
+        states=states,
+        observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+        condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
+        **facts,
+    )
+
+
+def scaled(row: Row, factor) -> tuple:
+    """Return a row times a number."""
+    return tuple(factor * x for x in row)
+
+
+def _rows(rows: Sequence[Row], n: int) -> np.ndarray:
+    table = np.array([[float(x) for x in row] for row in rows], dtype=float).reshape(-1, n + 1)
+    if not np.isfinite(table).all():
+        raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
+    return table
+
+
+def _integers(values) -> np.ndarray:
+    return np.array([int(value) for value in values], dtype=np.int64)
+
+
+def _starts(groups) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum([len(group) for group in groups])]).astype(np.int64)

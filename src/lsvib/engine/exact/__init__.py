@@ -1,0 +1,1 @@
+"""Tables of a mode's flow from its linear field, with many digits."""

@@ -1,0 +1,271 @@
+"""From a linear field to the tables of :mod:`lsvib.engine.kernels.flow_blocks`: blocks of rates that lie close
+together.
+
+The homogeneous field of (x, 1) has the rates of A and one more zero. They are grouped: conjugate rates, and real ones
+that are near each other, belong together. The product P of the other groups' factors has the invariant subspaces of a
+group as its columns V₀ and rows W₀, whatever chains the group has; with W = (W₀ V₀)⁻¹ W₀ the block is B = W A V₀.
+Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
+0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
+
+A block's coordinates are, if that makes |B| no larger, what is left of d of the homogeneous ones in its subspace, those
+that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does
+not spoil the others. Its size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which
+brings the logarithmic norm of the block below σ. The smallest σ is taken for which R is not too far from a multiple of
+one.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import mpmath
+import numpy as np
+
+from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
+from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.errors import EngineError
+
+_DIGITS = 120  # the factors of far groups, in powers, take some of them
+_SAME = mpmath.mpf(10) ** -12  # relative size of a rate that is zero, and of the imaginary part of a real one
+_APART = 0.25  # relative distance of two rates from which on each is carried alone
+# Amplification by a group's projector from which on it is merged with the nearest. The four digits that this loses at
+# most are fewer than those that far rates in one block may lose.
+_CONDITION = 1e4
+_NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in any case
+
+
+@dataclass(frozen=True)
+class BlockMode:
+    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.flow_blocks.BlockFlow` and its condition."""
+
+    matrix: np.ndarray
+    norm: np.ndarray
+    inverse_norm: np.ndarray
+    rate: np.ndarray
+    edges: np.ndarray
+    growth: np.ndarray
+    to_blocks: np.ndarray
+    from_blocks: np.ndarray
+    field: np.ndarray
+    condition: float
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block B = W A V of a matrix, the rows W that lead into it and the columns V that lead back."""
+
+    matrix: mpmath.matrix  # (d, d)
+    into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
+    out: mpmath.matrix  # (p + 1, d)
+
+
+@dataclass(frozen=True)
+class _Norm:
+    """The norm |R y| in which a block grows as e^{σt} at most."""
+
+    factor: mpmath.matrix  # (d, d) R
+    inverse: mpmath.matrix  # (d, d)
+    growth: mpmath.mpf  # σ
+
+
+def block_mode(field: Field) -> BlockMode:
+    """Decompose a field. Raises ``EngineError`` if even so rounding is amplified by more than 1e6."""
+    with mpmath.workdps(_DIGITS):
+        matrix, push, sizes = field.reduced()
+        p = len(sizes)
+        sizes = [*sizes, mpmath.mpf(1)]
+        homogeneous = mpmath.zeros(p + 1)
+        for i in range(p):
+            for j in range(p + 1):
+                homogeneous[i, j] = (matrix[i, j] if j < p else push[i]) * sizes[j] / sizes[i]
+        rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
+        return _tables(field, sizes, _blocks(homogeneous, rates))
+
+
+def _blocks(matrix, rates) -> list[Block]:
+    groups = _groups(rates)
+    while True:
+        blocks = [block_of(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
+        worst = max(blocks, key=_amplification)
+        if len(groups) == 1 or _amplification(worst) <= _CONDITION:
+            return blocks
+        group = groups.pop(blocks.index(worst))
+        nearest = min(groups, key=lambda other: min(abs(a - b) for a in group for b in other))
+        nearest += group
+
+
+def _groups(rates) -> list[list]:
+    """Groups of rates of which each is near another, or its conjugate."""
+    largest = max(abs(rate) for rate in rates)
+    groups: list[list] = []
+    for rate in rates:
+        near = [g for g in groups if any(_near(rate, other, largest) for other in g)]
+        groups = [g for g in groups if g not in near] + [[rate, *(other for g in near for other in g)]]
+    return groups
+
+
+def _near(a, b, largest) -> bool:
+    distance = min(abs(a - b), abs(a - mpmath.conj(b)))
+    return distance <= max(_APART * max(abs(a), abs(b)), _SAME * _SAME * largest)
+
+
+def block_of(matrix, group, others) -> Block:
+    """Return the block of a group of rates of a matrix (p + 1, p + 1), in the digits of the context."""
+    product = mpmath.eye(matrix.rows)
+    for rate in others:
+        factor = matrix - rate * mpmath.eye(matrix.rows)
+        product = product * (factor / mpmath.mnorm(factor, mpmath.inf))
+    product = product.apply(mpmath.re)
+    columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
+    rows = (rows * columns) ** -1 * rows
+    chosen = max(combinations(range(matrix.rows), len(group)), key=lambda places: abs(_minor(columns, rows, places)))
+    own = mpmath.matrix([[columns[i, j] for j in range(len(group))] for i in chosen])
+    rows, columns = own * rows, columns * own**-1
+    return Block(rows * matrix * columns, rows, columns)
+
+
+def _minor(columns, rows, places):
+    """Determinant of these rows and columns of the projector."""
+    d = len(places)
+    left = mpmath.matrix([[columns[i, j] for j in range(d)] for i in places])
+    right = mpmath.matrix([[rows[i, j] for j in places] for i in range(d)])
+    return mpmath.det(left) * mpmath.det(right)
+
+
+def _basis(matrix, count: int) -> mpmath.matrix:
+    """Orthonormal basis of the space that the columns of a matrix of rank ``count`` span, the longest ones first."""
+    left = [matrix[:, j] for j in range(matrix.cols)]
+    found = mpmath.zeros(matrix.rows, count)
+    for k in range(count):
+        longest = max(left, key=mpmath.norm)
+        unit = longest / mpmath.norm(longest)
+        found[:, k] = unit
+        left = [column - unit * (unit.T * column)[0] for column in left]
+    return found
+
+
+def _amplification(block: Block) -> float:
+    """Of rounding, by the way into a block and back; its coordinates and those of the state have size one."""
+    size = block.out.rows
+    return amplification(_floats(block.out), _floats(block.into), np.ones(size))
+
+
+def _norm_of(block: Block) -> _Norm:
+    """Norm in which the block's logarithmic norm is below a σ that is as small as it allows."""
+    d = block.matrix.rows
+    rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
+    spectral = max(mpmath.re(rate) for rate in rates)
+    size = mpmath.mnorm(block.matrix, mpmath.inf)
+    if d == 1 or size == 0:
+        return _Norm(mpmath.eye(d), mpmath.eye(d), spectral)
+    fastest = max(abs(rate) for rate in rates)
+    margin = -spectral / 2 if spectral < -_SAME * size else (fastest if fastest > _SAME * size else size) / 8
+    most = max(_NORM_CONDITION, 4 * _amplification(block))
+    while True:
+        found = _lyapunov_norm(block.matrix, spectral + margin)
+        seen = Block(block.matrix, found.factor * block.into, block.out * found.inverse)
+        if _amplification(seen) <= most or margin > 8 * size:
+            return found
+        margin *= 4
+
+
+def _lyapunov_norm(matrix, growth) -> _Norm:
+    d = matrix.rows
+    shifted = matrix - growth * mpmath.eye(d)
+    equations, right = mpmath.zeros(d * d), mpmath.zeros(d * d, 1)
+    for i in range(d):
+        for j in range(d):
+            right[d * i + j] = -mpmath.mpf(i == j)
+            for k in range(d):  # (Mᵀ P + P M)_ij
+                equations[d * i + j, d * k + j] += shifted[k, i]
+                equations[d * i + j, d * i + k] += shifted[k, j]
+    solution = mpmath.lu_solve(equations, right)
+    norm = mpmath.matrix([[(solution[d * i + j] + solution[d * j + i]) / 2 for j in range(d)] for i in range(d)])
+    factor = mpmath.cholesky(norm / mpmath.mnorm(norm, mpmath.inf)).T
+    return _Norm(factor, factor**-1, growth)
+
+
+def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
+    """The block's own coordinates, or z = R y where these make |B| smaller.
+
+    The exponential of B loses what the rates of |B|, which no choice of units changes, exceed those of B by. In its own
+    coordinates the B of a drive is close to triangular; that of a chain in a general position is not.
+    """
+    d = block.matrix.rows
+    turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
+    if _rate_of_sizes(turned) < _rate_of_sizes(block):
+        return turned, _Norm(mpmath.eye(d), mpmath.eye(d), norm.growth)
+    # Each coordinate in the unit whose norm is one, which makes B small.
+    lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]
+    unit, inverse = mpmath.diag(lengths), mpmath.diag([1 / x for x in lengths])
+    even = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
+    return even, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+
+
+def _rate_of_sizes(block: Block) -> float:
+    """Largest rate [1/s] of |B|."""
+    return float(np.abs(np.linalg.eigvals(np.abs(_floats(block.matrix)))).max())
+
+
+def _floats(matrix) -> np.ndarray:
+    return np.array(matrix.tolist(), dtype=float)
+
+
+def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
+    n, q = field.rows.rows, len(sizes)
+    matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
+    norm, inverse_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
+    to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
+    places = [*field.alive, n]
+    for i, value in field.kept.items():
+        from_blocks[i, q] = float(value)
+    first = 0
+    for k, block in enumerate(blocks):
+        d = block.matrix.rows
+        part = slice(first, first + d)
+        edges[k], first = first, first + d
+        block, measure = _in_good_coordinates(block, _norm_of(block))
+        matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
+        inverse_norm[part, part] = _floats(measure.inverse)
+        # Of the smallest relative amount more, so that the bound covers the rounding of B.
+        turned = _floats(measure.factor * block.matrix * measure.inverse)
+        growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
+        rate[part] = np.linalg.norm(turned)
+        for j, place in enumerate(places):
+            to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
+            if place < n:
+                from_blocks[place, part] = [float(x * sizes[j]) for x in block.out[j, :]]
+    condition = amplification(from_blocks[:, :q], to_blocks, field.sizes)
+    if not condition < WORST_CONDITION:
+        raise EngineError(
+            f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
+            "parameters that lie less far apart."
+        )
+    return BlockMode(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table(), condition)
+
+
+def block_flow(modes: list[BlockMode]) -> BlockFlow:
+    """Put modes together in one table; modes with fewer coordinates are filled up with some that stay zero."""
+    count, n = len(modes), modes[0].field.shape[0]
+    q = n + 1
+    flow = BlockFlow(
+        np.zeros((count, q, q)),
+        np.zeros((count, q, q)),
+        np.zeros((count, q, q)),
+        np.zeros((count, q)),
+        np.full((count, q + 1), q, dtype=np.int64),
+        np.zeros((count, q)),
+        np.zeros((count, q, n + 1)),
+        np.zeros((count, n, q + 1)),
+        np.array([mode.field for mode in modes]),
+    )
+    for k, mode in enumerate(modes):
+        own = len(mode.matrix)
+        flow.matrix[k, :own, :own] = mode.matrix
+        flow.norm[k, :own, :own], flow.inverse_norm[k, :own, :own] = mode.norm, mode.inverse_norm
+        flow.rate[k, :own] = mode.rate
+        flow.edges[k, : own + 1] = mode.edges
+        flow.growth[k, :own] = mode.growth
+        flow.to_blocks[k, :own] = mode.to_blocks
+        flow.from_blocks[k, :, :own] = mode.from_blocks[:, :own]
+        flow.from_blocks[k, :, -1] = mode.from_blocks[:, -1]
+    return flow

@@ -1,0 +1,79 @@
+"""Which kind of flow carries a model with more than two states.
+
+The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Whether it loses digits is judged by the typical
+sizes of the coordinates, and if that fails, by those that a motion reaches. Where rates of a mode coincide in a way
+that it does not know, or so nearly that it would lose more than six digits even so, all modes of the model are carried
+in blocks instead (:mod:`lsvib.engine.exact.block_form`), since a flow is of one kind: its kernels are chosen by its
+type.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cached_property
+
+import numpy as np
+
+from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
+from lsvib.engine.exact.field import DIGITS, Field, exact_field
+from lsvib.engine.exact.modal_form import ModalMode, modal_flow, modal_mode
+from lsvib.engine.exact.reach import reached
+from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.flow_modal import ModalFlow
+
+_MORE_DIGITS = 120  # for rates that lie thirty decades apart
+
+
+@dataclass(frozen=True)
+class LinearMode:
+    """The field of a mode, and its modal form if it has one."""
+
+    field: Field
+    modal: ModalMode | None
+    horizon: float
+
+    @cached_property
+    def blocks(self) -> BlockMode:
+        """The mode in blocks."""
+        return block_mode(reached(self.field, self.horizon))
+
+    @property
+    def condition(self) -> float:
+        """Largest amplification of rounding by the modal form, or by the blocks where there is none."""
+        return self.blocks.condition if self.modal is None else self.modal.condition
+
+    @property
+    def time_scales(self) -> list[float]:
+        """Time scales [s] of the mode's rates; without a modal form, of the field."""
+        if self.modal is None:
+            rates = np.abs(self.field.table()[:, :-1]) @ self.field.sizes / self.field.sizes
+            return [1.0 / rate for rate in rates if rate > 0.0]
+        return self.modal.time_scales
+
+
+def linear_mode(
+    rows: Sequence[Sequence],
+    sizes: Sequence[float],
+    frozen: Mapping[int, Decimal] | None = None,
+    horizon: float = math.inf,
+) -> LinearMode:
+    """Return a mode of a model.
+
+    Arguments as of :func:`lsvib.engine.exact.field.exact_field`, and the horizon [s] of
+    :func:`lsvib.engine.exact.reach.reached`.
+    """
+    field = exact_field(rows, sizes, frozen)
+    for digits in (DIGITS, _MORE_DIGITS):
+        try:
+            return LinearMode(field, modal_mode(field, digits), horizon)
+        except ArithmeticError:
+            field = reached(exact_field(rows, sizes, frozen), horizon)
+    return LinearMode(field, None, horizon)
+
+
+def flow_of(modes: Sequence[LinearMode]) -> ModalFlow | BlockFlow:
+    """Put the modes of a model together in one table, in modal form if all have one, else in blocks."""
+    if any(mode.modal is None for mode in modes):
+        return block_flow([mode.blocks for mode in modes])
+    return modal_flow([mode.modal for mode in modes])

@@ -1,0 +1,217 @@
+"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.engine.kernels.flow_modal`, in 60 digits or more.
+
+The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
+s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
+subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.factors`). Nothing of this
+is sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation
+of the factor, so (q, q′) is an oscillator, or q alone an exponential. Rates repeated without a chain share a factor and
+get one such row each.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import mpmath
+import numpy as np
+
+from lsvib.engine.exact.factors import subspaces
+from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels.flow_modal import ModalFlow
+
+
+@dataclass(frozen=True)
+class ModalMode:
+    """One mode in modal form, with p pairs, s singles and q = 2p + s coordinates.
+
+    Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
+    :class:`lsvib.engine.kernels.flow_modal.ModalFlow`. ``condition`` is the largest amplification of rounding,
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
+    """
+
+    oscillators: np.ndarray
+    rates: np.ndarray
+    pushes: np.ndarray
+    to_modal: np.ndarray
+    from_modal: np.ndarray
+    field: np.ndarray
+    condition: float
+
+    @property
+    def time_scales(self) -> list[float]:
+        """Time scales [s] of the pairs, and of the singles that are carried about their equilibrium."""
+        about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
+        return [*self.oscillators[:, flow_planar.TIME_SCALE], *(1.0 / np.abs(about))]
+
+
+def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
+    """Decompose a field, in so many digits.
+
+    Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
+    factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
+    """
+    with mpmath.workdps(digits):
+        matrix, constant, scale = field.reduced()
+        pairs, singles = [], []
+        for factor, projector, slow in subspaces(matrix, scale):
+            rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+            if len(factor) == 3:
+                pairs += _pairs(matrix, constant, factor, projector, scale, rank // 2)
+            else:
+                singles += _singles(constant, -factor[1], projector, scale, slow, rank)
+        return _tables(field, pairs, singles)
+
+
+@dataclass(frozen=True)
+class _Pair:
+    row: np.ndarray  # of the oscillator table
+    into: mpmath.matrix  # (2, n + 1)
+    out: mpmath.matrix  # (n, 3), the constant last
+
+
+@dataclass(frozen=True)
+class _SingleRate:
+    rate: mpmath.mpf
+    push: mpmath.mpf
+    into: mpmath.matrix  # (1, n + 1)
+    out: mpmath.matrix  # (n, 2), the constant last
+
+
+def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_SingleRate]:
+    """The exponentials of the subspace of one rate, as many as it has dimensions."""
+    rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
+    block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
+    singles = []
+    for k, i in enumerate(rows):
+        # Coordinates q = Π x at the chosen rows; the vectors that give them back are dual to these rows.
+        vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
+        covector = projector[i, :]
+        push = (covector * constant)[0]
+        # Where it is slow its equilibrium may lie far away.
+        shift = push / rate if rate and not slow else mpmath.mpf(0)
+        left = push if slow or not rate else mpmath.mpf(0)
+        out = mpmath.matrix([[x, -x * shift] for x in vector])
+        singles.append(_SingleRate(rate, left, mpmath.matrix([[*covector, shift]]), out))
+    return singles
+
+
+def _minor(projector, chosen, scale):
+    """Determinant of the chosen rows and columns of a projector, in scaled coordinates."""
+    return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
+
+
+def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair]:
+    """The oscillators of a factor of degree two that ``count`` pairs of rates share, one split off after the other."""
+    _, a1, a0 = factor
+    weights, pairs = mpmath.diag([s * s for s in scale]), []
+    for left in reversed(range(count)):
+        covector = _row_of_pair(matrix, factor, projector, scale)
+        rows = mpmath.matrix([list(covector), list(covector * matrix)])
+        if left:
+            vector = projector * weights * covector.T
+            vectors = mpmath.matrix([list(vector), list(matrix * vector)]).T
+            vectors = vectors * (rows * vectors) ** -1
+            projector = projector - vectors * rows
+        else:
+            vectors = projector * weights * rows.T * (rows * weights * rows.T) ** -1
+        push = (covector * constant)[0]
+        rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
+        into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
+        out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
+        pairs.append(_Pair(_row(a0, a1), into, mpmath.matrix(out)))
+    return pairs
+
+
+def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
+    """A row ℓΠ of the subspace of a pair, as independent of ℓAΠ as can be."""
+    unit = mpmath.sqrt(abs(factor[2]))
+    rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
+    candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
+
+    def length(candidate) -> mpmath.mpf:
+        return mpmath.norm([x * s for x, s in zip(mpmath.matrix([candidate]) * projector, scale, strict=True)])
+
+    def spread(candidate) -> mpmath.mpf:
+        """Square of the sine between ℓΠ and ℓAΠ."""
+        covector = mpmath.matrix([candidate]) * projector
+        first = [x * s for x, s in zip(covector, scale, strict=True)]
+        second = [x * s / unit for x, s in zip(covector * matrix, scale, strict=True)]
+        product = sum(x * y for x, y in zip(first, second, strict=True))
+        return 1 - product * product / (sum(x * x for x in first) * sum(x * x for x in second))
+
+    # Rows that the subspace hardly reaches hold rounding only.
+    longest = max(map(length, candidates))
+    return mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
+
+
+def _row(a0, a1) -> np.ndarray:
+    """Row of the oscillator table for s² + a₁ s + a₀, without force."""
+    row = np.zeros(flow_planar.COLUMNS)
+    alpha, discriminant = a1 / 2, a1 * a1 / 4 - a0
+    row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.ALPHA] = float(a0), float(a1), float(alpha)
+    if discriminant < 0:
+        row[flow_planar.BETA] = float(mpmath.sqrt(-discriminant))
+    else:
+        delta = mpmath.sqrt(discriminant)
+        large = -(alpha + delta) if alpha >= 0 else -alpha + delta
+        small = a0 / large
+        row[flow_planar.DELTA] = float(delta)
+        row[flow_planar.R1], row[flow_planar.R2] = float(max(large, small)), float(min(large, small))
+    row[flow_planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
+    return row
+
+
+def _tables(field: Field, pairs: list[_Pair], singles: list[_SingleRate]) -> ModalMode:
+    n, count, alive = field.rows.rows, 2 * len(pairs) + len(singles), field.alive
+    to_modal, from_modal = np.zeros((count, n + 1)), np.zeros((n, count + 1))
+    offset = mpmath.zeros(n, 1)
+    for i, value in field.kept.items():
+        offset[i] = value
+    first = 0
+    for piece in [*pairs, *singles]:
+        for k in range(piece.into.rows):
+            for j, i in enumerate(alive):
+                to_modal[first + k, i] = float(piece.into[k, j])
+                from_modal[i, first + k] = float(piece.out[j, k])
+            to_modal[first + k, n] = float(piece.into[k, len(alive)])
+        for j, i in enumerate(alive):
+            offset[i] += piece.out[j, piece.into.rows]
+        first += piece.into.rows
+    from_modal[:, -1] = [float(x) for x in offset]
+    condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
+    if not condition < WORST_CONDITION:
+        raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
+    return ModalMode(
+        np.array([pair.row for pair in pairs]).reshape(-1, flow_planar.COLUMNS),
+        np.array([float(single.rate) for single in singles]),
+        np.array([float(single.push) for single in singles]),
+        to_modal,
+        from_modal,
+        field.table(),
+        condition,
+    )
+
+
+def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
+    """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
+    pairs, singles = np.array([len(mode.oscillators) for mode in modes]), np.array([mode.rates.size for mode in modes])
+    size, n = (2 * pairs + singles).max(), modes[0].field.shape[0]
+    flow = ModalFlow(
+        pairs,
+        singles,
+        np.zeros((len(modes), pairs.max(), flow_planar.COLUMNS)),
+        np.zeros((len(modes), singles.max())),
+        np.zeros((len(modes), singles.max())),
+        np.zeros((len(modes), size, n + 1)),
+        np.zeros((len(modes), n, size + 1)),
+        np.array([mode.field for mode in modes]),
+    )
+    for k, mode in enumerate(modes):
+        own = len(mode.to_modal)
+        flow.oscillators[k, : pairs[k]] = mode.oscillators
+        flow.rates[k, : singles[k]], flow.pushes[k, : singles[k]] = mode.rates, mode.pushes
+        flow.to_modal[k, :own] = mode.to_modal
+        flow.from_modal[k, :, :own] = mode.from_modal[:, :-1]
+        flow.from_modal[k, :, -1] = mode.from_modal[:, -1]
+    return flow

@@ -1,0 +1,68 @@
+"""Compile what runs of the engine need, so that parallel jobs find a filled cache.
+
+Left to their first use: the flow in blocks, which few models need, and the kernels of maps.
+"""
+
+import numpy as np
+
+from lsvib.engine.kernels import dispatch, event_loop, flow_planar, search_planar
+from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.tables import Tables
+
+
+def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
+    """Compile and cache each entry point for the kinds of flow, on an oscillator that bounces off a surface."""
+    row = np.zeros(flow_planar.COLUMNS)
+    row[[flow_planar.A0, flow_planar.BETA, flow_planar.TIME_SCALE]] = 1.0
+    same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
+    one = np.array([1])
+    field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
+    alone = np.zeros((1, 0))
+    modal = ModalFlow(one, np.array([0]), np.array([[row]]), alone, alone, same, same, field)
+    flows_of = {"planar": np.array([row]), "modal": modal}
+    for kind in kinds:
+        _bounce(flows_of[kind])
+
+
+def _bounce(flow) -> None:
+    one, state = np.array([0]), np.array([1.0, 0.0])
+    tables = Tables(
+        flow=flow,
+        surfaces=np.array([[1.0, 0.0, 0.5]]),
+        snap=one,
+        guard_start=np.array([0, 1]),
+        guard_surface=one,
+        guard_sign=np.array([1.0]),
+        guard_transition=np.array([1]),
+        guard_parts=np.zeros((1, 3 if isinstance(flow, np.ndarray) else 0)),
+        transition_reset=np.array([-1, 0]),
+        resets=np.array([[[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]]),
+        branch_start=np.array([0, 1, 2]),
+        branch_mode=np.array([0, 0]),
+        branch_kind=np.array([2, 2]),
+        branch_sign=np.array([0, 0]),
+        condition_start=np.array([0, 0, 1]),
+        condition_row=np.array([[0.0, 1.0, 0.0]]),
+        condition_test=np.array([int(Test.POSITIVE)]),
+        beyond_accumulation=np.array([-1]),
+        shortest_stay=0.0,
+    )
+    events = tuple(
+        np.zeros(shape, dtype)
+        for shape, dtype in ((8, float), (8, np.int8), (8, np.int8), (8, np.int64), ((8, 2), float), ((8, 2), float))
+    )
+    _, _, count = event_loop.run(tables, 0, state, np.abs(state), np.zeros(3), 10.0, -1, -1, events)
+    if count != 2:
+        raise AssertionError(f"the compiled engine bounced {count} times instead of 2")
+    event_loop.choose_branch(tables, 0, state, np.abs(state))
+    times = np.array([0.0, 1.0])
+    event_loop.states_at(
+        tables, 0.0, 0, state, events[0], events[3], events[5], times, np.zeros((2, 2)), np.zeros(2, dtype=np.int64)
+    )
+    surface = tables.surfaces[0]
+    dispatch.extremes(flow, 0, state, surface, 1.0)
+    dispatch.slopes_at(flow, 0, state, np.abs(state), surface)
+    dispatch.advance(flow, 0, state, 1.0, state)
+    if isinstance(flow, np.ndarray):
+        search_planar.crossing(flow, 0, state, surface, False, 1.0)

@@ -1,0 +1,234 @@
+"""The event loop: flow to the first guard that fires, reset, branch, and again. It knows no model.
+
+A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be
+zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding:
+rising, it is watched from its first maximum on; falling, it fires at once. No time step and no tolerance in time is
+involved.
+"""
+
+import math
+
+import numpy as np
+
+from lsvib.engine.kernels import dispatch
+from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
+
+_NONE = int(Found.NONE)
+_CROSSING = int(Found.CROSSING)
+_GRAZE = int(Found.GRAZE)
+_LOST = int(Found.UNDECIDED)
+_ACCUMULATED = int(Status.ACCUMULATED)
+_NO_BRANCH = int(Status.NO_BRANCH)
+_POSITIVE = int(Test.POSITIVE)
+_ZERO = int(Test.ZERO)
+GOES_ON = -1  # instead of a status: no end
+NO_KIND = -1  # instead of an event kind: nothing happened
+MANY = 24  # so many shortest stays in a row are an accumulation
+LARGEST = 1e150  # a state beyond it has left the range of numbers
+
+
+@inlined_kernel
+def next_event(tables, mode, state, scale, limit, room, zeros, work):
+    """Find the first guard of ``mode`` that fires within ``limit`` [s].
+
+    ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
+    A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
+    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode,
+    ``work`` is that of the search (:func:`lsvib.engine.kernels.dispatch.workspace`).
+    Returns (``Found``, guard index, time [s]).
+    """
+    first_guard = tables.guard_start[mode]
+    count = tables.guard_start[mode + 1] - first_guard
+    guards, on_surface, touched = room[:count], zeros[:count], False
+    for k in range(count):
+        guard = first_guard + k
+        for i in range(state.size + 1):
+            guards[k, i] = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard], i]
+        for i in range(tables.guard_parts.shape[1]):
+            guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
+        value, size = level(guards[k], state, scale)
+        on_surface[k] = value <= size
+        if on_surface[k]:
+            touched = True
+            rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
+            if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
+                return _CROSSING, guard, 0.0
+    if touched and dispatch.is_still(tables.flow, mode, state):
+        return _NONE, first_guard, limit
+    found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
+    return found, first_guard + k, when
+
+
+@inlined_kernel
+def choose_branch(tables, transition, state, scale):
+    """Return the first branch of a transition whose conditions hold at ``state``, or −1; ``scale`` as in next_event."""
+    for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+        holds = True
+        for k in range(tables.condition_start[branch], tables.condition_start[branch + 1]):
+            value, size = level(tables.condition_row[k], state, scale)
+            test = tables.condition_test[k]
+            if test == _POSITIVE:
+                holds = value > size
+            elif test == _ZERO:
+                holds = abs(value) <= size
+            else:
+                holds = value >= -size
+            if not holds:
+                break
+        if holds:
+            return branch
+    return -1
+
+
+@inlined_kernel
+def put_on_surface(tables, guard, state, scale):
+    """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit.
+
+    ``scale`` (n) are the magnitudes that the state was computed from; those of the coordinate become what the surface
+    leaves open.
+    """
+    surface = tables.surfaces[tables.guard_surface[guard]]
+    chosen = tables.snap[tables.guard_surface[guard]]
+    if state.size > 2:  # the one whose rounding moves the surface most: it may be many digits of another
+        for i in range(state.size):
+            if abs(surface[i]) * scale[i] > abs(surface[chosen]) * scale[chosen]:
+                chosen = i
+    rest = surface[surface.size - 1]
+    size = abs(rest)
+    for i in range(surface.size - 1):
+        if i != chosen:
+            rest += surface[i] * state[i]
+            size += abs(surface[i]) * scale[i]
+    state[chosen] = -rest / surface[chosen]
+    scale[chosen] = min(scale[chosen], size / abs(surface[chosen]))
+
+
+@inlined_kernel
+def apply_reset(tables, transition, state, scratch):
+    """Apply the affine reset of a transition to ``state`` in place; ``scratch`` has the size of the state."""
+    index = tables.transition_reset[transition]
+    if index < 0:
+        return
+    for i in range(state.size):
+        row = tables.resets[index, i]
+        total = row[state.size]
+        for j in range(state.size):
+            total += row[j] * state[j]
+        scratch[i] = total
+    for i in range(state.size):  # element by element: assigning arrays compiles numba's text of the error as well
+        state[i] = scratch[i]
+
+
+@inlined_kernel
+def arrive(tables, mode, state, scale, guard, stay, work):
+    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
+    if stay > 0.0:
+        dispatch.travel(tables.flow, mode, state, stay, scale, work)
+        put_on_surface(tables, guard, state, scale)
+    for i in range(state.size):
+        scale[i] = max(scale[i], abs(state[i]))
+
+
+@inlined_kernel
+def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
+    """Reset ``state`` in place where the guard has fired, and choose what follows.
+
+    ``short_stays``: shortest stays in a row, this one included; ``scratch`` has the size of the state. Returns
+    (GOES_ON or the ``Status`` that ends the run, mode after, event kind, its sign).
+    """
+    if found == _GRAZE:
+        return GOES_ON, mode, GRAZE_KIND, 0
+    apply_reset(tables, tables.guard_transition[guard], state, scratch)
+    if short_stays == MANY:
+        beyond = tables.beyond_accumulation[mode]
+        return GOES_ON if beyond >= 0 else _ACCUMULATED, beyond, ACCUMULATION_KIND, 0
+    branch = choose_branch(tables, tables.guard_transition[guard], state, scale)
+    if branch < 0:
+        return _NO_BRANCH, mode, NO_KIND, 0
+    return GOES_ON, tables.branch_mode[branch], tables.branch_kind[branch], tables.branch_sign[branch]
+
+
+@allocating_kernel
+def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
+    """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
+
+    Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
+    from, replaced; clock (3): time [s], its compensation, and the number of shortest stays so far in a row, replaced;
+    t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any
+    mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled
+    from index 0. A run that ends because they are full goes on from what it has replaced as if it had never ended.
+    Returns (``Status``, mode, number of events).
+    """
+    times, kinds, signs, modes, before, after = events
+    n = state.size
+    scratch = np.empty(n)
+    room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
+    zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
+    work = dispatch.workspace(tables.flow, tables.guard_sign.size)
+    count = 0
+    while True:
+        remaining = (t_end - clock[0]) - clock[1]
+        found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
+        if found == _LOST:
+            return Status.UNDECIDED, mode, count
+        if found == _NONE:
+            if remaining == math.inf:
+                return Status.SETTLED, mode, count
+            dispatch.advance(tables.flow, mode, state, remaining, state)
+            clock[0], clock[1] = t_end, 0.0
+            return Status.TIME_REACHED, mode, count
+        if count == times.size:
+            return Status.EVENTS_FULL, mode, count
+        arrive(tables, mode, state, scale, guard, stay, work)
+        add_time(clock, stay)
+        for i in range(n):
+            before[count, i] = state[i]
+            if not abs(state[i]) < LARGEST:
+                return Status.DIVERGED, mode, count
+        clock[2] = clock[2] + 1.0 if stay < tables.shortest_stay else 0.0
+        end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
+        if end != GOES_ON:
+            return end, mode, count
+        if kind == ACCUMULATION_KIND:
+            clock[2] = 0.0
+        times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
+        for i in range(n):
+            after[count, i] = state[i]
+        count += 1
+        if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
+            return Status.STOP_EVENT, mode, count
+
+
+@inlined_kernel
+def add_time(clock, stay):
+    """Add a stay [s] to ``clock`` (time, compensation), a compensated sum: a million short stays lose no digits."""
+    total = clock[0] + stay
+    if abs(clock[0]) >= abs(stay):
+        clock[1] += (clock[0] - total) + stay
+    else:
+        clock[1] += (stay - total) + clock[0]
+    clock[0] = total
+
+
+@kernel
+def states_at(
+    tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
+):
+    """Write exact states and modes at ``times`` [s] (ascending, from ``start_time`` on) to ``states`` and ``modes``.
+
+    At the very time of an event the state after it is given.
+    """
+    event = -1
+    for k in range(times.size):
+        while event + 1 < event_times.size and event_times[event + 1] <= times[k]:
+            event += 1
+        if event < 0:
+            modes[k] = start_mode
+            dispatch.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
+        else:
+            modes[k] = event_modes[event]
+            dispatch.advance(
+                tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k]
+            )

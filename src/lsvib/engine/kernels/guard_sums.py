@@ -1,0 +1,270 @@
+"""Guards along a modal flow, as sums of oscillators and exponentials, and enclosures of them and their derivatives.
+
+With the modal coordinates of :mod:`lsvib.engine.kernels.flow_modal` a guard is
+
+    g(t) = g₀ + Σ p(t) + Σ a e^{rt} + Σ b ∫₀ᵗ e^{rτ} dτ
+
+over pairs and the two sorts of singles. The parts are formed once for a search; after that a value of any guard costs
+the exponentials of its mode and a few products. The k-th derivative of a pair's part is bounded by
+
+    complex:  min( |z| ω^k e^{−αt},  e^{−αt} (|P_k| + |Q_k| t) )
+    real:     min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )
+
+where the second forms stay small near a double rate; that of a single is monotone, so its values at both ends of a step
+enclose it.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.engine.kernels import flow_modal
+from lsvib.engine.kernels.affine import apply
+from lsvib.engine.kernels.flow_planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, own_rate
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+
+ORDERS = 5  # derivatives 0 to 4
+
+
+class Sums(NamedTuple):
+    """Parts of up to g guards in a mode of up to p pairs and s singles, and their values at up to three times."""
+
+    states: np.ndarray  # (2, q) modal state at time zero, spare room
+    form: np.ndarray  # (q + 1,) one guard in modal coordinates
+    constants: np.ndarray  # (g,) g₀, and what singles without equilibrium are at time zero
+    pairs: (
+        np.ndarray
+    )  # (g, p, 4) p, p′ − ρp, p′, ρp′ − a₀p at time zero, see :func:`lsvib.engine.kernels.flow_modal.responses`
+    pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
+    singles: np.ndarray  # (g, s, orders) factor of e^{rt} in each derivative
+    rounding: np.ndarray  # (g,)
+    pair_nodes: np.ndarray  # (3, p, 6) responses of each pair at a time
+    single_nodes: np.ndarray  # (3, s, 2) growth of each single and its integral at a time
+    values: np.ndarray  # (3, g, 6) a guard and two derivatives at a time, and the same of its pairs alone
+
+
+@allocating_kernel
+def room_for(flow, guards):
+    """Return room for so many guards."""
+    pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
+    size = flow.to_modal.shape[1]
+    return Sums(
+        np.empty((2, size)),
+        np.empty(size + 1),
+        np.empty(guards),
+        np.empty((guards, pairs, 4)),
+        np.empty((guards, pairs, ORDERS, 4)),
+        np.empty((guards, singles, ORDERS)),
+        np.empty(guards),
+        np.empty((3, pairs, 6)),
+        np.empty((3, singles, 2)),
+        np.empty((3, guards, 6)),
+    )
+
+
+@inlined_kernel
+def prepare(flow, mode, state, guards, sums):
+    """Form the parts of guards (g, n + 1 or more) from a state (n), and their values at time zero as node 0."""
+    pairs, singles, size = flow.pairs[mode], flow.singles[mode], flow_modal.size_of(flow, mode)
+    start, form = sums.states[0, :size], sums.form[: size + 1]
+    apply(flow.to_modal[mode], state, start)
+    for pair in range(pairs):
+        node = sums.pair_nodes[0, pair]
+        node[0], node[1], node[2], node[3], node[4], node[5] = 1.0, 0.0, 1.0, 1.0, 1.0, 0.0
+    for single in range(singles):
+        sums.single_nodes[0, single, 0], sums.single_nodes[0, single, 1] = 1.0, 0.0
+    for guard in range(guards.shape[0]):
+        flow_modal.in_modal_form(flow, mode, guards[guard], form)
+        constant, total, k = form[size], abs(form[size]), 0
+        for pair in range(pairs):
+            row, u, w, g_u, g_w = flow.oscillators[mode, pair], start[k], start[k + 1], form[k], form[k + 1]
+            part, rate, own = g_u * u + g_w * w, g_u * w - g_w * (row[A0] * u + row[A1] * w), own_rate(row)
+            parts = sums.pairs[guard, pair]
+            parts[0], parts[1], parts[2], parts[3] = part, rate - own * part, rate, own * rate - row[A0] * part
+            pair_bounds(row, part, rate, sums.pair_bounds[guard, pair])
+            total += abs(g_u * u) + abs(g_w * w)
+            k += 2
+        for single in range(singles):
+            rate, push = flow.rates[mode, single], flow.pushes[mode, single]
+            part, factors = form[k] * start[k], sums.singles[guard, single]
+            if push == 0.0:
+                factors[0], factors[1] = part, rate * part
+            else:
+                factors[0], factors[1] = 0.0, form[k] * (rate * start[k] + push)
+                constant += part
+            for order in range(2, ORDERS):
+                factors[order] = rate * factors[order - 1]
+            total += abs(part)
+            k += 1
+        sums.constants[guard] = constant
+        sums.rounding[guard] = 8.0 * EPS * total
+        evaluate(flow, mode, sums, guard, 0)
+
+
+@kernel
+def pair_bounds(row, value, rate, out):
+    """Write the factors of the bounds of a pair's part, given its value and rate at time zero, to ``out`` (orders, 4).
+
+    Columns as in ``Sums``; the slow amplitude includes what it may have lost to cancellation, and is infinite where the
+    rates are equal, so that there are no two terms.
+    """
+    if row[BETA] > 0.0:
+        across = (rate + row[ALPHA] * value) / row[BETA]
+        size = math.sqrt(value * value + across * across)
+        more = math.sqrt(row[A0])
+        for k in range(ORDERS):
+            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = size, 0.0, abs(value), abs(rate + row[ALPHA] * value)
+            size *= more
+            value, rate = rate, -row[A0] * value - row[A1] * rate
+        return
+    p, q = value, rate - row[R1] * value
+    spread = 2.0 * row[DELTA]
+    fast = -q / spread if spread > 0.0 else 0.0
+    slow, lost = p - fast, 4.0 * EPS * (abs(p) + abs(fast))
+    for k in range(ORDERS):
+        out[k, 0] = abs(slow) + lost if spread > 0.0 else math.inf
+        out[k, 1], out[k, 2], out[k, 3] = abs(fast), abs(p), abs(q)
+        p, q = row[R1] * p + q, row[R2] * q
+        slow, fast, lost = row[R1] * slow, row[R2] * fast, abs(row[R1]) * lost
+
+
+@inlined_kernel
+def bound(factors, slow, fast, h):
+    """Bound of a pair's part of a derivative: a row of ``pair_bounds`` (4) and the largest decay on the way."""
+    joint = slow * (factors[2] + factors[3] * h)
+    split = slow * factors[0] + factors[1] * fast
+    return split if split < joint else joint
+
+
+@inlined_kernel
+def go_to(flow, mode, sums, t, node):
+    """Write the responses of pairs and singles at time t [s] as a node."""
+    for pair in range(flow.pairs[mode]):
+        at = sums.pair_nodes[node, pair]
+        at[0], at[1], at[2], at[3], at[4], at[5] = flow_modal.responses(flow.oscillators[mode, pair], t)
+    for single in range(flow.singles[mode]):
+        at = sums.single_nodes[node, single]
+        at[0], at[1] = flow_modal.growth(flow.rates[mode, single], flow.pushes[mode, single], t)
+
+
+@inlined_kernel
+def evaluate(flow, mode, sums, guard, node):
+    """Write a guard and its first two derivatives at a node to ``values``."""
+    value, rate, bend = 0.0, 0.0, 0.0
+    for pair in range(flow.pairs[mode]):
+        at, parts, row = sums.pair_nodes[node, pair], sums.pairs[guard, pair], flow.oscillators[mode, pair]
+        part, part_rate = parts[0] * at[0] + parts[1] * at[1], parts[2] * at[2] + parts[3] * at[1]
+        value, rate, bend = value + part, rate + part_rate, bend - row[A0] * part - row[A1] * part_rate
+    out = sums.values[node, guard]
+    out[3], out[4], out[5] = value, rate, bend
+    value += sums.constants[guard]
+    for single in range(flow.singles[mode]):
+        e, integral = sums.single_nodes[node, single, 0], sums.single_nodes[node, single, 1]
+        factors = sums.singles[guard, single]
+        value += factors[0] * e + factors[1] * integral
+        rate += factors[1] * e
+        bend += factors[2] * e
+    out[0], out[1], out[2] = value, rate, bend
+
+
+@inlined_kernel
+def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
+    """Lower bound of ``sign`` times the k-th derivative of a guard between two nodes, and its lesser value at them.
+
+    ``eighth`` [s²]: of the square of the time between the nodes. The part of the pairs is within
+    |f − chord of f| ≤ max|f″| h²/8 of its chord; that of the singles likewise, or within the values of each at both
+    ends, whichever is narrower.
+    """
+    left, right = sums.values[here, guard], sums.values[there, guard]
+    least = min(sign * left[k], sign * right[k])
+    smooth, rough = 0.0, 0.0  # bounds of the second derivative of pairs and of singles
+    below = min(sign * left[k + 3], sign * right[k + 3])
+    for pair in range(flow.pairs[mode]):
+        a, b = sums.pair_nodes[here, pair], sums.pair_nodes[there, pair]
+        smooth += bound(sums.pair_bounds[guard, pair, k + 2], max(a[3], b[3]), max(a[4], b[4]), max(a[5], b[5]))
+    for single in range(flow.singles[mode]):
+        a, b, factors = sums.single_nodes[here, single], sums.single_nodes[there, single], sums.singles[guard, single]
+        rough += abs(factors[k + 2]) * max(a[0], b[0])
+        first, last = factors[k] * a[0], factors[k] * b[0]
+        if k == 0:
+            first, last = first + factors[1] * a[1], last + factors[1] * b[1]
+        below += min(sign * first, sign * last)
+    if k == 0:
+        below += sign * sums.constants[guard]
+    low, other = least - (smooth + rough) * eighth, min(below - smooth * eighth, least)
+    return other if other > low else low, least
+
+
+@kernel
+def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
+    """As :func:`least_between` for k = 0 or 1, each part enclosed on its own; also that bound for a short step.
+
+    A pair that turns many times between the nodes is within its amplitude, a single that dies away on the way within
+    its values at both. So what vibrates or dies away does not hold the step down; only what bends slowly does.
+    """
+    first, last = sign * sums.values[here, guard, k], sign * sums.values[there, guard, k]
+    smooth, apart = 0.0, 0.0
+    for pair in range(flow.pairs[mode]):
+        a, b, factors = sums.pair_nodes[here, pair], sums.pair_nodes[there, pair], sums.pair_bounds[guard, pair]
+        slow, fast, h = max(a[3], b[3]), max(a[4], b[4]), max(a[5], b[5])
+        curve, swing = bound(factors[k + 2], slow, fast, h) * eighth, bound(factors[k], slow, fast, h)
+        if curve <= swing:
+            smooth += curve
+            continue
+        parts = sums.pairs[guard, pair]
+        apart -= swing
+        if k == 0:
+            first -= sign * (parts[0] * a[0] + parts[1] * a[1])
+            last -= sign * (parts[0] * b[0] + parts[1] * b[1])
+        else:
+            first -= sign * (parts[2] * a[2] + parts[3] * a[1])
+            last -= sign * (parts[2] * b[2] + parts[3] * b[1])
+    for single in range(flow.singles[mode]):
+        a, b, factors = sums.single_nodes[here, single], sums.single_nodes[there, single], sums.singles[guard, single]
+        begins, ends = factors[k] * a[0], factors[k] * b[0]
+        if k == 0:
+            begins, ends = begins + factors[1] * a[1], ends + factors[1] * b[1]
+        curve = abs(factors[k + 2]) * max(a[0], b[0]) * eighth
+        if curve <= abs(ends - begins):
+            smooth += curve
+        else:
+            first, last = first - sign * begins, last - sign * ends
+            apart += min(sign * begins, sign * ends)
+    least = min(first, last) + apart
+    return least - smooth, least
+
+
+@kernel
+def lowest_from(flow, mode, sums, guard, node, t):
+    """Lower bound of a guard for all times from t [s], a node, on; −∞ if anything that moves grows.
+
+    With h(t) ≤ t the joint form of a pair is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from
+    t = 1/r on.
+    """
+    level = sums.constants[guard]
+    for pair in range(flow.pairs[mode]):
+        row, at, factors = flow.oscillators[mode, pair], sums.pair_nodes[node, pair], sums.pair_bounds[guard, pair, 0]
+        rate = -own_rate(row)
+        if rate == 0.0 and row[BETA] > 0.0:  # it swings for ever
+            level -= factors[0]
+            continue
+        if not (row[A0] > 0.0 and rate > 0.0):
+            return -math.inf
+        longest = t * at[3] if t * rate >= 1.0 else math.exp(-1.0) / rate
+        joint = factors[2] * at[3] + factors[3] * longest
+        split = factors[0] * at[3] + factors[1] * at[4]
+        level -= split if split < joint else joint
+    for single in range(flow.singles[mode]):
+        rate, push, factors = flow.rates[mode, single], flow.pushes[mode, single], sums.singles[guard, single]
+        e = sums.single_nodes[node, single, 0]
+        if rate > 0.0 or (rate == 0.0 and push != 0.0):
+            return -math.inf
+        if rate == 0.0:
+            level += factors[0]
+        elif push == 0.0:
+            level -= abs(factors[0]) * e
+        else:
+            way = factors[1] / -rate  # from time zero to the limit
+            level += way - abs(way) * e
+    return level

@@ -1,0 +1,73 @@
+"""The one way kernels are compiled: no fast maths, numpy's error model, a disk cache keyed by the source.
+
+numba checks only the file of the function itself when it decides whether a cached kernel is current; a change in
+another kernel that is inlined into it goes unnoticed. The cache therefore lives in a folder named after a digest of all
+kernels, unless ``NUMBA_CACHE_DIR`` says otherwise. Where the folder of the user cannot be written, one of the user's
+own in the folder for temporary files takes its place; where that cannot either, every process compiles in memory.
+"""
+
+import hashlib
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import numba
+
+
+def source_digest() -> str:
+    """Hexadecimal digest of the source files in all folders named ``kernels``, and of numba's version."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(Path(__file__).parents[2].glob("**/kernels/*.py")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _folders() -> Iterator[Path]:
+    """Yield the folders that may hold the cache, the best first."""
+    if "NUMBA_CACHE_DIR" in os.environ:
+        yield Path(os.environ["NUMBA_CACHE_DIR"])
+    digest = source_digest()
+    with suppress(RuntimeError):  # a user without a home
+        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lsvib" / digest
+    with suppress(FileNotFoundError):  # no folder for temporary files can be written
+        yield Path(tempfile.gettempdir()) / f"lsvib-{os.getuid()}" / digest
+
+
+def cache_folder() -> Path | None:
+    """Return the folder of the cache, made if need be; None if no folder can be written."""
+    for folder in _folders():
+        try:
+            folder.parent.parent.mkdir(parents=True, exist_ok=True)
+            folder.parent.mkdir(exist_ok=True, mode=0o700)
+            folder.mkdir(exist_ok=True, mode=0o700)
+            owner = folder.parent.stat() if folder.parent.name == f"lsvib-{os.getuid()}" else None
+            if owner is not None and (owner.st_uid != os.getuid() or owner.st_mode & 0o022):
+                continue  # somebody else could put kernels there, and reading them is running them
+            with tempfile.TemporaryFile(dir=folder):
+                return folder
+        except OSError:
+            continue
+    return None
+
+
+_folder = cache_folder()
+if _folder is None:
+    warnings.warn(
+        "No folder for the compiled engine can be written, so it is compiled in memory, in every process anew, which "
+        "takes some ten seconds; set NUMBA_CACHE_DIR to a folder that can be written.",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+else:
+    numba.config.CACHE_DIR = str(_folder)
+
+OPTIONS = {"cache": _folder is not None, "error_model": "numpy", "fastmath": False, "nogil": True}
+
+allocating_kernel = numba.njit(**OPTIONS, _nrt=True)
+# A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
+# together they took half of the time of a run, and would make threads wait for each other.
+kernel = numba.njit(**OPTIONS, _nrt=False)
+inlined_kernel = numba.njit(**OPTIONS, _nrt=False, forceinline=True)

@@ -1,0 +1,285 @@
+"""The certain search for the first guard that fires in a mode with many states.
+
+The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on
+the step (:func:`lsvib.engine.kernels.guard_sums.least_between`). Then, with g ≥ 0 at a,
+
+    g > 0 on [a, b]     no root;
+    g′ > 0              no root;
+    g′ < 0              g falls: one root if g_b ≤ 0, else none;
+    g″ > 0, g′_a ≥ 0    no root;
+    g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
+
+Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part
+enclosed on its own (:func:`lsvib.engine.kernels.guard_sums.least_by_swings`): one that vibrates many times on the step
+is within its amplitude. A step on which a guard is undecided even so is shortened, so no root is passed over. Where
+shortening ends because the whole step is below the rounding of the guard, the guard grazes. With infinite time the walk
+ends when the bounds of all parts together are below the guards' constants.
+"""
+
+import math
+
+from lsvib.engine.kernels import guard_sums
+from lsvib.engine.kernels.flow_planar import ALPHA, BETA, R1, R2, own_rate
+from lsvib.engine.kernels.jit import inlined_kernel, kernel
+from lsvib.engine.kernels.newton import next_guess
+from lsvib.engine.kernels.status import Found
+
+_NONE = int(Found.NONE)
+_CROSSING = int(Found.CROSSING)
+_GRAZE = int(Found.GRAZE)
+_LOST = int(Found.UNDECIDED)
+_POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
+_STEPS = 1_000_000
+_LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
+_BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
+_GROWTH = 8.0  # of the exponent of a growing term within one step
+_LITTLE = 4.0  # of the factor by which a test passes: a step that grows by less than 1.4
+_FAR = 4.0  # of ωh; below it the chord is within twice the amplitude
+_SPARE = 2  # node for roots
+HALVINGS = 1100  # of an interval of doubles, at most
+
+
+@kernel
+def search(flow, mode, state, guards, on_surface, limit, work):
+    """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
+
+    Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
+    – zero and not falling; that array is overwritten; ``Sums``. Returns (``Found``, index of the guard, time [s]).
+    """
+    count = guards.shape[0]
+    guard_sums.prepare(flow, mode, state, guards, work)
+    for guard in range(count):
+        if on_surface[guard]:
+            work.values[0, guard, 0] = 0.0
+            work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
+    longest = _longest_step(flow, mode)
+    rate = _fastest(flow, mode)
+    steps, a, step = 0, 0.0, min(limit, longest, _first_step(flow, mode, work, count))
+    for _ in range(_STEPS):
+        here, there = steps % 2, 1 - steps % 2
+        if a >= limit or (limit == math.inf and _never(flow, mode, work, count, here, a)):
+            return _NONE, -1, limit
+        b = limit if a + step >= limit else a + step
+        guard_sums.go_to(flow, mode, work, b, there)
+        outcome, stretch, touched = _POSITIVE, _LONGEST, -1
+        for guard in range(count):
+            guard_sums.evaluate(flow, mode, work, guard, there)
+            decision, slack = _decide(
+                flow, mode, work, guard, here, there, b - a, rate * (b - a) > _FAR, on_surface[guard]
+            )
+            stretch = min(stretch, slack)
+            if decision == _TOUCHES:
+                touched = guard
+            outcome = max(outcome, decision)
+            if decision == _UNDECIDED:
+                break
+        if outcome == _UNDECIDED:
+            step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
+            if a + step == a:
+                return first_below(work.values[there, :count], b)
+            continue
+        if outcome == _TOUCHES:
+            return _GRAZE, touched, 0.5 * (a + b)
+        if outcome == _ROOT:
+            return _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+        for guard in range(count):
+            on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
+        a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
+        steps += 1
+    return _LOST, -1, limit
+
+
+@kernel
+def _fastest(flow, mode):
+    """Largest rate [1/s] of a mode."""
+    fastest = 0.0
+    for pair in range(flow.pairs[mode]):
+        row = flow.oscillators[mode, pair]
+        fastest = max(fastest, abs(row[R1]), abs(row[R2]), abs(row[ALPHA]) + row[BETA])
+    for single in range(flow.singles[mode]):
+        fastest = max(fastest, abs(flow.rates[mode, single]))
+    return fastest
+
+
+@kernel
+def _longest_step(flow, mode):
+    """Step [s] on which no term grows beyond e⁸."""
+    growing = 0.0
+    for pair in range(flow.pairs[mode]):
+        growing = max(growing, own_rate(flow.oscillators[mode, pair]))
+    for single in range(flow.singles[mode]):
+        growing = max(growing, flow.rates[mode, single])
+    return _GROWTH / growing if growing > 0.0 else math.inf
+
+
+@kernel
+def _first_step(flow, mode, work, count):
+    """Step [s] on which the pairs alone let the guards be decided."""
+    shortest = math.inf
+    for guard in range(count):
+        best = 0.0
+        for k in range(3):
+            curve = 0.0
+            for pair in range(flow.pairs[mode]):
+                curve += guard_sums.bound(work.pair_bounds[guard, pair, k + 2], 1.0, 1.0, 0.0)
+            best = max(best, 4.0 * abs(work.values[0, guard, k]) / curve if curve > 0.0 else math.inf)
+        shortest = min(shortest, math.sqrt(best))
+    if 0.0 < shortest < math.inf:
+        return shortest
+    fastest = _fastest(flow, mode)
+    return 1.0 / fastest if fastest > 0.0 else 1.0
+
+
+@inlined_kernel
+def _margin(end, bound):
+    """How many times the distance from the lesser end to the bound fits between zero and that end."""
+    width = end - bound
+    return end / width if width > 0.0 else _LONGEST
+
+
+@inlined_kernel
+def _common_sign(x, y):
+    """Sign of two numbers, zero if they differ in it."""
+    if min(x, y) > 0.0:
+        return 1.0
+    return -1.0 if max(x, y) < 0.0 else 0.0
+
+
+@kernel
+def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
+    """As :func:`_decide`, with each part of the guard enclosed on its own."""
+    low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+    if low > 0.0:
+        return _POSITIVE, _margin(least, low)
+    slack = max(slack, _margin(least, low))
+    sign = _common_sign(work.values[here, guard, 1], work.values[there, guard, 1])
+    if sign != 0.0:
+        low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+        slack = max(slack, _margin(least, low))
+    return _UNDECIDED, slack
+
+
+@inlined_kernel
+def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface):
+    """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
+    eighth, slack = 0.125 * step * step, 0.0
+    first, last = work.values[here, guard], work.values[there, guard]
+    if min(first[0], last[0]) > 0.0:
+        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+        slack = _margin(least, low)
+        if low > 0.0:
+            if turns and slack < _LITTLE:
+                _, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, _ROOT, slack)
+            return _POSITIVE, slack
+    after = _ROOT if last[0] <= 0.0 else _POSITIVE
+    sign = _common_sign(first[1], last[1])
+    if sign != 0.0:
+        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 1, sign, eighth)
+        slack = max(slack, _margin(least, low))
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    sign = _common_sign(first[2], last[2])
+    if sign < 0.0 or (sign > 0.0 and first[1] >= 0.0):
+        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
+        if low > 0.0:
+            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
+    if turns:
+        decision, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack)
+        if decision != _UNDECIDED:
+            return decision, slack
+    low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
+    if least - low < work.rounding[guard]:
+        # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
+        if least > work.rounding[guard]:
+            return _POSITIVE, _BEYOND_ROUNDING
+        if last[0] <= -work.rounding[guard]:
+            return _ROOT, _BEYOND_ROUNDING
+        return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
+    return _UNDECIDED, slack
+
+
+@kernel
+def _never(flow, mode, work, count, node, t):
+    """True if every guard stays positive from t [s], a node, on."""
+    least = math.inf
+    for guard in range(count):
+        least = min(least, guard_sums.lowest_from(flow, mode, work, guard, node, t))
+    return least > 0.0
+
+
+@kernel
+def first_below(values, b):
+    """Result of the search where a step that ends at b [s] cannot be halved any more: the guard that is lowest there.
+
+    Returns (``Found``, index of the guard, b): undecided if every guard is positive.
+    """
+    lowest = 0
+    for guard in range(values.shape[0]):
+        if values[guard, 0] < values[lowest, 0]:
+            lowest = guard
+    return (_CROSSING if values[lowest, 0] <= 0.0 else _LOST), lowest, b
+
+
+@inlined_kernel
+def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
+    """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
+    first, when = -1, b
+    for guard in range(count):
+        node = there
+        if first >= 0 and work.values[there, guard, 0] <= 0.0:
+            node = _SPARE
+            guard_sums.go_to(flow, mode, work, when, node)
+            guard_sums.evaluate(flow, mode, work, guard, node)
+        if work.values[node, guard, 0] <= 0.0:
+            low = a
+            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+                if first >= 0 and work.values[node, guard, 0] > -work.rounding[guard]:
+                    continue
+                low = _top(flow, mode, work, guard, a, when)
+                guard_sums.go_to(flow, mode, work, when, _SPARE)
+                guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+                node = _SPARE
+            first, when = guard, _root(flow, mode, work, guard, node, low, when, rate)
+    return _CROSSING, first, when
+
+
+@kernel
+def _top(flow, mode, work, guard, low, high):
+    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    t = high
+    for _ in range(HALVINGS):
+        guard_sums.go_to(flow, mode, work, t, _SPARE)
+        guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+        if work.values[_SPARE, guard, 1] < 0.0:
+            high = t
+        elif t == high:
+            return high
+        else:
+            low = t
+        t = 0.5 * (low + high)
+        if not low < t < high:
+            break
+    return low
+
+
+@inlined_kernel
+def _root(flow, mode, work, guard, node, low, high, rate):
+    """Root of a guard that is positive from ``low`` on and not after its root; it has been evaluated at ``high``."""
+    t = high
+    for count in range(300):
+        value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
+        if value > 0.0:
+            low = t
+        elif value == 0.0:
+            return t
+        else:  # negative, or overflown far beyond the root
+            high = t
+        t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
+        if found:
+            return t
+        node = _SPARE
+        guard_sums.go_to(flow, mode, work, t, node)
+        guard_sums.evaluate(flow, mode, work, guard, node)
+    return t

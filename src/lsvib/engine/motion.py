@@ -1,0 +1,157 @@
+"""Run an automaton: the engine's kernels for Python, their statuses turned into results or clear messages."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib import numbers
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels.status import Status
+from lsvib.errors import DivergenceError, EngineError, InputError
+
+_FIRST_CAPACITY = 256
+_MANY_EVENTS = 10_000_000  # that nobody asked for; a gigabyte
+_FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion as the engine leaves it: its events and, between them, closed forms.
+
+    Arrays over the k events: ``time`` [s], ``kind``, ``sign``, ``mode`` (after the event), ``before`` and ``after`` (k,
+    n). ``status`` says why it ended, at ``end_time`` [s] (of the last event if the motion settled) in ``end_mode`` and
+    ``end_state``.
+    """
+
+    automaton: Automaton
+    start_time: float
+    start_mode: int
+    start_state: np.ndarray
+    time: np.ndarray
+    kind: np.ndarray
+    sign: np.ndarray
+    mode: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    status: Status
+    end_time: float
+    end_mode: int
+    end_state: np.ndarray
+
+    def at(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """Return exact states (k, n) and modes (k) at ascending ``times`` [s] (k); at an event, those after it."""
+        times = np.ascontiguousarray(times, dtype=float)
+        states = np.empty((times.size, self.start_state.size))
+        modes = np.empty(times.size, dtype=np.int64)
+        event_loop.states_at(
+            self.automaton.tables,
+            self.start_time,
+            self.start_mode,
+            self.start_state,
+            self.time,
+            self.mode,
+            self.after,
+            times,
+            states,
+            modes,
+        )
+        return states, modes
+
+    def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the arcs between events: mode (k), state at the start (k, n), at the end (k, n), duration [s] (k)."""
+        modes = np.concatenate([[self.start_mode], self.mode])
+        starts = np.concatenate([self.start_state[None], self.after])
+        ends = np.concatenate([self.before, self.end_state[None]])
+        durations = np.diff(np.concatenate([[self.start_time], self.time, [self.end_time]]))
+        return modes, starts, ends, durations
+
+
+def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
+    """Return the mode in which a motion from ``state`` (n) starts, and the state; ``InputError`` if not finite."""
+    state = np.array(state, dtype=float)
+    for name, value in zip(automaton.states, state, strict=True):
+        numbers.start(f"initial {name}", float(value))
+    branch = event_loop.choose_branch(automaton.tables, 0, state, np.abs(state))
+    if branch < 0:
+        raise EngineError(
+            f"no mode fits the initial state {state.tolist()}; this is a fault of the model, please report it."
+        )
+    return int(automaton.tables.branch_mode[branch]), state
+
+
+def follow(
+    automaton: Automaton,
+    state,
+    t_end: float,
+    *,
+    mode: int | None = None,
+    stop: tuple[int, int] = (-1, -1),
+    max_events: int | None = None,
+) -> Motion:
+    """Follow the motion from ``state`` (n) at time 0 until ``t_end`` [s].
+
+    Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
+    there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
+    many. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT, SETTLED or, with ``max_events``, EVENTS_FULL.
+    Raises ``EngineError`` if the model has no answer or there are more than ten million events, ``DivergenceError`` if
+    the motion grows without bound.
+    """
+    if not t_end >= 0:
+        raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
+    if mode is None:
+        mode, state = enter(automaton, state)
+    else:
+        state = np.array(state, dtype=float)
+    start_mode, start_state = mode, state.copy()
+    scale, clock = np.abs(state), np.zeros(3)
+    most = _MANY_EVENTS if max_events is None else max_events
+    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
+    while True:
+        events = _room(capacity, state.size)
+        status, mode, count = event_loop.run(
+            automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
+        )
+        pieces.append([column[:count] for column in events])
+        total += count
+        if status != Status.EVENTS_FULL or total >= most:
+            break
+        capacity = min(2 * total, most - total)
+    end_time = float(clock[0] + clock[1])
+    if status == Status.EVENTS_FULL and max_events is None:
+        raise EngineError(f"more than {most} events before t = {end_time:.6g} s; shorten t_end.")
+    _complain(Status(status), end_time, state)
+    columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
+    return Motion(
+        automaton, 0.0, start_mode, start_state, *columns,
+        status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
+    )  # fmt: skip
+
+
+def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:
+    return (
+        np.empty(capacity),
+        np.empty(capacity, dtype=np.int8),
+        np.empty(capacity, dtype=np.int8),
+        np.empty(capacity, dtype=np.int64),
+        np.empty((capacity, n)),
+        np.empty((capacity, n)),
+    )
+
+
+def _complain(status: Status, time: float, state: np.ndarray) -> None:
+    if status in _FINE and math.isfinite(time):
+        return
+    where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
+    if status == Status.DIVERGED:
+        raise DivergenceError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
+    if status == Status.ACCUMULATED:
+        raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
+    if status == Status.UNDECIDED:
+        raise EngineError(
+            f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
+        )
+    if status == Status.NO_BRANCH:
+        raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
+    raise EngineError(f"the clock left the range of numbers ({where}).")

@@ -1,0 +1,315 @@
+"""The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.curves import sampled
+from lsvib.basins.exact_basin import Basin, Boundary, basin
+from lsvib.basins.grid import Axis, Grid
+from lsvib.basins.mapper import mapper
+from lsvib.cycles.attractors import Attractor
+from lsvib.data import phase_plane
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters, labels
+from lsvib.data.phase_plane import attributes
+from lsvib.drives.parameters import RigidParameters
+from lsvib.steady_sliding.conditions import critical_friction, critical_mass
+from lsvib.steady_sliding.thresholds import global_stability_force
+
+SWEPT = ("axial_force", "support_damping", "mass", "friction_coefficient")
+_CLOSE = 1e-6  # relative distance of the two values between which a kind of boundary gives way to another
+_ARC = 60  # samples of an arc
+_TURNS = 16  # cells more, for the ends of a boundary and where it turns
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the basins of a few drives, exactly and on grids, and the exact fraction of a window along four sweeps.
+
+    ``settings``: ``drive``, whose parameters are swept one at a time; ``window`` (``left``, ``right`` [rad],
+    ``bottom``, ``top`` [rad/s]); a span (``start``, ``stop``, ``count``) for each of ``axial_force`` [N],
+    ``support_damping`` [N m s/rad], ``mass`` [kg] and ``friction_coefficient`` [1]; ``cases``, each with changes of the
+    ``drive`` and a ``window``, drawn and compared with grids of ``resolutions`` × resolutions starts; ``masses`` [kg]
+    and ``axial_forces`` [N] of the readings of Fig. 8.14, the printed mass first. Raises ``InputError``.
+    """
+    drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
+    variables, coordinates = {}, {}
+    for name in SWEPT:
+        values, basins = _swept(drive, name, phase_plane.span(settings[name]))
+        coordinates |= axis(f"swept_{name}", values)
+        variables |= _along(name, basins, window)
+        if name == "axial_force":
+            areas = [b.area() for b in basins]
+            words = "area of the basin, infinite where it has no bound"
+            variables["basin_area_axial_force"] = (f"swept_{name}", areas, attributes("rad2 s-1", words))
+    variables |= _cases(drive, settings["cases"], settings["resolutions"])
+    variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    variables["window_angle"] = (
+        "edge",
+        list(window[:2]),
+        attributes("rad", "left and right edge of the window", "$u$"),
+    )
+    variables["window_velocity"] = (
+        "edge",
+        list(window[2:]),
+        attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
+    )
+    stable = attributes("N", phase_plane.GLOBAL_STABILITY, "$R$")
+    variables["swept_global_stability_force"] = (
+        "swept_support_damping",
+        [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
+        stable,
+    )
+    variables["critical_mass"] = (
+        (),
+        np.nan if (mass := critical_mass(drive)) is None else mass,
+        attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+    )
+    variables["critical_friction_of_rigid_drive"] = (
+        (),
+        np.nan if (friction := critical_friction(drive)) is None else friction,
+        attributes(
+            "1",
+            "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
+            r"$\mu_\mathrm{cr}$",
+        ),
+    )
+    variables["global_stability_force"] = ((), global_stability_force(drive), stable)
+    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
+    return xr.Dataset(
+        variables,
+        coords=coordinates,
+        attrs={
+            "title": "The region of attraction of steady sliding and its size",
+            "source": "lsvib, exact boundary of the basin; grids by the map of the region of attraction",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7, Fig. 8.14",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    force, fraction = dataset.swept_axial_force.values, dataset.fraction_axial_force.values
+    threshold = float(dataset.global_stability_force)
+    beyond = force < threshold
+    touching = dataset.boundary_kind_axial_force.values == Boundary.TOUCHING_MOTION
+    scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
+    spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
+    error = np.abs(dataset.grid_fraction - dataset.case_fraction)
+    worst = float((error / dataset.grid_bound).max())
+    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
+    reading = dataset.reading_fraction.values
+    damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
+    stable = dataset.boundary_kind_support_damping.values == Boundary.NONE
+    heaviest, roughest = (
+        float(
+            dataset[f"swept_{name}"]
+            .values[dataset[f"boundary_kind_{name}"].values == Boundary.NONE]
+            .max(initial=-np.inf)
+        )
+        for name in ("mass", "friction_coefficient")
+    )
+    return [
+        Check.holds(
+            "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
+            "end of Sect. 8.7",
+            f"R < {threshold:.10g} N: {int((fraction[beyond] == 1).sum())} of {int(beyond.sum())} forces; R above it: "
+            f"{int((fraction[~beyond] < 1).sum())} of {int((~beyond).sum())}",
+            bool((fraction[beyond] == 1).all() and (fraction[~beyond] < 1).all()) and 0 < beyond.sum() < beyond.size,
+        ),
+        Check.holds(
+            "Over the damping, too, the basin is the whole plane exactly where R lies beyond the threshold",
+            "end of Sect. 8.7",
+            f"{int(stable.sum())} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
+            bool((stable == (limit > float(dataset.axial_force))).all()),
+        ),
+        Check.holds(
+            "Over mass and friction the basin is the whole plane exactly up to the critical values, where the "
+            "effective inertia of law + vanishes",
+            "Sect. 8.7, eq. 8.20",
+            f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {heaviest:.10g} kg; "
+            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {roughest:.10g}",
+            _parts(dataset, "mass", "critical_mass")
+            and _parts(dataset, "friction_coefficient", "critical_friction_of_rigid_drive"),
+        ),
+        Check.holds(
+            "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
+            "Sect. 8.7",
+            f"{100 * reading[1, 1]:.6g} %",
+            bool(reading[1, 1] < 0.01),
+        ),
+        Check.holds(
+            "As printed steady sliding attracts the whole window at both forces of Fig. 8.14, beyond m_cr at (a) alone",
+            "Sect. 8.7, Fig. 8.14",
+            f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
+            bool((reading[0] == 1).all() and reading[1, 0] == 1),
+        ),
+        Check.holds(
+            "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
+            "slip does not depend on R, so lengths are in proportion to it",
+            f"relative spread of area / R^2 over {int(touching.sum())} forces {spread:.1e}",
+            spread < 1e-12 and touching.sum() > 1,
+        ),
+        Check.holds(
+            "The fraction counted on grids of starts tends to the exact one, at first order or better",
+            "each start labelled without the boundary",
+            f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
+            f"{', '.join(f'{x:.2f}' for x in order)}",
+            worst <= 1,
+        ),
+    ]
+
+
+def _parts(dataset: xr.Dataset, name: str, critical: str) -> bool:
+    """Whether a critical value parts the drives whose basin is the whole plane from the others, and both exist."""
+    whole = dataset[f"boundary_kind_{name}"].values == Boundary.NONE
+    return bool(
+        (whole == (dataset[f"swept_{name}"].values <= float(dataset[critical]))).all()
+        and whole.any()
+        and not whole.all()
+    )
+
+
+def _swept(drive: RigidParameters, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
+    """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
+
+    def at(value: float) -> Basin:
+        return basin(drive.replace(**{name: float(value)}))
+
+    found = {float(value): at(value) for value in values}
+    for low, high in zip(values[:-1].tolist(), values[1:].tolist(), strict=True):
+        first, last = found[low], found[high]
+        if first.boundary == last.boundary:
+            continue
+        while high - low > _CLOSE * max(abs(low), abs(high)):
+            middle = 0.5 * (low + high)
+            between = at(middle)
+            if between.boundary == first.boundary:
+                low, first = middle, between
+            else:
+                high, last = middle, between
+        found |= {low: first, high: last}
+    ordered = np.array(sorted(found))
+    return ordered, [found[value] for value in ordered.tolist()]
+
+
+def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Variables:
+    """Fraction of the window and kind of boundary along a sweep."""
+    return {
+        f"fraction_{name}": (
+            f"swept_{name}",
+            [b.fraction(window) for b in basins],
+            attributes("1", "fraction of the window that steady sliding attracts, exact"),
+        ),
+        f"boundary_kind_{name}": (
+            f"swept_{name}",
+            np.array([b.boundary for b in basins], np.int8),
+            phase_plane.flag("what bounds the basin", Boundary),
+        ),
+    }
+
+
+def _cases(
+    drive: RigidParameters, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]
+) -> phase_plane.Variables:
+    """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
+    drives = [drive.replace(**case["drive"]) for case in cases]
+    windows = [Window(**case["window"]) for case in cases]
+    basins = [basin(d) for d in drives]
+    lines = [b.line(w, _ARC) for b, w in zip(basins, windows, strict=True)]
+    regions = [sampled(b.flow, b.clipped(w), _ARC) for b, w in zip(basins, windows, strict=True)]
+    grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
+    bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
+    named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
+    own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6"))
+    parameters = {
+        f"case_{name}": own[name] for name in own if name in named or name in ("axial_force", "support_damping")
+    }
+    return {
+        **labels("case", drives, named),
+        **parameters,
+        **phase_plane.lines(drives),
+        **_points("boundary", lines, "on the exact boundary"),
+        **_points("region", regions, "on the curves around the basin within the window"),
+        "resolution": ("resolution", list(resolutions), attributes("1", "starts along each edge of a grid")),
+        "case_angle": (
+            ("case", "edge"),
+            [w[:2] for w in windows],
+            attributes("rad", "left and right edge of the window of the case", "$u$"),
+        ),
+        "case_velocity": (
+            ("case", "edge"),
+            [w[2:] for w in windows],
+            attributes("rad s-1", "bottom and top edge of the window of the case", r"$\dot u$"),
+        ),
+        "case_boundary_kind": (
+            "case",
+            np.array([b.boundary for b in basins], np.int8),
+            phase_plane.flag("what bounds the basin", Boundary),
+        ),
+        "case_fraction": (
+            "case",
+            [b.fraction(w) for b, w in zip(basins, windows, strict=True)],
+            attributes("1", "fraction of the case's window that steady sliding attracts, exact"),
+        ),
+        "grid_fraction": (
+            ("case", "resolution"),
+            grid,
+            attributes("1", "the same fraction, counted on a grid of starts"),
+        ),
+        "grid_bound": (
+            ("case", "resolution"),
+            bound,
+            attributes("1", "fraction of the cells of the grid that the boundary cuts at most"),
+        ),
+    }
+
+
+def _points(name: str, curves: Sequence[np.ndarray], where: str) -> phase_plane.Variables:
+    """Sampled curves of each case, (case, point); shorter ones end in NaN, as do their parts."""
+    table = np.full((len(curves), max(len(points) for points in curves), 2), np.nan)
+    for row, points in zip(table, curves, strict=True):
+        row[: len(points)] = points
+    dims = ("case", f"{name}_point")
+    return {
+        f"{name}_angle": (dims, table[..., 0], attributes("rad", f"deviation {where}", "$u$")),
+        f"{name}_velocity": (dims, table[..., 1], attributes("rad s-1", f"rate of the deviation {where}", r"$\dot u$")),
+    }
+
+
+def _grid_fraction(drive: RigidParameters, window: Window, resolutions: Sequence[int]) -> list[float]:
+    """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
+    found = mapper(drive)
+    fractions = []
+    for count in resolutions:
+        grid = Grid(
+            Axis.checked("u", window.left, window.right, count), Axis.checked("w", window.bottom, window.top, count)
+        )
+        labels = found.cells(grid, quantities=("label",))["label"]
+        fractions.append(float(np.mean(labels == Attractor.STEADY_SLIDING)))
+    return fractions
+
+
+def _cut_cells(line: np.ndarray, window: Window, count: int) -> float:
+    """A bound of the number of cells that a boundary cuts: it passes from cell to cell across one edge at a time."""
+    steps = np.abs(np.diff(line, axis=0)) / [window.right - window.left, window.top - window.bottom]
+    return count * float(np.nansum(steps)) + _TURNS
+
+
+def _readings(
+    drive: RigidParameters, masses: Sequence[float], forces: Sequence[float], window: Window
+) -> phase_plane.Variables:
+    """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
+    table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
+    return {
+        "reading_fraction": (
+            ("reading_mass", "reading_axial_force"),
+            table,
+            attributes("1", "fraction of the window that steady sliding attracts, exact"),
+        ),
+        **axis("reading_mass", masses),
+        **axis("reading_axial_force", forces),
+    }

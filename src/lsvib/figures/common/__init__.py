@@ -1,0 +1,1 @@
+"""Parts of datasets that several figures share."""

@@ -1,0 +1,308 @@
+"""Phase portraits of the contact force (Sect. 8.2) as datasets: what figures 8.1 and 8.2 share.
+
+The abscissa is the chapter's χ = N b_s / W (8.8). The ordinate is its rate, scaled by the time and force scale of law −
+on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.contact_force`.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.contact import contact_force
+from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
+from lsvib.data.attributes import attributes, flags
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import drive_parameters, labels
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import ThreadsParameters
+from lsvib.errors import InputError
+
+_LAWS = (1, -1)
+# The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
+_NO_EFFECT = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
+_UNIT = "kg-1 m-2"
+_ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
+_VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
+_SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
+
+
+def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
+    """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
+
+    ``settings``: ``drive`` (Γ₊ < 0); ``contact_stiffness`` [N/m]; ``contact_dampings`` [N s/m], a panel each; ``force``
+    and ``rate`` [1/(kg m²)] of the grid with ``start``, ``stop``, ``count``; ``starts``, each with ``force`` and
+    ``rate``; ``samples`` of a motion. Raises ``InputError``.
+    """
+    base = ThreadsParameters.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
+    drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
+    cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
+    force, rate = (np.linspace(s["start"], s["stop"], s["count"]) for s in (settings["force"], settings["rate"]))
+    limit = _VIEWS * max(np.ptp(force), np.ptp(rate)) / 2
+    scale, side = contact_force.force_scale(base), int(paradox)
+    starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
+    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
+    motions = np.array([[sample(arcs, settings["samples"], limit) for arcs, _ in case] for case in followed])
+    grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
+    outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
+    c = coefficients(base)
+    eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
+    motion = ("case", "start", "sample")
+    return xr.Dataset(
+        {
+            "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
+            "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
+            "start_outcome": (
+                ("case", "start"),
+                np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
+                _outcomes("what becomes of the contact force of a motion"),
+            ),
+            "grid_outcome": (
+                ("case", "grid_contact_force", "grid_contact_force_rate"),
+                np.array(outcomes, dtype=np.int8).reshape(len(cases), force.size, rate.size),
+                _outcomes("what becomes of the contact force from each state of the grid"),
+            ),
+            "equilibrium_contact_force": (
+                "law",
+                np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
+                _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
+            ),
+            "scaled_eigenvalue_real_part": (
+                ("case", "law", "eigenvalue"),
+                eigenvalues.real,
+                attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
+            ),
+            "scaled_eigenvalue_imaginary_part": (
+                ("case", "law", "eigenvalue"),
+                eigenvalues.imag,
+                attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
+            ),
+        }
+        | _by_newton(drives)
+        | (_manifolds(cases, settings["samples"], limit, scale) if paradox is Paradox.INDETERMINATE else {}),
+        coords={
+            "grid_contact_force": ("grid_contact_force", force, _force("contact force of the grid")),
+            "grid_contact_force_rate": ("grid_contact_force_rate", rate, _rate("rate of the grid")),
+            "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
+            "law_side": (
+                "law",
+                [flow.side for flow in cases[0].values()],
+                attributes("1", "sign where the law holds"),
+            ),
+            "effective_inertia_of_law": (
+                "law",
+                [float(c.gamma[law]) for law in _LAWS],
+                attributes("kg m2", "effective inertia of the law", r"$\Gamma_s$"),
+            ),
+            **labels("case", drives, ("contact_damping",)),
+            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            **drive_parameters(drives, along=("contact_damping",), no_effect=_NO_EFFECT),
+            "contact_damping_ratio": (
+                "case",
+                [flows[-1].damping for flows in cases],
+                attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
+            ),
+            "force_scale": ((), scale, attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
+        },
+    )
+
+
+def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
+    """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
+
+    Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
+    one turn, in a focus a fixed number of decay times. Raises ``InputError`` if the samples are too few for the arcs.
+    """
+    if count < 2 * len(arcs):
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
+    durations = [arc.duration if math.isfinite(arc.duration) else _shown(arc, limit) for arc in arcs]
+    ends = np.concatenate([[0.0], np.cumsum(durations)])
+    shares = np.maximum(2, np.floor(np.array(durations) / ends[-1] * (count - 2 * len(arcs))).astype(int) + 2)
+    shares[-1] += count - shares.sum()
+    return np.array(
+        [
+            arc.flow.at(arc.start, time)
+            for arc, duration, share in zip(arcs, durations, shares, strict=True)
+            for time in np.linspace(0, duration, share)
+        ]
+    )
+
+
+def _shown(arc: ForceArc, limit: float) -> float:
+    """Scaled time for which an arc without end is shown."""
+    first, _ = arc.flow.rates()
+    growing = abs(arc.flow.amplitudes(arc.start)[0])
+    if first.real > 0 and growing > 0:
+        return max(math.log(limit / growing), 0.0) / first.real
+    return 2 * math.pi / abs(first.imag) if first.real == 0 else _SETTLING / abs(first.real)
+
+
+def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, scale: float) -> dict[str, tuple]:
+    """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
+
+    All are followed away from the saddle, the stable ones backwards in time.
+    """
+    lines = [
+        sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
+        for flows in cases
+        for direction, laws in ((1, flows), (-1, contact_force.reversed_in_time(flows)))
+        for outwards in (laws[1].side, -laws[1].side)
+    ]
+    lines = np.array(lines).reshape(len(cases), 4, count, 2)
+    manifold = ("case", "manifold", "sample")
+    return {
+        "manifold_force": (
+            manifold,
+            _scaled(lines[..., 0], scale, int(Paradox.INDETERMINATE)),
+            _force("contact force on a manifold of the saddle"),
+        ),
+        "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
+    }
+
+
+def _there_and_back(laws: dict[int, ForceFlow], outwards: int) -> list[ForceArc]:
+    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
+
+    Without damping it returns to the saddle, by symmetry in the time that it took to leave.
+    """
+    saddle = laws[1]
+    near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
+    arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
+    if len(arcs) > 2 and saddle.damping == 0:
+        return [*arcs[:2], ForceArc(saddle, arcs[2].start, arcs[0].duration)]
+    return arcs[:3]
+
+
+def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.DataArray:
+    """Energy integral of (8.11) at χ and its rate, without contact damping, in the scales of law −; 0 at the origin."""
+    return _potential(case, force) + rate**2 / 2
+
+
+def saddle_energy(case: xr.Dataset) -> float:
+    """Energy integral at the saddle."""
+    return float(_potential(case, case.equilibrium_contact_force.sel(law=1)))
+
+
+def energy_spread(case: xr.Dataset) -> float:
+    """Largest spread of the energy along a motion, relative to the largest of its two parts on the way."""
+    parts = _potential(case, case.contact_force), case.contact_force_rate**2 / 2
+    total = sum(parts)
+    size = xr.concat([abs(part) for part in parts], "part").max(["part", "sample"])
+    return float(((total.max("sample") - total.min("sample")) / size).max())
+
+
+def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
+    """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
+    plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in _LAWS)
+    x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
+    stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
+    return stiffness * x**2 / 2 - x / minus
+
+
+def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
+    """χ from x: equal on the side of law −, scaled on that of law +."""
+    return np.where(x * side > 0, x * scale, x)
+
+
+def _unscaled(force: float, scale: float, side: int) -> float:
+    """Turn χ into x."""
+    return float(force) / (scale if force * side > 0 else 1.0)
+
+
+def _by_newton(drives: Sequence[ThreadsParameters]) -> dict[str, tuple]:
+    """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
+
+    I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;
+    with constant T and P then N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units of law − without contact damping.
+    """
+    base = drives[0]
+    r, tan, cos, sin = base.pitch_radius, *(f(base.lead_angle) for f in (math.tan, math.cos, math.sin))
+    push, torque = 1.0, -0.01  # P [N] and T [N m]; χ does not depend on them
+    drift = base.screw_inertia * push - base.mass * r * tan * torque  # W
+
+    def slip(force: float, law: int) -> float:
+        """Return e″ [m/s²]."""
+        friction = law * base.friction_coefficient
+        turning = (torque - r * force * (friction * cos - sin)) / base.screw_inertia
+        return (push - force * (cos + friction * sin)) / base.mass - r * tan * turning
+
+    offset = {law: slip(0.0, law) for law in _LAWS}
+    slope = {law: slip(1.0, law) - offset[law] for law in _LAWS}
+    lever = {law: cos + law * base.friction_coefficient * sin for law in _LAWS}
+    unit = math.sqrt(-base.contact_stiffness * cos * slope[-1])  # 1/s
+    jacobian = np.array(
+        [
+            [
+                (d.contact_damping * cos * slope[law] / unit, -d.contact_stiffness * cos * slope[law] / unit**2)
+                for law in _LAWS
+            ]
+            for d in drives
+        ]
+    )
+    return {
+        "equilibrium_contact_force_by_newton": (
+            "law",
+            [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS],
+            _force("zero of N'' by the equations of motion"),
+        ),
+        "jacobian_trace": (("case", "law"), jacobian[..., 0], attributes("1", "trace of the Jacobian of N''")),
+        "jacobian_determinant": (
+            ("case", "law"),
+            jacobian[..., 1],
+            attributes("1", "determinant of the Jacobian of N''"),
+        ),
+    }
+
+
+def _outcomes(long_name: str) -> dict[str, Any]:
+    return attributes("1", long_name, **flags(ForceOutcome))
+
+
+def _force(long_name: str) -> dict[str, Any]:
+    return attributes(_UNIT, long_name, r"$\chi$", comment="chi = N b_s / W, (8.8)")
+
+
+def _rate(long_name: str) -> dict[str, Any]:
+    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
+
+
+def energy_check(dataset: xr.Dataset) -> Check:
+    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
+    spread = energy_spread(dataset.isel(case=0))
+    return Check.holds(
+        "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
+        "eqs 8.11, 8.12",
+        f"largest spread {spread:.1e} of the larger of potential and kinetic part",
+        spread < 1e-12,
+    )
+
+
+def newton_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
+    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
+    first, second = (
+        dataset.scaled_eigenvalue_real_part.isel(eigenvalue=k)
+        + 1j * dataset.scaled_eigenvalue_imaginary_part.isel(eigenvalue=k)
+        for k in (0, 1)
+    )
+    off = [
+        np.abs(first + second - dataset.jacobian_trace) / np.abs(first),
+        np.abs(first * second / dataset.jacobian_determinant - 1),
+    ]
+    return [
+        Check.holds(
+            "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.11",
+            f"largest relative difference {gap:.1e}",
+            gap <= _ROUNDING,
+        ),
+        Check.holds(
+            "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.12",
+            f"their sum differs from its trace by {float(off[0].max()):.1e} of them, their product from its "
+            f"determinant by {float(off[1].max()):.1e}",
+            all(float(x.max()) <= _ROUNDING for x in off),
+        ),
+    ]

@@ -1,0 +1,68 @@
+"""The coefficients that Sect. 8.5.1 prints, for both readings of the mass.
+
+The text states m = 1 kg, but the effective inertias that it prints are those of m = 8 kg; its dampings hold for any
+mass, and the thresholds of figure 8.6 belong to the stated one.
+"""
+
+from collections.abc import Sequence
+
+import xarray as xr
+
+from lsvib.data import phase_plane, printed
+from lsvib.data.checks import Check
+from lsvib.drives import chapter
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters
+from lsvib.steady_sliding import thresholds
+
+
+def variables(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
+    """Return effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
+    exact = [coefficients(d) for d in drives]
+    variables = {}
+    for law, sign, symbol in ((1, "plus", "+"), (-1, "minus", "-")):
+        variables[f"reading_effective_inertia_{sign}"] = (
+            "reading_mass",
+            [float(c.gamma[law]) for c in exact],
+            phase_plane.attributes("kg m2", f"effective inertia of law {symbol}", f"$\\Gamma_{symbol}$"),
+        )
+        variables[f"reading_effective_damping_{sign}"] = (
+            "reading_mass",
+            [float(c.damping[law]) for c in exact],
+            phase_plane.attributes("N m s rad-1", f"effective damping of law {symbol}", f"$C_{symbol}$"),
+        )
+    for name in ("stick_force", "detach_force"):
+        variables[f"reading_{name}"] = (
+            "reading_mass",
+            [getattr(thresholds, name)(d) for d in drives],
+            phase_plane.attributes("N", f"{name.replace('_', ' ')} for this mass", "$R$"),
+        )
+    return variables
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
+    result = []
+    stated = float(dataset.mass)
+    printed_for = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
+    ours, theirs = dataset.sel(reading_mass=stated), dataset.sel(reading_mass=printed_for)
+    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
+        words = f"Effective damping C{symbol}, of any mass"
+        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"reading_effective_damping_{sign}"]))
+    for law, sign, symbol in ((-1, "minus", "₋"), (1, "plus", "₊")):
+        words = (
+            f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
+            f"(with the stated m = {stated:g} kg it is {float(ours[f'reading_effective_inertia_{sign}']):.3g} kg m2)"
+        )
+        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"reading_effective_inertia_{sign}"]))
+    stick = float(theirs.reading_stick_force), float(theirs.reading_detach_force)
+    expected = chapter.THRESHOLDS["stick_force"].value, chapter.THRESHOLDS["detach_force"].value
+    result.append(
+        Check.holds(
+            f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)",
+            "Sect. 8.5.1, Fig. 8.6",
+            f"m = {printed_for:g} kg gives {stick[0]:.2f} N and {stick[1]:.2f} N",
+            all(abs(s / p - 1) > 0.02 for s, p in zip(stick, expected, strict=True)),
+        )
+    )
+    return result

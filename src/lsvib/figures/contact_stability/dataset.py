@@ -1,0 +1,304 @@
+"""Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data.attributes import attributes
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters, labels, origin_of
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.errors import InputError
+from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
+from lsvib.steady_sliding.boundaries import stable_set
+from lsvib.steady_sliding.conditions import critical_mass
+from lsvib.steady_sliding.eigenvalues_two_coordinates import eigenvalues, routh_hurwitz
+from lsvib.steady_sliding.linearised import threads_model
+from lsvib.steady_sliding.stiff_contact import (
+    LARGEST_MASS,
+    critical_mass_of_contact,
+    least_damping_of_stiff_contact,
+    stable_masses,
+    unstable_contact_stiffness,
+)
+
+_LAW = 1  # R Ω > 0
+_BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
+_CLOSE = 0.01  # of a limit, at the stiffest contact
+_CONTACT = ("contact_stiffness", "contact_damping")
+_PARAMETERS = [name for name in RigidParameters.model_fields if name not in ("mass", "axial_force")]
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
+
+    ``settings``: ``drive`` (c_x = 0, R Ω > 0); ``stiffnesses`` k_c [N/m] of the curves, ascending, and
+    ``contact_damping`` c_c [N s/m] along them; ``contacts`` that figures draw; ``masses`` [kg], one above and one below
+    the rigid drive's critical mass; ``stiffness`` k_c [N/m] and ``dampings`` c_c [N s/m], the first zero, of the growth
+    rates. Spans have ``start``, ``stop``, ``count`` and are spaced logarithmically. Raises ``InputError``.
+    """
+    drive = ThreadsParameters.of(settings["drive"])
+    rigid = critical_mass(drive)
+    heavy, light = settings["masses"]
+    if rigid is None or not light < rigid < heavy:
+        raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
+    along, stiffness = (_span(settings[name]) for name in ("contact_damping", "stiffness"))
+    curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    found = [[_stable(drive, k, c) for c in along] for k in curves]
+    grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
+    again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
+    growth = [[_growth(drive.replace(mass=m, contact_damping=c), stiffness) for c in dampings] for m in (heavy, light)]
+    dampings_of = [_dampings(drive.replace(mass=light, contact_stiffness=k)) for k in stiffness]
+    window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
+    above = [unstable_contact_stiffness(drive.replace(mass=heavy, contact_damping=c)) for c in dampings]
+    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[_LAW]) for mass in (heavy, light)}
+    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
+    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
+    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
+    mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
+    return xr.Dataset(
+        {
+            "curve_critical_mass_with_contact": (
+                ("curve_contact_stiffness", "curve_contact_damping"),
+                np.where(grid < LARGEST_MASS, grid, np.nan),
+                mass_words,
+            ),
+            "stable_again": (
+                ("curve_contact_stiffness", "curve_contact_damping"),
+                again,
+                attributes("kg", "mass from which on steady sliding is stable again, missing if from none"),
+            ),
+            "stable_at_every_mass": (
+                ("curve_contact_stiffness", "curve_contact_damping"),
+                (grid >= LARGEST_MASS).astype(np.int8),
+                attributes(
+                    "1",
+                    "steady sliding is stable at every mass",
+                    flag_values=np.array([0, 1], dtype=np.int8),
+                    flag_meanings="no yes",
+                ),
+            ),
+            "critical_mass_with_contact": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words),
+            "growth_rate": (
+                ("mass", "growth_contact_damping", "growth_contact_stiffness"),
+                growth,
+                attributes("s-1", "largest real part of the eigenvalues", r"max Re $s$"),
+            ),
+            "unstable_contact_stiffness": (
+                "growth_contact_damping",
+                above,
+                attributes("N m-1", "contact stiffness beyond which Lemma 8.1 is proved", "$k_c$"),
+            ),
+            "least_contact_damping": (
+                "growth_contact_stiffness",
+                [row[-1][0] for row in dampings_of],
+                attributes("N s m-1", "contact damping above which the smaller mass is stable for all", "$c_c$"),
+            ),
+            "window_of_soft_contact": (
+                ("growth_contact_stiffness", "end"),
+                window,
+                attributes("N s m-1", "ends of an interval of smaller dampings at which it is stable, too", "$c_c$"),
+            ),
+            "least_contact_damping_of_stiff_contact": (
+                (),
+                least_damping_of_stiff_contact(drive.replace(mass=light)),
+                attributes("N s m-1", "its limit for a stiff contact", "$c_c$"),
+            ),
+            "elastic_growth_limit": (
+                (),
+                elastic,
+                attributes("s-1", "limit of the growth rate of the smaller mass for a stiff elastic contact"),
+            ),
+            "growth_scale": (
+                (),
+                lever,
+                attributes("kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"),
+            ),
+        },
+        coords={
+            **axis("curve_contact_stiffness", curves),
+            **axis("curve_contact_damping", along),
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(
+                contacts,
+                "contact",
+                along=_CONTACT,
+                axes=("mass",),
+                printed=("Sect. 8.6", "Sect. 8.6.1"),
+                no_effect=("axial_force", "input_speed"),
+            ),
+            **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
+            **axis("growth_contact_damping", dampings),
+            **axis("growth_contact_stiffness", stiffness),
+            "critical_mass": (
+                (),
+                rigid,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
+        },
+        attrs={
+            "title": "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
+            "source": "lsvib, characteristic polynomial in rational numbers, eigenvalues by LAPACK",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
+            "comment": "R Omega > 0",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
+    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
+    sides = [_sides(drive, *values) for values in zip(own, *_contacts(dataset), strict=True)]
+    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
+    soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
+    softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
+    heavy, light = (dataset.isel(mass=k) for k in (0, 1))
+    beyond = heavy.growth_contact_stiffness > dataset.unstable_contact_stiffness
+    grows = heavy.growth_rate > 0
+    wrong, compared = _against_signs(dataset, drive)
+    stiff = heavy.growth_rate.isel(growth_contact_stiffness=-1).values
+    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    half = scale * dataset.growth_contact_damping.values / 2
+    ratio = stiff / (half + np.sqrt(half**2 + scale * last))
+    elastic = light.growth_rate.isel(growth_contact_damping=0).values
+    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
+    enough = light.growth_contact_damping > light.least_contact_damping
+    least = dataset.least_contact_damping.values
+    windows, ends = _windows(dataset, drive)
+    softer = light.growth_contact_stiffness.where(np.isfinite(dataset.window_of_soft_contact[:, 0]))
+    return [
+        Check.holds(
+            "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
+            "sooner the softer the contact",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{', '.join(f'{x:.4g}' for x in own)} kg from the stiffest to the softest, rigid {rigid:.5g} kg",
+            bool((np.diff(own) < 0).all() and own[0] < rigid),
+        ),
+        Check.holds(
+            f"LAPACK's eigenvalues of these drives cross the imaginary axis there, within {_BESIDE:g} of the mass",
+            "eq. 8.7, model of Sect. 5.5",
+            f"largest real parts {', '.join(f'{a:.2e} and {b:.2e}' for a, b in sides)} 1/s",
+            all(a < 0 < b for a, b in sides),
+        ),
+        Check.holds(
+            "Every contact of the sweep loses steady sliding below the critical mass of the rigid drive, but for soft "
+            "ones with little damping, which keep it at every mass or regain it at a large one",
+            "model of Sect. 5.5",
+            f"{int(np.isfinite(whole).sum())} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
+            f"{int(every.sum())} never do, {int(np.isfinite(dataset.stable_again).sum())} regain it, k_c <= "
+            f"{softest:.0e} N/m",
+            bool((whole[~every] < rigid).all()) and softest < float(dataset.unstable_contact_stiffness[0]),
+        ),
+        Check.holds(
+            "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
+            "Lemma 8.1",
+            f"{int((grows & beyond).sum())} of {int(beyond.sum())} contacts",
+            bool(grows.where(beyond, True).all() and beyond.any("growth_contact_stiffness").all()),
+        ),
+        Check.holds(
+            "At the stiffest contact its growth rate is the positive root of s² = b (c_c s + k_c), b = β |Γ_0| / "
+            f"(I m), to {_CLOSE:.0%}, which grows without bound",
+            "Lemma 8.1, docs/lemmas.md",
+            f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
+            bool((np.abs(ratio - 1) < _CLOSE).all()),
+        ),
+        Check.holds(
+            "The converse fails in an elastic contact: the smaller mass, stable when rigid, flutters however stiff",
+            "Lemma 8.1, docs/lemmas.md",
+            f"growth rate from {elastic.min():.4g} 1/s, at the stiffest contact {elastic[-1]:.5g}, limit "
+            f"{expected:.5g} 1/s",
+            bool((elastic > 0).all()) and abs(elastic[-1] / expected - 1) < _CLOSE,
+        ),
+        Check.holds(
+            f"With enough contact damping the smaller mass is stable; the least tends to its limit, to {_CLOSE:.0%}",
+            "Lemma 8.1, docs/lemmas.md",
+            f"{int((enough & (light.growth_rate < 0)).sum())} of {int(enough.sum())} contacts with more; "
+            f"{least[-1]:.6g} against {bound:.6g} N s/m",
+            bool((light.growth_rate < 0).where(enough, True).all()) and abs(least[-1] / bound - 1) < _CLOSE,
+        ),
+        Check.holds(
+            "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
+            f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
+            "model of Sect. 5.5, docs/lemmas.md",
+            f"{sum(windows)} of {len(windows)} contacts, k_c <= {float(softer.max()):.2e} N/m; "
+            f"and at the least damping of {sum(ends)} of {len(ends)}",
+            all(windows) and all(ends) and len(windows) > 0,
+        ),
+        Check.holds(
+            "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
+            "model of Sect. 5.5",
+            f"{wrong} exceptions among {compared} contacts",
+            wrong == 0 and compared > 0,
+        ),
+    ]
+
+
+def _span(settings: Mapping[str, Any]) -> np.ndarray:
+    return np.geomspace(*(settings[key] for key in ("start", "stop", "count")))
+
+
+def _stable(drive: ThreadsParameters, stiffness: float, damping: float) -> list[tuple[float, float]]:
+    """Intervals of stable masses [kg] with a contact."""
+    return stable_masses(drive.replace(contact_stiffness=float(stiffness), contact_damping=float(damping)))
+
+
+def _dampings(drive: ThreadsParameters) -> list[tuple[float, float]]:
+    """Intervals of stable contact dampings [N s/m]."""
+    return [(float(a), float(b)) for a, b in stable_set(drive, "contact_damping").intervals]
+
+
+def _growth(drive: ThreadsParameters, stiffness: np.ndarray) -> np.ndarray:
+    return eigenvalues(threads_model({**dict(drive), "contact_stiffness": stiffness}, _LAW))[:, -1].real
+
+
+def _contacts(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    return dataset.contact_stiffness.values, dataset.contact_damping.values
+
+
+def _sides(drive: Mapping[str, float], mass: float, stiffness: float, damping: float) -> tuple[float, float]:
+    """Largest real part [1/s] just below and just above a mass."""
+    masses = mass * np.array([1 - _BESIDE, 1 + _BESIDE])
+    own = {**drive, "mass": masses, "contact_stiffness": stiffness, "contact_damping": damping}
+    below, above = eigenvalues(threads_model(own, _LAW))[:, -1].real
+    return float(below), float(above)
+
+
+def _windows(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[list[bool], list[bool]]:
+    """For each soft contact, whether its stable dampings are so by LAPACK; for each contact, the same of the least."""
+    own = {**drive, "mass": float(dataset.mass[1])}
+    beside = np.array([1 - _BESIDE, 1 + _BESIDE])
+
+    def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
+        contact = {**own, "contact_stiffness": stiffness, "contact_damping": damping}
+        return (eigenvalues(threads_model(contact, _LAW))[:, -1].real > 0).tolist()
+
+    windows, ends = [], []
+    for stiffness, (low, high), least in zip(
+        *(
+            dataset[name].values
+            for name in ("growth_contact_stiffness", "window_of_soft_contact", "least_contact_damping")
+        ),
+        strict=True,
+    ):
+        ends.append(grows(stiffness, least * beside) == [True, False])
+        if np.isfinite(low):
+            around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
+            windows.append(grows(stiffness, around) == [True, False, False, False, True])
+    return windows, ends
+
+
+def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int, int]:
+    """Number of growth rates whose sign is not that of the exact conditions, and of all."""
+    wrong = 0
+    for m, own in enumerate(dataset.mass.values):
+        for i, c in enumerate(dataset.growth_contact_damping.values):
+            for j, k in enumerate(dataset.growth_contact_stiffness.values):
+                contact = ThreadsParameters.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
+                stable = routh_hurwitz(threads_model(contact, _LAW, exact=True).polynomial())
+                wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
+    return wrong, dataset.growth_rate.size

@@ -1,0 +1,188 @@
+"""One look for all figures: fonts, sizes, colours that colour-blind readers tell apart, labels from the metadata."""
+
+import os
+import re
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from lsvib.files import replacing
+
+# Okabe & Ito (2008), "Color universal design".
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+YELLOW = "#F0E442"
+BLUE = "#0072B2"
+VERMILION = "#D55E00"
+PURPLE = "#CC79A7"
+WINE, OLIVE = "#882255", "#999933"  # Tol (2021), "Colour schemes", muted
+GREY = "#8C8C8C"
+
+PRINTED = {"color": BLACK, "linewidth": 0.6, "linestyle": (0, (5, 3))}  # a value that the chapter prints
+
+SINGLE = 3.5  # width of one journal column [inch]
+DOUBLE = 7.2  # width of two columns [inch]
+
+_STYLE = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so every machine draws the same
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "axes.prop_cycle": matplotlib.cycler(color=[BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK]),
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "figure.constrained_layout.use": True,
+    "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
+}
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NOTE = 7  # size of the line under a picture [pt], legible in print
+_STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
+_LISTED = 5  # values of one parameter that the line lists; of more it gives the range
+
+
+def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
+    """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
+
+    @wraps(draw)
+    def in_style(dataset: xr.Dataset) -> Figure:
+        with matplotlib.rc_context(_STYLE):
+            return draw(dataset)
+
+    return in_style
+
+
+def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
+    """Return an empty figure of the given size [inch] that draws without a display (Agg, no pyplot)."""
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def label(variable: xr.DataArray, name: str | None = None) -> str:
+    """Return an axis label "Long name symbol [unit]" from a variable's metadata; ``name`` replaces the long name."""
+    text = name or variable.attrs["long_name"]
+    parts = [text[:1].upper() + text[1:], variable.attrs.get("symbol", ""), unit(variable.attrs["units"])]
+    return " ".join(part for part in parts if part)
+
+
+def unit(units: str) -> str:
+    """Return a unit for the eye: ``"N m s rad-1"`` becomes ``"[N m s rad⁻¹]"``, ``"1"`` becomes empty."""
+    if units == "1":
+        return ""
+    return "[" + re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power.group().translate(SUPERSCRIPTS), units) + "]"
+
+
+def number(value: float) -> str:
+    """Return a number for a text: a minus sign in place of a hyphen, a power of ten where it is short."""
+    text = f"{float(value):g}".replace("-", "−")
+    if float(value) == 0 or ("e" not in text and 0.01 <= abs(float(value)) < 1e5):
+        return text
+    mantissa, power = f"{float(value):.3e}".split("e")
+    factor = "" if float(mantissa) == 1 else f"{float(mantissa):g} \\times "
+    return f"${factor}10^{{{int(power)}}}$"
+
+
+def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
+    """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
+    values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
+    if values.size > _LISTED:
+        text = f"{number(values[0])} to {number(values[-1])}"
+    else:
+        text = ", ".join(number(value) for value in values)
+    name = variable.attrs.get("symbol", variable.attrs["long_name"])
+    return f"{name} = {text} {unit(variable.attrs['units']).strip('[]')}".strip()
+
+
+def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
+    """Return :func:`amount` of each parameter, as far as it is "printed" beyond Table 8.1, or "assumed", each once.
+
+    The attribute ``origin`` of a parameter says which; of several values it names those that are printed and not
+    assumed after the word "except".
+    """
+    found = []
+    for variable in dataset.variables.values():
+        origin = variable.attrs.get("origin", "")
+        if not origin.startswith(("printed", "assumed")) or origin == "printed: Table 8.1":
+            continue
+        rule, _, exceptions = origin.partition(", except ")
+        values = np.unique(variable.values)
+        excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
+        chosen = values[excepted != rule.startswith(kind)]
+        if chosen.size:
+            found.append(amount(xr.DataArray(variable), chosen))
+    return list(dict.fromkeys(found))
+
+
+def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Table 8.1.") -> None:
+    """Write under a picture which values it holds for, by the metadata of the dataset alone.
+
+    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed, then
+    ``rest``. The text is broken where it would be wider than the figure.
+    """
+    words = [
+        *enumeration("As printed: ", amounts(dataset, "printed")),
+        *enumeration("Assumed: ", amounts(dataset, "assumed")),
+    ]
+    write_below(figure, [*words, rest if words else "All values: Table 8.1."])
+
+
+def write_below(figure: Figure, words: Sequence[str]) -> None:
+    """Write pieces of a text under a picture, in as many lines as its width takes."""
+    note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
+    room = 0.98 * figure.bbox.width
+    lines: list[str] = []
+    for word in words:
+        note.set_text(f"{lines[-1]} {word}" if lines else word)
+        if lines and note.get_window_extent().width <= room:
+            lines[-1] = note.get_text()
+        else:
+            lines.append(word)
+    note.set_text("\n".join(lines))
+
+
+def enumeration(start: str, items: Sequence[str]) -> list[str]:
+    """Return the pieces of "start a, b, c." that a line break may part."""
+    ends = [","] * (len(items) - 1) + ["."]
+    return [f"{start if k == 0 else ''}{item}{end}" for k, (item, end) in enumerate(zip(items, ends, strict=False))]
+
+
+def flag_names(variable: xr.DataArray) -> dict[int, str]:
+    """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
+    words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
+    # A single flag comes back from a file as a scalar.
+    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
+
+
+def save(
+    figure: Figure, png: str | os.PathLike[str], pdf: str | os.PathLike[str] | None = None, *, resolution: float = 300
+) -> None:
+    """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
+
+    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. Raises ``LsvibError`` if a file cannot be
+    written.
+    """
+    metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
+    with matplotlib.rc_context(_STYLE):
+        for path, kind in ((png, "png"), (pdf, "pdf")):
+            if path is None:
+                continue
+            with replacing(path) as part:
+                figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)

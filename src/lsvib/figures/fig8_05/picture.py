@@ -1,0 +1,12 @@
+"""Figure 8.5: phase plane under negative damping with a contact force against the motion."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from lsvib.figures.drawing import phase_planes, style
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the motions, which all approach the origin, and the lines N = 0 and θ′ = 0."""
+    return phase_planes.single(dataset)

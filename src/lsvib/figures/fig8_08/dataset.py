@@ -1,0 +1,173 @@
+"""Figure 8.8: eigenvalues of the steady sliding against the translating mass, and the critical mass Γ₊ = 0."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data import printed
+from lsvib.data.attributes import attributes
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters
+from lsvib.drives import chapter
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters
+from lsvib.errors import InputError
+from lsvib.steady_sliding.conditions import critical_mass
+from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
+
+    ``settings``: ``drive`` (keys of :class:`RigidParameters`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and
+    ``count``, ``dampings`` [N m s/rad] for which the loss of stability is located. The masses crowd towards
+    m_cr, where the eigenvalues diverge. Raises ``InputError``.
+    """
+    drive = RigidParameters.of(settings["drive"])
+    critical = critical_mass(drive)
+    if critical is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    marks = {name: _mass(drive, inertia) for name, inertia in _marks(drive).items()}
+    start, stop, count = (settings["mass"][key] for key in ("start", "stop", "count"))
+    mass = _masses(start, stop, count, critical, list(marks.values()))
+    inertia = np.array([_inertia(drive, m) for m in mass])
+    pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
+    dampings = np.array(settings["dampings"], dtype=float)
+    losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
+    return xr.Dataset(
+        {
+            "eigenvalue_real_part": (
+                ("eigenvalue", "mass"),
+                pair.real.T,
+                attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
+            ),
+            "eigenvalue_imaginary_part": (
+                ("eigenvalue", "mass"),
+                pair.imag.T,
+                attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
+            ),
+            "effective_inertia_plus": (
+                "mass",
+                inertia,
+                attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+            ),
+            "loss_of_stability": (
+                "swept_support_damping",
+                losses,
+                attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
+            ),
+        },
+        coords={
+            **axis("mass", mass),
+            **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
+            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            **axis("swept_support_damping", dampings),
+            "critical_mass": (
+                (),
+                critical,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
+            "meeting_mass": (
+                (),
+                marks["meeting_mass"],
+                attributes("kg", "mass at which both eigenvalues meet and turn real", "$m$"),
+            ),
+            "peak_mass": (
+                (),
+                marks["peak_mass"],
+                attributes("kg", "mass of the largest imaginary part of an eigenvalue", "$m$"),
+            ),
+            "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
+        },
+        attrs={
+            "title": "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
+            "source": "lsvib, eigenvalues in closed form (8.18), effective inertia in 50-digit arithmetic",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6, Fig. 8.8",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical mass, and that the spectrum loses stability there and nowhere else, at any damping."""
+    critical = float(dataset.critical_mass)
+    largest = dataset.eigenvalue_real_part.max("eigenvalue")
+    below = bool((largest.where(dataset.mass < critical, drop=True) < 0).all())
+    heavy = dataset.eigenvalue_real_part.where(dataset.mass > critical, drop=True)
+    saddle = bool((heavy.prod("eigenvalue") < 0).all())
+    losses = dataset.loss_of_stability.values
+    worst = float(losses[np.argmax(np.abs(losses - critical))])
+    peak = float(dataset.eigenvalue_imaginary_part.max())
+    ratio = peak * float(dataset.support_damping) / float(dataset.coupling_stiffness)
+    oscillating = dataset.mass.values[(dataset.eigenvalue_imaginary_part != 0).any("eigenvalue").values]
+    meeting = float(dataset.meeting_mass)
+    return [
+        printed.check("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
+        Check.within(
+            f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
+            "eqs 8.18, 8.20",
+            critical,
+            worst,
+            1e-12,
+            "kg",
+            "both exact; rounding only",
+        ),
+        Check.holds(
+            "The imaginary parts peak at k / C_0 and are zero before m_cr, from where C_0² = 4 k Γ_0 on",
+            "eq. 8.18, Fig. 8.8",
+            f"largest one {peak:.8g} rad/s at {float(dataset.peak_mass):.6g} kg, zero from {meeting:.6g} kg on",
+            abs(ratio - 1) < 1e-6 and bool((oscillating < meeting * (1 + 1e-12)).all()) and meeting < critical,
+        ),
+        Check.holds(
+            "Below m_cr both eigenvalues have a negative real part",
+            "Sect. 8.6.1, Fig. 8.8",
+            f"largest real part {float(largest.where(dataset.mass < critical).max()):.4g} 1/s",
+            below,
+        ),
+        Check.holds(
+            "Above m_cr one eigenvalue is positive and the other negative",
+            "Sect. 8.6.1, Fig. 8.8",
+            f"smallest positive one {float(heavy.max('eigenvalue').min()):.4g} 1/s",
+            saddle,
+        ),
+    ]
+
+
+def _inertia(drive: RigidParameters, mass: float) -> float:
+    """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
+    return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
+
+
+def _loss_of_stability(drive: RigidParameters, critical: float) -> float:
+    """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
+    stable, unstable = critical / 2, 3 * critical / 2
+    while unstable > np.nextafter(stable, unstable):
+        middle = (stable + unstable) / 2
+        pair = eigenvalues(_inertia(drive, middle), drive.support_damping, drive.coupling_stiffness)
+        if pair.real.max() < 0:
+            stable = middle
+        else:
+            unstable = middle
+    return unstable
+
+
+def _marks(drive: RigidParameters) -> dict[str, float]:
+    """Effective inertias [kg m²] at which the eigenvalues (8.18) meet and at which their imaginary parts are largest.
+
+    Im² ε = k/Γ − C²/4Γ² vanishes at Γ = C²/4k and is largest, k²/C², at Γ = C²/2k.
+    """
+    square = drive.support_damping**2 / drive.coupling_stiffness
+    return {"meeting_mass": square / 4, "peak_mass": square / 2}
+
+
+def _mass(drive: RigidParameters, inertia: float) -> float:
+    """Mass [kg] of an effective inertia Γ₊ = I (1 − m/m_cr) [kg m²]."""
+    return critical_mass(drive) * (1 - inertia / drive.screw_inertia)
+
+
+def _masses(start: float, stop: float, count: int, critical: float, marks: list[float]) -> np.ndarray:
+    """Masses [kg] from start to stop without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
+    near = critical * np.geomspace(1e-6, 0.1, count // 4)
+    mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near, marks]))
+    return mass[(mass >= start) & (mass <= stop) & (mass != critical)]

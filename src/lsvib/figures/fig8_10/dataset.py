@@ -1,0 +1,199 @@
+"""Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.cycles.curve_distance import Orbit
+from lsvib.data import phase_plane, printed
+from lsvib.data.attributes import quantity
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters, start_state
+from lsvib.data.phase_plane import attributes
+from lsvib.drives import chapter
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.threads import ThreadsEvent, ThreadsMode, seated_state
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import Motion, follow
+from lsvib.figures.common.compliant_cycles import compliant_cycle, cycle_curves
+
+_ZOOM = 400  # samples of the peak that is drawn alone
+_FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from its start
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the motion and its cycle with compliant threads, the rigid one beside it, and the effect of R.
+
+    ``settings``: ``drive``, ``contact_stiffness`` [N/m], ``contact_damping`` [N s/m]; ``start`` u [rad], w [rad/s],
+    with the contact seated; ``duration`` [s], ``samples``; ``axial_force`` [N] with ``start``, ``stop``, ``count``,
+    over which the cycle is repeated, since the text does not state R. Raises ``InputError``.
+    """
+    contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
+    drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
+    automaton, cycle = compliant_cycle(drive, start)
+    rigid_cycle = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
+    motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
+    forces = phase_plane.span(settings["axial_force"])
+    return xr.Dataset(
+        _motion(motion, settings["samples"])
+        | cycle_curves((), [cycle], settings["samples"])
+        | cycle_curves((), [rigid_cycle], settings["samples"], "rigid_cycle")
+        | _peak(automaton, cycle)
+        | _comparison(drive, cycle, rigid_cycle)
+        | _sensitivity(drive, forces, start),
+        coords={
+            **axis("swept_axial_force", forces),
+            **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
+            "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
+        },
+        attrs={
+            "title": "Figure 8.10: sprag-slip vibration with compliant threads",
+            "source": "lsvib, exact event-driven motion with four states",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.10",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
+    force, peak = dataset.swept_axial_force.values, dataset.swept_peak_normal_force.values
+    claim = chapter.PEAK_FORCE
+    farthest = float(np.max(np.abs(peak / claim.value - 1)))
+    labels = np.append(dataset.swept_attractor.values, [dataset.attractor, dataset.rigid_attractor])
+    near = dataset.swept_orbit_distance.values
+    sprags = dataset["mode"].values == ThreadsMode.REST_POSITIVE
+    late = dataset.normal_force.values[sprags & (dataset.time.values > 0.5 * float(dataset.time[-1]))]
+    highest = float(late.max()) if late.size else np.nan
+    return [
+        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
+        Check.holds(
+            f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "
+            "text leaves out",
+            claim.source,
+            f"{peak.min() / 1e3:.2f} to {peak.max() / 1e3:.2f} kN for R from {force[0]:g} to {force[-1]:g} N",
+            farthest <= claim.tolerance,
+        ),
+        Check.holds(
+            "The cycle lies within 2 % of the rigid one of Fig. 8.9b, in scales of its amplitude and of Ω",
+            "Sect. 8.6.1, Fig. 8.10a",
+            f"distance {float(dataset.orbit_distance):.4f} (amplitude {float(dataset.amplitude):.6g} against "
+            f"{float(dataset.rigid_amplitude):.6g} rad, period {float(dataset.period):.7g} against "
+            f"{float(dataset.rigid_period):.7g} s); {near.min():.4f} to {near.max():.4f} over R",
+            float(dataset.orbit_distance) <= 0.02,
+        ),
+        Check.holds(
+            "With either model and for every R the motion ends on a sprag-slip cycle, which repeats to 1e-9",
+            "Sect. 8.6.1, Fig. 8.10",
+            f"{int((labels == Attractor.SPRAG_SLIP_CYCLE).sum())} of {labels.size}, residual "
+            f"{float(dataset.period_residual):.1e}",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all() and float(dataset.period_residual) <= 1e-9),
+        ),
+        Check.holds(
+            "Largest sample of N(t) in the second half of the motion is the exact peak of the cycle, to 1e-6: the "
+            "peak is at an event, which is a sample, and the motion is on its cycle",
+            "resolution of Fig. 8.10b",
+            f"{highest:.9g} N against {float(dataset.peak_normal_force):.9g} N",
+            bool(abs(highest / dataset.peak_normal_force - 1) <= 1e-6),
+        ),
+    ]
+
+
+def _motion(motion: Motion, samples: int) -> phase_plane.Variables:
+    """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
+    times, states, codes = phase_plane.sample(motion, samples)
+    # The same rows in every mode.
+    row, deflection = (motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection"))
+    return {
+        "time": ("sample", times, attributes("s", "time", "$t$")),
+        "angle_deviation": ("sample", states[:, 0], quantity("angle_deviation")),
+        "velocity_deviation": ("sample", states[:, 1], quantity("velocity_deviation")),
+        "normal_force": ("sample", states @ row[:-1] + row[-1], quantity("normal_force")),
+        "coupling_deflection": ("sample", states @ deflection[:-1] + deflection[-1], quantity("coupling_deflection")),
+        **{name: ("sample", states[:, 2 + k], quantity(name)) for k, name in enumerate(motion.automaton.states[2:])},
+        "mode": ("sample", codes, phase_plane.flag("mode of motion", ThreadsMode)),
+    }
+
+
+def _peak(automaton: Automaton, cycle: SteadyState) -> phase_plane.Variables:
+    """The contact force around a peak, over time from the start of the sprag."""
+    if cycle.label != Attractor.SPRAG_SLIP_CYCLE:  # nothing to draw; the checks say so
+        times = force = np.full(_ZOOM, np.nan)
+        return _peak_variables(times, force, np.nan)
+    period = cycle.orbit.end_time
+    twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
+    stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
+    begin, sprag = twice.time[stick - 1], twice.time[stick] - twice.time[stick - 1]
+    times = begin + sprag * np.linspace(_FROM, _TO, _ZOOM)
+    times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
+    states, modes = twice.at(times)
+    force = automaton.observe("normal_force", states, modes)
+    return _peak_variables(times - begin, force, float(sprag))
+
+
+def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase_plane.Variables:
+    return {
+        "close_up_time": ("close_up_sample", times, attributes("s", "time after the start of a sprag", "$t$")),
+        "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
+        "sprag_duration": ((), sprag, attributes("s", "time from N = 0 until the screw stands")),
+    }
+
+
+def _comparison(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
+    """The cycle in numbers, beside the rigid one."""
+    values = _cycle_values(drive, cycle, rigid)
+    named = {"attractor": ((), np.int8(cycle.label), phase_plane.flag(phase_plane.ATTRACTOR, Attractor))}
+    named["rigid_attractor"] = (
+        (),
+        np.int8(rigid.label),
+        phase_plane.flag(f"{phase_plane.ATTRACTOR}, of the rigid drive", Attractor),
+    )
+    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
+        row = np.eye(1, steady.state.size + 1)[0]  # u
+        low, high = steady.extremes(row)
+        named[f"{name}amplitude"] = ((), 0.5 * (high - low), attributes("rad", phase_plane.AMPLITUDE + words))
+        named[f"{name}period"] = ((), steady.period, attributes("s", phase_plane.PERIOD + words, "$T$"))
+    residual = attributes("1", "relative change of the section state over a period")
+    return named | {
+        "peak_normal_force": ((), values[0], _PEAK),
+        "orbit_distance": ((), values[1], _DISTANCE),
+        "period_residual": ((), cycle.residual, residual),
+    }
+
+
+_PEAK = attributes("N", "largest normal force on the cycle", "$N$")
+_DISTANCE = attributes(
+    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed"
+)
+
+
+def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+    """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
+    if cycle.orbit is None or rigid.orbit is None:
+        return np.nan, np.nan
+    low, high = orbit_extremes(cycle.orbit, cycle.orbit.automaton.observables["normal_force"])
+    scales = (rigid.amplitude, abs(drive.input_speed))
+    return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
+
+
+def _sensitivity(drive: ThreadsParameters, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
+    rows = []
+    for force in forces:
+        pushed = drive.replace(axial_force=float(force))
+        rigid = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
+        _, cycle = compliant_cycle(pushed, start)
+        rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
+    label, peak, distance = np.array(rows, dtype=float).T
+    return {
+        "swept_attractor": (
+            "swept_axial_force",
+            label.astype(np.int8),
+            phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
+        ),
+        "swept_peak_normal_force": ("swept_axial_force", peak, _PEAK),
+        "swept_orbit_distance": ("swept_axial_force", distance, _DISTANCE),
+    }

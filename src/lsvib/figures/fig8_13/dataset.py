@@ -1,0 +1,224 @@
+"""Figure 8.13: softer contacts – smoother trajectories, and a coupling deflection that turns positive during sprag."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.data import phase_plane
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
+from lsvib.data.phase_plane import attributes
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.kernels import dispatch
+from lsvib.engine.motion import Motion
+from lsvib.errors import InputError
+from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT, compliant_cycle, cycle_curves
+from lsvib.steady_sliding.stiff_contact import critical_mass_of_contact
+
+_CONTACT = ("contact_stiffness", "contact_damping")
+_TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
+_TRIES = 40
+_NUMBERS = {
+    "attractor": ("1", phase_plane.ATTRACTOR),
+    "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
+    "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
+    "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
+    "period": ("s", phase_plane.PERIOD, "$T$"),
+    "period_residual": ("1", "relative change of the section state over a period"),
+}
+_ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive.
+
+    ``settings``: ``drive``; ``contacts``, each with ``contact_stiffness`` [N/m] and ``contact_damping`` [N s/m], the
+    stiffest first; ``start`` u [rad], w [rad/s]; ``samples`` of a cycle; ``contact_stiffness`` and ``contact_damping``
+    of the grid with ``start``, ``stop``, ``count``, spaced logarithmically. Raises ``InputError``.
+    """
+    drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
+    stiffness, damping = (
+        np.geomspace(*(settings[key][word] for word in ("start", "stop", "count"))) for key in _CONTACT
+    )
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
+    rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
+
+    def values(k: float, c: float) -> dict[str, float]:
+        contact = drive.replace(contact_stiffness=k, contact_damping=c)
+        return _numbers(compliant_cycle(contact, start)[1])
+
+    grid = [[values(k, c) for c in damping] for k in stiffness]
+    limits = [
+        _boundary(lambda c, k=k: values(k, c)["largest_deflection"], damping, row)
+        for k, row in zip(stiffness, grid, strict=True)
+    ]
+    single = [_numbers(steady) for steady in cycles]
+    return xr.Dataset(
+        cycle_curves(("contact",), cycles, settings["samples"])
+        | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
+        | {name: _table(("contact",), name, single) for name in _NUMBERS}
+        | {
+            f"grid_{name}": _table(("grid_contact_stiffness", "grid_contact_damping"), name, grid)
+            for name in _ON_THE_GRID
+        }
+        | {
+            "boundary_contact_damping": (
+                "grid_contact_stiffness",
+                [limit[0] for limit in limits],
+                attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
+            ),
+            "boundary_deflection": (
+                "grid_contact_stiffness",
+                [limit[1] for limit in limits],
+                attributes("rad", "largest coupling deflection at that damping", "$z$"),
+            ),
+        },
+        coords={
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motions whose cycles are found"),
+            "critical_mass_with_contact": (
+                "contact",
+                [critical_mass_of_contact(c) for c in contacts],
+                attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$"),
+            ),
+            **axis("grid_contact_stiffness", stiffness),
+            **axis("grid_contact_damping", damping),
+            "steady_deflection": (
+                (),
+                float(coefficients(drive).deflection),
+                attributes("rad", "coupling deflection in steady sliding", "$z_0$"),
+            ),
+        },
+        attrs={
+            "title": "Figure 8.13: effect of the contact parameters",
+            "source": "lsvib, exact event-driven motion with four states",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.13",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
+    deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
+    fastest = dataset.largest_acceleration.values
+    critical = dataset.critical_mass_with_contact.values
+    times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
+    labels, residual = dataset.attractor.values, float(dataset.period_residual.max())
+    limit, edge = dataset.boundary_contact_damping.values, np.abs(dataset.boundary_deflection.values)
+    above = dataset.grid_contact_damping.values > limit[:, None]
+    grid, cycles = dataset.grid_largest_deflection.values, dataset.grid_attractor.values == Attractor.SPRAG_SLIP_CYCLE
+    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
+    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
+    return [
+        Check.holds(
+            "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{int((labels == Attractor.SPRAG_SLIP_CYCLE).sum())} of {labels.size}, residual {residual:.1e}",
+            bool((labels == Attractor.SPRAG_SLIP_CYCLE).all()) and residual <= 1e-9,
+        ),
+        Check.holds(
+            "The drives stand at different distances beyond their thresholds: each contact has a critical mass of its "
+            "own below the mass drawn, the smaller the softer it is",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"m = {float(dataset.mass):g} kg, m_cr = {', '.join(f'{x:.3g}' for x in critical)} kg",
+            bool((critical < float(dataset.mass)).all() and (np.diff(critical) < 0).all()),
+        ),
+        Check.holds(
+            "Softer contacts make the trajectory smoother: the shortest time Ω / max|θ″| grows from each to the next",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{times} µs from the stiffest to the softest contact",
+            bool((np.diff(fastest) < 0).all()),
+        ),
+        Check.holds(
+            "The coupling deflection becomes positive with the softest contact and with none that is stiffer",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
+            bool(deflection[-1] > 0 > deflection[:-1].max()),
+        ),
+        Check.holds(
+            "It is during sprag that the deflection becomes positive: its largest value lies there, to 1e-12 rad",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
+            bool(sprag[-1] > 0) and bool(abs(sprag[-1] - deflection[-1]) <= 1e-12),
+        ),
+        Check.holds(
+            "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
+            "sweep over the contact parameters",
+            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
+            f"N/m; |max z| up to {edge.max():.1e} rad on it; negative for "
+            f"{int((grid[above] < 0).sum())} of {int(above.sum())} contacts above, positive for "
+            f"{int((next_below > 0).sum())} of {next_below.size} next below",
+            bool((edge <= _TURNS).all() and (grid[above] < 0).all() and (next_below > 0).all()),
+        ),
+        Check.holds(
+            "Every contact of the sweep ends on a sprag-slip cycle",
+            "sweep over the contact parameters",
+            f"{int(cycles.sum())} of {cycles.size}",
+            bool(cycles.all()),
+        ),
+    ]
+
+
+def _numbers(steady: SteadyState) -> dict[str, float]:
+    """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
+    if steady.orbit is None:
+        return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
+    automaton = steady.orbit.automaton
+    deflection = automaton.observables["coupling_deflection"]
+    sprags = np.isin(automaton.codes, automaton.sprag_codes)
+    return {
+        "attractor": steady.label,
+        "largest_deflection": steady.extremes(deflection)[1],
+        "sprag_deflection": _extremes(steady.orbit, deflection, sprags)[1],
+        "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
+        "period": steady.period,
+        "period_residual": steady.residual,
+    }
+
+
+def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest value of an observable (modes, n + 1) over the arcs in ``wanted`` modes; nan without."""
+    found = [
+        dispatch.extremes(orbit.automaton.tables.flow, mode, start, rows[mode], duration)
+        for mode, start, _, duration in zip(*orbit.arcs(), strict=True)
+        if wanted[mode]
+    ]
+    return (min(x[0] for x in found), max(x[1] for x in found)) if found else (np.nan, np.nan)
+
+
+def _table(dims: tuple[str, ...], name: str, values) -> tuple:
+    table = np.array([[x[name] for x in row] if isinstance(row, list) else row[name] for row in values], dtype=float)
+    if name == "attractor":  # also on the grid
+        return dims, table.astype(np.int8), phase_plane.flag(_NUMBERS[name][1], Attractor)
+    return dims, table, attributes(*_NUMBERS[name])
+
+
+def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
+    """Largest contact damping at which the deflection turns positive, and the deflection there; regula falsi in log c.
+
+    ``row`` holds the numbers at the dampings of the grid. Raises ``InputError`` if the grid has no turn.
+    """
+    values = np.array([numbers["largest_deflection"] for numbers in row])
+    turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+    if turns.size == 0:
+        raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
+    low, high = np.log(damping[turns[-1] : turns[-1] + 2])
+    above, below = values[turns[-1]], values[turns[-1] + 1]
+    side, middle, value = 0, low, above
+    for _ in range(_TRIES):
+        middle = (low * below - high * above) / (below - above)
+        value = deflection(float(np.exp(middle)))
+        if abs(value) <= _TURNS:
+            break
+        if value > 0:  # Illinois: halve the weight of an end that stays
+            low, above, below, side = middle, value, below / (2 if side == 1 else 1), 1
+        else:
+            high, below, above, side = middle, value, above / (2 if side == -1 else 1), -1
+    return float(np.exp(middle)), float(value)

@@ -1,0 +1,213 @@
+"""Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
+
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
+a mass beyond m_cr.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.data import phase_plane
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import drive_parameters, labels
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.figures.common import accumulation
+from lsvib.steady_sliding.thresholds import global_stability_force
+
+_CHANGED = ("mass", "axial_force")  # in which the cases differ
+_ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
+_DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
+
+    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a), (b); ``angle`` [rad]
+    and ``velocity`` [rad/s] with ``start``, ``stop``, ``count``, a grid of starts whose attractor is found; ``starts``,
+    ``duration`` [s], ``samples`` of the motions drawn; the last start is the one whose seizures accumulate under the
+    chapter's reading of the rule. Raises ``InputError``.
+    """
+    drive = RigidParameters.of(settings["drive"])
+    drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+    angle, velocity = phase_plane.span(settings["angle"]), phase_plane.span(settings["velocity"])
+    heavy = drives[-1]
+    threshold = global_stability_force(heavy)
+    bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
+    attractors = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase_plane.RULES] for r in bracket]
+    return xr.Dataset(
+        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
+        | accumulation.reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
+        | {
+            "grid_attractor": (
+                ("case", "grid_angle_deviation", "grid_velocity_deviation"),
+                np.array([_basin(d, angle, velocity) for d in drives]),
+                phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
+            ),
+            "corner_angle": (
+                "case",
+                [accumulation.corner(d) for d in drives],
+                phase_plane.attributes(
+                    "rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"
+                ),
+            ),
+            "corner_attractor": (
+                ("case", "rule", "corner_distance"),
+                np.array([[_from_standstill(d, rule) for rule in phase_plane.RULES] for d in drives], np.int8),
+                phase_plane.flag("attractor of the motion from standstill so far below the corner", Attractor),
+            ),
+            "bracket_attractor": (
+                ("bracket", "rule"),
+                np.array(attractors, np.int8),
+                phase_plane.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
+            ),
+        },
+        coords={
+            **labels("case", drives, _CHANGED),
+            **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
+            **phase_plane.rule_coordinate(),
+            **phase_plane.grid_axes(angle, velocity),
+            "corner_distance": (
+                "corner_distance",
+                _DISTANCES,
+                phase_plane.attributes("rad", "distance of the start below the corner, at standstill"),
+            ),
+            "bracket_axial_force": (
+                "bracket",
+                bracket,
+                phase_plane.attributes("N", "axial force beside the threshold", "$R$"),
+            ),
+            "global_stability_force": (
+                (),
+                threshold,
+                phase_plane.attributes(
+                    "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
+                ),
+            ),
+        },
+        attrs={
+            "title": "Figure 8.14: trajectories under a negative axial force",
+            "source": "lsvib, exact event-driven motion and its return map",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7, Fig. 8.14",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
+    mass, force, gamma = dataset.mass.values, dataset.axial_force.values, dataset.effective_inertia_plus.values
+    printed, beyond = (slice(0, 2), slice(2, 4))
+    result = [
+        Check.holds(
+            "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
+            "Sect. 8.7, Fig. 8.14",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
+            bool((gamma[printed] > 0).all() and (gamma[beyond] < 0).all()),
+        )
+    ]
+    grid = dataset.grid_attractor.values
+    for case, note in ((0, " (as printed)"), (2, "")):
+        labels = dataset.attractor.values[case]
+        touches = _line_crossings(dataset, case)
+        claim = "every trajectory drawn meets N = 0 and yet reaches the origin, as does every other start"
+        result.append(
+            Check.holds(
+                f"(a) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {claim}",
+                "Sect. 8.7, Fig. 8.14a",
+                f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}; of {grid[case].size} "
+                f"other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach the origin",
+                bool((labels == Attractor.STEADY_SLIDING).all() and (grid[case] == Attractor.STEADY_SLIDING).all())
+                and min(touches) > 0,
+            )
+        )
+    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
+    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
+    for case, note, expected, words in (
+        (1, " (as printed)", Attractor.STEADY_SLIDING, no_cycle),
+        (3, "", Attractor.SPRAG_SLIP_CYCLE, one_cycle),
+    ):
+        labels, amplitude = dataset.attractor.values[case], dataset.amplitude.values[case].ravel()
+        result.append(
+            Check.holds(
+                f"(b) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {words}",
+                "Sect. 8.7, Fig. 8.14b",
+                f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
+                f"{grid[case].size} other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach it",
+                bool((labels == expected).all())
+                and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max())
+                and bool(np.isin(grid[case], [Attractor.STEADY_SLIDING, expected]).all()),
+            )
+        )
+    result += _corner_checks(dataset) + accumulation.checks(dataset)
+    threshold = float(dataset.global_stability_force)
+    labels = dataset.bracket_attractor.values
+    result += [
+        Check.holds(
+            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
+            "Sect. 8.7",
+            f"R = {threshold:.10g} N",
+            bool(force[2] < threshold < force[3]),
+        ),
+        Check.holds(
+            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
+            "Sect. 8.7",
+            f"{_names(labels[0])} just above, {_names(labels[1])} just below {threshold:.10g} N",
+            bool((labels[0] == Attractor.SPRAG_SLIP_CYCLE).all() and (labels[1] == Attractor.STEADY_SLIDING).all()),
+        ),
+    ]
+    return result
+
+
+def _corner_checks(dataset: xr.Dataset) -> list[Check]:
+    """The end of Sect. 8.7, word for word: all starts at standstill up to the corner, beyond m_cr."""
+    met = dataset.contact_line_angle.values + dataset.contact_line_slope.values * dataset.stop_velocity.values
+    gap = float(np.abs(met / dataset.corner_angle.values - 1).max())
+    settles = dataset.corner_attractor.values == Attractor.STEADY_SLIDING
+    counts = settles.sum(axis=2)
+    return [
+        Check.holds(
+            "The lines N = 0 and θ′ = 0 meet in the printed corner, to 1e-12",
+            "Sect. 8.7",
+            f"largest relative distance {gap:.1e}",
+            gap < 1e-12,
+        ),
+        Check.holds(
+            "Beyond m_cr every motion from standstill up to the corner reaches the origin in (a), where steady sliding "
+            "is globally stable, and not every one in (b), under either rule of resuming",
+            "end of Sect. 8.7",
+            f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
+            bool(settles[2].all() and not settles[3].all(axis=1).any()),
+        ),
+    ]
+
+
+def _from_standstill(drive: RigidParameters, rule: str) -> list[Attractor]:
+    automaton, corner = rigid_automaton(drive, resume=rule), accumulation.corner(drive)
+    return [steady_state(automaton, [corner - distance, -drive.input_speed]).label for distance in _DISTANCES]
+
+
+def _basin(drive: RigidParameters, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Attractors of the motions from each state of a grid, shape (angle, velocity)."""
+    automaton = rigid_automaton(drive)
+    return np.array([[steady_state(automaton, [u, w]).label for w in velocity] for u in angle], dtype=np.int8)
+
+
+def _from_release(drive: RigidParameters, rule: str) -> Attractor:
+    """Attractor of the motion from the end of rest, u = c Ω / k, u′ = −Ω."""
+    start = [drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed]
+    return steady_state(rigid_automaton(drive, resume=rule), start).label
+
+
+def _line_crossings(dataset: xr.Dataset, case: int) -> list[int]:
+    """How often each motion of a case arrives at N = 0 after its start."""
+    kinds, times = dataset.event_kind.values[case], dataset.event_time.values[case]
+    meets = np.isin(kinds, [EventKind.SEIZURE, EventKind.CONTACT_REVERSAL]) & (times > 0)
+    return meets.sum(axis=1).tolist()
+
+
+def _names(labels: np.ndarray) -> str:
+    return " and ".join(sorted({Attractor(label).name.lower().replace("_", " ") for label in labels.ravel()}))

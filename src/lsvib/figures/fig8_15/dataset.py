@@ -1,0 +1,281 @@
+"""Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data import printed
+from lsvib.data.attributes import flags
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters
+from lsvib.drives import chapter
+from lsvib.drives.parameters import RigidParameters, SupportParameters
+from lsvib.errors import InputError
+from lsvib.steady_sliding import support_conditions
+from lsvib.steady_sliding.conditions import critical_friction, critical_mass
+from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, eigenvalues, undamped_class
+from lsvib.steady_sliding.linearised import support_model, values_of
+
+_LAW = 1  # R Ω > 0
+_SAME = 1e-9  # relative distance from a boundary within which rounding may decide the class
+_SAMPLES = 100  # columns, and rows, of the map that are compared with LAPACK
+_GROWS = 1e-7  # real part of a growing eigenvalue, relative; LAPACK keeps 1.5e-8 where two coincide
+_PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
+_DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the class map by eigenvalues, the flutter boundaries in closed form, and the critical friction both ways.
+
+    ``settings``: ``drive`` (its damping plays no part); ``screw_mass`` [kg]; ``friction_coefficient`` with ``start``,
+    ``stop``, ``count``; ``support_stiffness`` [N/m] with the same, spaced logarithmically. Raises ``InputError``.
+    """
+    drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+    friction = np.linspace(*(settings["friction_coefficient"][key] for key in ("start", "stop", "count")))
+    stiffness = np.geomspace(*(settings["support_stiffness"][key] for key in ("start", "stop", "count")))
+    drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    critical = critical_friction(drive, drive.screw_mass)
+    if critical is None:
+        raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
+    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, _LAW)
+    parameters = drive_parameters(
+        drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
+        axes=("friction_coefficient", "support_stiffness"),
+        printed=("Fig. 8.15", "Sect. 8.8.1"),
+        assumed=("coupling_stiffness",),
+        no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+    )
+    # The text names Table 7.1, which is not in the chapter.
+    for name in ("pitch_radius", "lead_angle", "screw_inertia"):
+        parameters[name][2]["comment"] = "the text names Table 7.1; with these the printed critical friction comes out"
+    parameters["coupling_stiffness"][2]["comment"] = (
+        "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
+    )
+    return xr.Dataset(
+        {
+            "stability": (
+                ("friction_coefficient", "support_stiffness"),
+                undamped_class(support_model(grid, _LAW)),
+                {"units": "1", "long_name": "class of the steady sliding", **flags(UndampedClass)},
+            ),
+            "lower_boundary": (
+                "boundary_friction_coefficient",
+                branches[:, 0],
+                _stiffness("lower boundary of mode coupling"),
+            ),
+            "upper_boundary": (
+                "boundary_friction_coefficient",
+                branches[:, 1],
+                _stiffness("upper boundary of mode coupling"),
+            ),
+            "critical_friction": ((), critical, _friction("critical friction coefficient, closed form")),
+            "critical_friction_by_eigenvalues": (
+                (),
+                support_conditions.critical_friction_by_eigenvalues(drive),
+                _friction("friction coefficient where an eigenvalue 1/omega^2 passes through zero"),
+            ),
+        },
+        coords={
+            **axis("friction_coefficient", friction),
+            **axis("support_stiffness", stiffness),
+            "printed_critical_friction": printed.variable(
+                chapter.THRESHOLDS["critical_friction"], "critical friction coefficient"
+            ),
+            **axis("boundary_friction_coefficient", curve),
+            **parameters,
+        },
+        attrs={
+            "title": "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
+            "source": "lsvib, generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.1, Fig. 8.15",
+            "comment": "R Omega > 0; undamped",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
+    kinds = dataset.stability.values
+    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
+    grid = {**drive, "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, _LAW)
+    discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
+    inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
+    clear = (np.abs(discriminant) > _SAME * size) & (np.abs(a_4) > _SAME * inertia)
+    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, _LAW) != kinds)))
+    both = int(
+        np.sum((discriminant < 0) & (kinds == UndampedClass.KINEMATIC))
+        + np.sum((a_4 < 0) & (kinds == UndampedClass.FLUTTER))
+    )
+    critical = float(dataset.critical_friction)
+    kinematic = kinds == UndampedClass.KINEMATIC
+    right = kinematic == (friction > critical)[:, None]
+    lower, upper = (
+        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
+        for name in ("lower_boundary", "upper_boundary")
+    )
+    between = (stiffness > lower) & (stiffness < upper)
+    divergence = (stiffness > upper) & (support_conditions.rigid_inertia(grid, _LAW) < 0)
+    expected = np.select([between, divergence], [UndampedClass.FLUTTER, UndampedClass.DIVERGENCE], UndampedClass.STABLE)
+    off = int(np.sum(clear & ~kinematic & (kinds != expected)))
+    residual = _residual(dataset, drive)
+    differ, compared = _against_lapack(dataset, drive, clear)
+    own = {**drive, "friction_coefficient": friction}
+    early = int(kinematic[friction <= np.tan(drive["lead_angle"])].sum())
+    against = min(
+        np.min(support_conditions.rigid_inertia(own, -_LAW)), np.min(support_conditions.reduced_inertia(own, -_LAW))
+    )
+    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
+    locked = RigidParameters.of({n: drive[n] for n in _PARAMETERS if n != "screw_mass"}, friction_coefficient=critical)
+    odd, real, rewritten = _real_branches(dataset, own)
+    counts = {mode.name.lower(): int(np.sum(kinds == mode)) for mode in UndampedClass}
+    return [
+        printed.check(
+            "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
+        ),
+        Check.within(
+            "Friction coefficient at which the eigenvalue 1/ω² passes through zero",
+            "eqs 8.23, 8.27",
+            critical,
+            float(dataset.critical_friction_by_eigenvalues),
+            1e-12,
+            "1",
+            "both exact; rounding only",
+        ),
+        Check.holds(
+            "The kinematic boundary is the vertical line at the critical friction, at every support stiffness",
+            "Sect. 8.8.1, Fig. 8.15",
+            f"{int(np.sum(~right))} exceptions among {right.size} points",
+            bool(right.all() and kinematic.any()),
+        ),
+        Check.holds(
+            "The classes by eigenvalues are those of the printed conditions (8.24) to (8.26)",
+            "eqs 8.24 to 8.26",
+            f"{wrong} exceptions among {int(clear.sum())} points; {int((~clear).sum())} within rounding of a boundary",
+            wrong == 0 and bool(clear.mean() > 0.99),
+        ),
+        Check.holds(
+            "LAPACK's eigenvalues of the state matrix give the same classes",
+            "eq. 8.23",
+            f"{differ} exceptions among {compared} points",
+            differ == 0 and compared > 0,
+        ),
+        Check.holds(
+            "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
+            "Lemma 8.2, Fig. 8.15",
+            f"{both} points in both, {counts['flutter']} and {counts['kinematic']} in one",
+            both == 0 and counts["flutter"] > 0 and counts["kinematic"] > 0,
+        ),
+        Check.holds(
+            "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
+            "eqs 8.25, 8.29",
+            f"{off} exceptions among {int((clear & ~kinematic).sum())} points; {counts['divergence']} of divergence",
+            off == 0,
+        ),
+        Check.holds(
+            "Both branches satisfy the printed quadratic equation (8.29), to 1e-11 of its largest term",
+            "eq. 8.29",
+            f"largest remainder {residual:.1e}",
+            residual < 1e-11,
+        ),
+        Check.holds(
+            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
+            "printed form of (8.30) is equal to it, to 1e-12",
+            "eqs 8.30, 8.31, 8.32",
+            f"{odd} exceptions among {friction.size} friction coefficients; {real} of "
+            f"{dataset.sizes['boundary_friction_coefficient']} places with both branches; the printed form differs by "
+            f"{rewritten:.1e} of b_2²",
+            odd == 0 and real == dataset.sizes["boundary_friction_coefficient"] and rewritten < 1e-12,
+        ),
+        Check.holds(
+            "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
+            "smaller μ, and under law −, whose effective inertia is positive, at none",
+            "eq. 8.21, Remark 8.2, Sect. 8.9",
+            f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
+            early == 0 and against >= drive["screw_inertia"],
+        ),
+        Check.within(
+            "The rigid drive with the critical friction has the reduced mass as its critical mass",
+            "Remark 8.3",
+            reduced_mass,
+            critical_mass(locked) or np.nan,
+            1e-12,
+            "kg",
+            "both exact; rounding only",
+        ),
+    ]
+
+
+def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, int, float]:
+    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
+
+    ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
+    """
+    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
+    p = values_of(own, _LAW)
+    lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
+    discriminant = b_2**2 - 4 * b_1 * b_3
+    reduced = support_conditions.reduced_inertia(own, _LAW)
+    form = 16 * lever * p.mass**2 * total * reduced
+    clear = np.abs(discriminant) > _SAME * b_2**2
+    together = (discriminant >= 0) & (b_2 < 0)
+    odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
+    finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
+    return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
+
+
+def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
+    """Friction coefficients from start to stop, both included, crowded at both ends, and those of the map between."""
+    crowded = start + (stop - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
+    return np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < stop)]]))
+
+
+def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
+    """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
+    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
+    k = drive["coupling_stiffness"]
+    terms = [
+        np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
+        for branch in (dataset.lower_boundary.values, dataset.upper_boundary.values)
+    ]
+    return float(max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms))
+
+
+def _against_lapack(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> tuple[int, int]:
+    """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
+    rows, columns = (
+        np.unique(np.linspace(0, dataset.sizes[name] - 1, _SAMPLES).astype(int))
+        for name in ("friction_coefficient", "support_stiffness")
+    )
+    part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
+    own = {
+        **drive,
+        **dict.fromkeys(_DAMPINGS, 0.0),
+        "friction_coefficient": part.friction_coefficient.values[:, None],
+        "support_stiffness": part.support_stiffness.values,
+    }
+    values = eigenvalues(support_model(own, _LAW))
+    limit = _GROWS * np.abs(values).max(axis=-1)
+    growing = (values.real > limit[..., None]).sum(axis=-1)
+    oscillates = np.abs(values[..., -1].imag) > limit
+    theirs = np.select(
+        [growing == 0, oscillates, growing == 1],
+        [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC],
+        UndampedClass.DIVERGENCE,
+    )
+    compared = clear[np.ix_(rows, columns)]
+    return int(np.sum(compared & (theirs != part.stability.values))), int(compared.sum())
+
+
+def _friction(long_name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": long_name, "symbol": r"$\mu$"}
+
+
+def _stiffness(long_name: str) -> dict[str, str]:
+    return {"units": "N m-1", "long_name": long_name, "symbol": "$k_1$"}

@@ -1,0 +1,252 @@
+"""The limit process: convergence of the drive with compliant threads to the rigid one, on every branch of the rule."""
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.contact import limit_process
+from lsvib.contact.limit_process import BranchFamily, ImpactOutcome, LimitBranch, Region
+from lsvib.data import phase_plane
+from lsvib.data.attributes import SIGNS
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
+from lsvib.data.phase_plane import RULES, attributes, flag
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.threads import threads_automaton
+
+_CONVERGED = 1e-3  # deviation at the stiffest contact
+_ORDER = 0.8
+_APART = 10.0  # so many times smaller a deviation tells one rule from the other
+_QUANTITIES = {
+    "motion_distance": ("1", "distance of the motion from the rigid one in the phase plane"),
+    "rest_error": ("s", "time at rest less that of the rigid motion"),
+    "impulse_error": ("1", "relative error of the normal impulse of the impact"),
+    "period_error": ("1", "relative error of the period"),
+    "rests": ("1", "number of rests"),
+    "stop_time": ("s", "time that an impact takes, until the screw first stands"),
+}
+_BY_RULE = ("motion_distance", "rest_error", "period_error")
+
+
+class BranchVerdict(IntEnum):
+    """Which rule of resuming the motion follows as the contact stiffens."""
+
+    NEITHER = 0
+    CONTACT_SIGN = 1
+    AT_ONCE = 2
+    BOTH = 3  # the rules agree on the branch, or are not told apart
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
+
+    ``settings``: ``drive`` (Γ₊ < 0, c_x = 0); ``axial_forces`` [N] and ``support_dampings`` [N m s/rad], whose pairs
+    are the drives; ``speed`` [rad/s] of the impacts and ``duration`` [s] of the motions after them; ``start`` u [rad],
+    w [rad/s] of the cycles; ``stiffness`` [N/m], ascending; ``fit_from`` [N/m], the least that the orders are fitted
+    to; ``damping_ratio`` [1]. Raises ``InputError``.
+    """
+    stiffness = np.array(settings["stiffness"], dtype=float)
+    base = RigidParameters.of(settings["drive"])
+    drives = [
+        base.replace(axial_force=r, support_damping=c)
+        for r in settings["axial_forces"]
+        for c in settings["support_dampings"]
+    ]
+    start = settings["start"]
+    speed, ratio = settings["speed"], settings["damping_ratio"]
+    branches = [
+        list(limit_process.branches(drive, speed, settings["duration"], [start["u"], start["w"]])) for drive in drives
+    ]
+    size = (len(BranchFamily), sum(map(len, branches)), stiffness.size)
+    found = {name: np.full((*size, len(RULES)) if name in _BY_RULE else size, np.nan) for name in _QUANTITIES}
+    for family in BranchFamily:
+        for j, k in enumerate(stiffness):
+            i = 0
+            for row in branches:
+                compliant = limit_process.stiffened(row[0].drive, family, k, ratio)
+                automaton = threads_automaton(compliant)
+                for branch in row:
+                    for name, value in limit_process.deviations(branch, compliant, automaton).items():
+                        found["motion_distance" if name == "distance" else name][family, i, j] = value
+                    i += 1
+    flat = [branch for row in branches for branch in row]
+    fitted = stiffness >= settings["fit_from"]
+    variables = {name: (_dims(name), found[name], attributes(*_QUANTITIES[name])) for name in _QUANTITIES}
+    for name in ("motion_distance", "rest_error", "impulse_error", "period_error", "stop_time"):
+        variables |= _orders(name, stiffness[fitted], found[name][:, :, fitted])
+    damping = [
+        [limit_process.stiffened(drives[0], f, k, ratio).contact_damping for k in stiffness] for f in BranchFamily
+    ]
+    rebound = [[limit_process.rebound_force(limit_process.stiffened(drives[0], f, k, ratio), speed) for k in stiffness]
+               for f in BranchFamily]  # fmt: skip
+    variables["rebound_force"] = (
+        ("family", "contact_stiffness"),
+        rebound,
+        attributes("N", "force with which the contact throws the nut back"),
+    )
+    horizon = np.array([branch.rigid[0].end_time for branch in flat])
+    variables["rigid_duration"] = (
+        "branch",
+        horizon,
+        attributes("s", "duration of the rigid motion, a period for a cycle"),
+    )
+    variables["rule_followed"] = (
+        ("family", "branch"),
+        _verdicts(flat, variables, horizon),
+        flag("rule that the motion follows", BranchVerdict),
+    )
+    return xr.Dataset(
+        variables,
+        coords={
+            "family": (
+                "family",
+                np.array(BranchFamily, dtype=np.int8),
+                flag("how the damping of the contact grows", BranchFamily),
+            ),
+            **axis("contact_stiffness", stiffness),
+            "contact_damping": (("family", "contact_stiffness"), damping, parameter("contact_damping", VARIED)),
+            **phase_plane.rule_coordinate(),
+            **_branch_coordinates(flat),
+            **drive_parameters(
+                [b.drive for b in flat], "branch", along=("axial_force", "support_damping"), printed=("Sect. 8.6",)
+            ),
+            **start_state(start, "of the cycles"),
+            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
+            "nut_damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
+            "fit_from": ((), settings["fit_from"], attributes("N m-1", "least stiffness that orders are fitted to")),
+        },
+        attrs={
+            "title": "The limit process: convergence of compliant threads to the rigid drive",
+            "source": "lsvib, exact event-driven motion of both models",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.2, 8.6; docs/limit_process.md",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the orders in the viscous limit, the rule that each branch follows, and that the elastic limit differs."""
+    viscous, ratio, elastic = (dataset.sel(family=int(family)) for family in BranchFamily)
+    impact = dataset.region.values != Region.CYCLE
+    follows = np.isin(viscous.rule_followed.values, [BranchVerdict.CONTACT_SIGN, BranchVerdict.BOTH])
+    order = viscous.motion_distance_order.values[:, 0]
+    differ = dataset.rules_differ.values == 1
+    told = viscous.rule_followed.values == BranchVerdict.CONTACT_SIGN
+    others = {
+        name: viscous[f"{name}_order"].values[..., 0] if name in _BY_RULE else viscous[f"{name}_order"].values
+        for name in ("rest_error", "impulse_error", "period_error")
+    }
+    lost = int((elastic.rule_followed.values == BranchVerdict.NEITHER).sum())
+    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
+    far = ratio.motion_distance.values[:, -1, 0]
+    nearest = float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
+    stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
+    fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
+    rests, rigid_rests = elastic.rests.values[:, -1], viscous.rests.values[:, -1]
+    count = follows.size
+    closest = viscous.motion_distance.values[:, -1, 0].max()
+    return [
+        Check.holds(
+            "Viscous limit: on every branch the motion converges to the rigid one under the rule contact_sign, its "
+            f"distance with an order of at least {_ORDER:g}",
+            "Sect. 8.2, rule of resuming",
+            f"{int(follows.sum())} of {count} branches, distance at most "
+            f"{closest:.1e} at k_c = c_c = {float(dataset.contact_stiffness[-1]):.0e}, "
+            f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to "
+            f"{viscous.motion_distance_order_error.values[:, 0].max():.3f}",
+            bool(follows.all()),
+        ),
+        Check.holds(
+            f"Viscous limit: the errors of rest, impulse and period fall with an order of at least {_ORDER:g}, too",
+            "limit process",
+            "; ".join(f"{name.split('_')[0]} {np.nanmin(x):.3f} to {np.nanmax(x):.3f}" for name, x in others.items()),
+            all(np.nanmin(x) >= _ORDER for x in others.values()),
+        ),
+        Check.holds(
+            "Viscous limit: where the two rules of resuming part, contact_sign is followed and at_once is not",
+            "Sect. 8.6, rule of resuming",
+            f"{int((told & differ).sum())} of {int(differ.sum())} branches; distance or rest under at_once stays",
+            bool(told[differ].all() and differ.any()),
+        ),
+        Check.holds(
+            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next in every "
+            f"family, in the viscous limit with an order of at least {_ORDER:g}",
+            "Sect. 8.2",
+            f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
+            f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
+            f"{float(dataset.contact_stiffness[-1]):.0e} N/m",
+            bool((np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER),
+        ),
+        Check.holds(
+            "Elastic limit: on no branch does the motion converge to the rigid one under either rule",
+            "limit process",
+            f"{lost} of {count} branches follow neither; distance at least {nearest:.2g}",
+            lost == count,
+        ),
+        Check.holds(
+            "Elastic limit: after an impact the rest is a chain of short rests",
+            "limit process",
+            f"at k_c = {float(dataset.contact_stiffness[-1]):.0e} N/m {int(rests[impact].min())} to "
+            f"{int(rests[impact].max())} rests, in the viscous limit at most {int(rigid_rests[impact].max())}",
+            bool((rests[impact] > rigid_rests[impact]).all()),
+        ),
+        Check.holds(
+            "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
+            "distance falls slowly or not at all",
+            "limit process",
+            f"zeta = {float(dataset.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
+            f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
+            f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
+            f"{float(viscous.rebound_force[-1]):.1e} N",
+            bool((excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER),
+        ),
+    ]
+
+
+def _dims(name: str) -> tuple[str, ...]:
+    return (
+        ("family", "branch", "contact_stiffness", "rule")
+        if name in _BY_RULE
+        else ("family", "branch", "contact_stiffness")
+    )
+
+
+def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase_plane.Variables:
+    fits = np.apply_along_axis(lambda error: limit_process.fitted_order(stiffness, error), 2, errors)
+    dims = tuple(dim for dim in _dims(name) if dim != "contact_stiffness")
+    words = name.replace("_", " ")
+    return {
+        f"{name}_order": (dims, fits[:, :, 0], attributes("1", f"order of the {words} in one over the stiffness")),
+        f"{name}_order_error": (dims, fits[:, :, 1], attributes("1", f"standard error of the order of the {words}")),
+    }
+
+
+def _verdicts(branches: list[LimitBranch], variables: phase_plane.Variables, horizon: np.ndarray) -> np.ndarray:
+    """A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins."""
+    distance, rest = variables["motion_distance"][1][:, :, -1], variables["rest_error"][1][:, :, -1]
+    deviation = np.fmax(distance, np.abs(rest) / horizon[:, None])
+    follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < _CONVERGED)
+    follows &= deviation < _APART * deviation[..., ::-1]
+    agree = np.array([not branch.differ for branch in branches])
+    follows[:, agree, 1] = follows[:, agree, 0]
+    return (follows[..., 0] * BranchVerdict.CONTACT_SIGN + follows[..., 1] * BranchVerdict.AT_ONCE).astype(np.int8)
+
+
+def _branch_coordinates(branches: list[LimitBranch]) -> phase_plane.Variables:
+    hits = [b.impact for b in branches]
+    signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
+    region = np.array([Region.CYCLE if hit is None else hit.region for hit in hits], dtype=np.int8)
+    after = np.array([[limit_process.outcome(motion) for motion in b.rigid] for b in branches], dtype=np.int8)
+    return {
+        "branch": ("branch", np.arange(len(branches)), attributes("1", "index of the branch")),
+        "impact_sign": ("branch", np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8),
+                        attributes("1", "sign of the impact, none for a cycle", **signs)),
+        "region": ("branch", region, flag("where the screw stands after the impact", Region)),
+        "rules_differ": ("branch", np.array([b.differ for b in branches], dtype=np.int8),
+                         attributes("1", "the rigid motion depends on the rule of resuming",
+                                    flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")),
+        "outcome_after_seizure": (("branch", "rule"), after,
+                                  flag("what follows the first seizure of the rigid drive", ImpactOutcome)),
+    }  # fmt: skip

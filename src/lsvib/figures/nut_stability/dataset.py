@@ -1,0 +1,253 @@
+"""Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data.attributes import attributes, flags
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import axis, drive_parameters, origin_of, parameter
+from lsvib.drives.parameters import NutParameters
+from lsvib.errors import InputError
+from lsvib.steady_sliding.conditions import critical_mass
+from lsvib.steady_sliding.eigenvalues_two_coordinates import (
+    UndampedClass,
+    eigenvalues,
+    reciprocal_squares,
+    undamped_class,
+)
+from lsvib.steady_sliding.linearised import determinant, nut_model, values_of
+from lsvib.steady_sliding.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
+
+_LAW = 1  # R Ω > 0
+_HALVINGS = 60  # of a mass between 0 and that of the rigid drive: to the last bit
+_SAME = 1e-9  # relative distance from (8.33) within which rounding may decide
+_CLOSE = 0.01  # to the rigid drive, with the heaviest nut
+_SAMPLES = 40  # columns, and rows, of the map that are compared with damping
+_PARAMETERS = (
+    *("mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness", "support_damping"),
+    *("translation_damping", "nut_stiffness", "nut_damping"),
+)
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the critical mass over the inertia of the nut, in closed form and by eigenvalues, and the class map.
+
+    ``settings``: ``drive`` (c_x = 0; its mass is that of the map); ``nut_inertia`` I_2 [kg m²] with ``start``,
+    ``stop``, ``count``, spaced logarithmically; ``friction_coefficient`` with the same, evenly spaced. Raises
+    ``InputError``.
+    """
+    drive = NutParameters.of(settings["drive"])
+    rigid = critical_mass(drive)
+    if rigid is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    inertia = np.geomspace(*(settings["nut_inertia"][key] for key in ("start", "stop", "count")))
+    friction = np.linspace(*(settings["friction_coefficient"][key] for key in ("start", "stop", "count")))
+    drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    return xr.Dataset(
+        {
+            "critical_mass_with_nut": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
+            "critical_mass_with_nut_by_eigenvalues": (
+                "nut_inertia",
+                [_by_eigenvalues(nut, rigid) for nut in nuts],
+                _mass("where an eigenvalue 1/omega^2 passes through zero"),
+            ),
+            "stability": (
+                ("friction_coefficient", "nut_inertia"),
+                undamped_class(nut_model(grid, _LAW)),
+                {
+                    "units": "1",
+                    "long_name": "class of the steady sliding",
+                    "comment": "undamped",
+                    **flags(UndampedClass),
+                },
+            ),
+            "boundary_nut_inertia": (
+                "friction_coefficient",
+                _boundary(drive, friction),
+                attributes("kg m2", "inertia of the nut at which (8.33) begins to hold, missing if at none", "$I_2$"),
+            ),
+        },
+        coords={
+            "critical_friction_with_nut": (
+                "nut_inertia",
+                _boundary_friction(drive, inertia),
+                attributes("1", "friction coefficient from which on (8.33) holds, missing if from none", r"$\mu$"),
+            ),
+            **axis("nut_inertia", inertia),
+            **axis("friction_coefficient", friction),
+            "critical_mass": (
+                (),
+                rigid,
+                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
+            ),
+            "drawn_friction_coefficient": (
+                (),
+                drive.friction_coefficient,
+                parameter(
+                    "drawn_friction_coefficient",
+                    origin_of("friction_coefficient", drive.friction_coefficient),
+                    comment="of the critical masses",
+                ),
+            ),
+            **drive_parameters(
+                drive,
+                axes=("nut_inertia", "friction_coefficient"),
+                printed=("Sect. 8.6",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
+        },
+        attrs={
+            "title": "Stability of steady sliding with a rotating nut",
+            "source": "lsvib, generalised eigenvalues of the matrices of Sect. 8.8.2, condition (8.33) in closed form",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.2, eq. 8.33, Remarks 8.5 and 8.6; docs/lemmas.md",
+            "comment": "R Omega > 0; the dampings enter only where a check repeats the classes with damping",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
+    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    friction, inertia = dataset.friction_coefficient.values, dataset.nut_inertia.values
+    grid = {**drive, "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    condition = kinematic_inertia(grid, _LAW)
+    clear = np.abs(condition) > _SAME * effective_screw_inertia(grid)
+    kinds = dataset.stability.values
+    kinematic = kinds == UndampedClass.KINEMATIC
+    wrong = int(np.sum(clear & (kinematic != (condition < 0))))
+    other = int(np.sum(~kinematic & (kinds != UndampedClass.STABLE)))
+    opposite = int(np.sum(clear & ((determinant(nut_model(grid, _LAW).mass) < 0) != kinematic)))
+    differ, compared = _with_damping(dataset, drive, clear)
+    rigid = float(dataset.critical_mass)
+    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
+    factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
+    edge = dataset.critical_friction_with_nut.values
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": inertia}
+    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
+    side = int(np.sum(clear & (kinematic == _stable_side(dataset))))
+    return [
+        Check.holds(
+            "The class by eigenvalues is kinematic exactly where (8.33) holds",
+            "eq. 8.33",
+            f"{wrong} exceptions among {int(clear.sum())} points, {int(kinematic.sum())} of them kinematic",
+            wrong == 0 and bool(kinematic.any() and not kinematic.all()),
+        ),
+        Check.holds(
+            "Steady sliding is lost neither by flutter nor by divergence",
+            "Sect. 8.8.2",
+            f"{other} of {kinds.size} points",
+            other == 0,
+        ),
+        Check.holds(
+            "(8.33) is det M_0 < 0, the printed inertia matrix",
+            "Remark 8.5, eq. 8.33",
+            f"{opposite} exceptions among {int(clear.sum())} points",
+            opposite == 0,
+        ),
+        Check.holds(
+            "With damping of screw and nut the real parts of LAPACK's eigenvalues tell the same",
+            "Sect. 8.8.2, docs/lemmas.md",
+            f"{differ} exceptions among {compared} points",
+            differ == 0 and compared > 0,
+        ),
+        Check.holds(
+            "The boundary in closed form parts the classes at every friction coefficient",
+            "eq. 8.33",
+            f"{side} exceptions among {int(clear.sum())} points",
+            side == 0,
+        ),
+        Check.holds(
+            "On the boundary over the inertia of the nut (8.33) is an equality, to 1e-12 of the effective inertia",
+            "eq. 8.33",
+            f"largest remainder {left:.1e} at {int(np.isfinite(edge).sum())} of {edge.size} inertias",
+            left < 1e-12,
+        ),
+        Check.within(
+            "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
+            "Remark 8.6",
+            1.0,
+            float(factor[np.argmax(np.abs(factor - 1))]),
+            1e-12,
+            "1",
+            "both exact; rounding only",
+        ),
+        Check.within(
+            "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",
+            "eq. 8.33",
+            1.0,
+            float((theirs / own)[np.argmax(np.abs(theirs / own - 1))]),
+            1e-9,
+            "1",
+            "an eigenvalue that passes through zero, in doubles",
+        ),
+        Check.holds(
+            f"A nut that turns lowers the critical mass, the more the lighter it is; a heavy one hardly, "
+            f"less than {_CLOSE:.0%}",
+            "Remark 8.6",
+            f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
+            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + _CLOSE),
+        ),
+    ]
+
+
+def _by_eigenvalues(drive: NutParameters, rigid: float) -> float:
+    """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
+    stable, lost = 0.0, rigid
+    for _ in range(_HALVINGS):
+        middle = (stable + lost) / 2
+        squares = reciprocal_squares(nut_model({**dict(drive), "mass": middle}, _LAW))
+        stable, lost = (middle, lost) if np.prod(np.sign(squares.real)) > 0 else (stable, middle)
+    return lost
+
+
+def _boundary(drive: NutParameters, friction: np.ndarray) -> np.ndarray:
+    """I_2 = I q / (I − q) [kg m²] with q = ξ₊ tan λ m r_m², where I_eff = q; NaN unless 0 < q < I."""
+    p = values_of({**dict(drive), "friction_coefficient": friction}, _LAW)
+    q = p.factor * p.tan_lead * p.mass * p.pitch_radius**2
+    gamma = p.screw_inertia - q
+    with np.errstate(divide="ignore"):
+        return np.where((q > 0) & (gamma > 0), p.screw_inertia * q / gamma, np.nan)
+
+
+def _boundary_friction(drive: NutParameters, inertia: np.ndarray) -> np.ndarray:
+    """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
+    tangent = np.tan(drive.lead_angle)
+    xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (
+        tangent * drive.mass * drive.pitch_radius**2
+    )
+    below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
+    with np.errstate(divide="ignore"):
+        return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
+
+
+def _stable_side(dataset: xr.Dataset) -> np.ndarray:
+    """Points that the boundary says are stable: beyond it; where there is none, all without self-locking."""
+    boundary = dataset.boundary_nut_inertia.values[:, None]
+    locking = (dataset.friction_coefficient.values > np.tan(float(dataset.lead_angle)))[:, None]
+    return np.where(np.isnan(boundary), ~locking, dataset.nut_inertia.values > boundary)
+
+
+def _with_damping(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> tuple[int, int]:
+    """Points at which damped eigenvalues do not tell what the class does, and points compared."""
+    rows, columns = (
+        np.unique(np.linspace(0, dataset.sizes[name] - 1, _SAMPLES).astype(int))
+        for name in ("friction_coefficient", "nut_inertia")
+    )
+    part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
+    own = {
+        **drive,
+        "friction_coefficient": part.friction_coefficient.values[:, None],
+        "nut_inertia": part.nut_inertia.values,
+    }
+    grows = eigenvalues(nut_model(own, _LAW))[..., -1].real > 0
+    compared = clear[np.ix_(rows, columns)]
+    return int(np.sum(compared & (grows != (part.stability.values == UndampedClass.KINEMATIC)))), int(compared.sum())
+
+
+def _mass(words: str) -> dict[str, str]:
+    return attributes("kg", f"critical mass, {words}", r"$m_\mathrm{cr}$")

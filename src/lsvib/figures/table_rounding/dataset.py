@@ -1,0 +1,215 @@
+"""How far the rounding of Table 8.1 explains the distances between printed and computed thresholds."""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data import printed
+from lsvib.data.attributes import attributes, flags
+from lsvib.data.checks import Check
+from lsvib.data.parameter_origins import drive_parameters, origin_of, parameter
+from lsvib.drives import chapter
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters
+from lsvib.steady_sliding import thresholds
+from lsvib.steady_sliding.conditions import critical_friction, critical_mass
+from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
+
+# Half a unit of the last digit of the printed thresholds: 10.10 kg, 0.285, 20 N, 34.5 N, 46.5 N.
+_PRINTED_HALF_UNITS = {
+    "critical_mass": 0.005,
+    "critical_friction": 0.0005,
+    "onset_force": 0.5,
+    "stick_force": 0.05,
+    "detach_force": 0.05,
+}
+_PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
+_NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
+_WORDS = {"critical_friction": "critical friction coefficient"}
+_HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
+
+Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
+Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative.
+
+    ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
+    chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
+    """
+    base = RigidParameters.of(settings["drive"])
+    drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
+    functions = _functions()
+    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
+    computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
+    changes = np.array([list(propagated(functions[name], drives[name]).values()) for name in _PRINTED_HALF_UNITS])
+    damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drives["stick_force"])
+    other = drives["stick_force"].replace(support_damping=damping)
+    parts = ("threshold", "parameter")
+    screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
+    return xr.Dataset(
+        {
+            "print_residual": (
+                "threshold",
+                in_print / computed - 1,
+                attributes("1", "printed less computed, relative"),
+            ),
+            "print_half_unit": (
+                "threshold",
+                np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
+                attributes("1", "half a unit of the last printed digit of the threshold, relative"),
+            ),
+            "relative_change": (
+                parts,
+                changes / computed[:, None],
+                attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
+            ),
+            "half_unit": (
+                "parameter",
+                np.array(list(HALF_UNITS.values())),
+                attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
+            ),
+            "printed_value": (
+                "parameter",
+                [np.degrees(base.lead_angle) if n == "lead_angle_deg" else getattr(base, n) for n in HALF_UNITS],
+                attributes("1", "value of the parameter, SI units, angle in degrees"),
+            ),
+            "one_digit": (
+                "parameter",
+                np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
+                attributes(
+                    "1",
+                    "printed without a digit but the leading one",
+                    flag_values=np.array([0, 1], dtype=np.int8),
+                    flag_meanings="no yes",
+                ),
+            ),
+            "matching_support_damping": (
+                (),
+                damping,
+                attributes("N m s rad-1", "support damping at which the stick force is the printed one", "$c$"),
+            ),
+            "matching_detach_force": (
+                (),
+                functions["detach_force"](other),
+                attributes("N", "detach force with that damping", "$R$"),
+            ),
+            "matching_effective_damping_plus": (
+                (),
+                float(coefficients(other).damping[1]),
+                attributes("N m s rad-1", "effective damping of law + with that damping", "$C_+$"),
+            ),
+        },
+        coords={
+            "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
+            "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
+            **{
+                f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], _WORDS.get(n, n.replace("_", " ")))
+                for n in _PRINTED_HALF_UNITS
+            },
+            **{
+                f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed"))
+                for n, value in zip(_PRINTED_HALF_UNITS, computed, strict=True)
+            },
+            **drive_parameters(
+                list(drives.values()),
+                "threshold",
+                along=("mass", "translation_damping"),
+                printed=_PLACES,
+                no_effect=_NO_EFFECT,
+            ),
+            "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
+        },
+        attrs={
+            "title": "Rounding of Table 8.1 and the printed thresholds",
+            "source": "lsvib, thresholds in closed form and by the return map, central differences",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check which residuals the rounding explains, and which it does not."""
+    residual, allowed = _residual_and_rounding(dataset)
+    mass, friction, onset, stick, detach = (int(Threshold[name]) for name in _PRINTED_HALF_UNITS)
+    damping, half = float(dataset.matching_support_damping), HALF_UNITS["support_damping"]
+    force, claim = float(dataset.matching_detach_force), chapter.EFFECTIVE_DAMPING[1]
+    distance = abs(force - chapter.THRESHOLDS["detach_force"].value)
+    plus = float(dataset.matching_effective_damping_plus)
+
+    def words(*which: int) -> str:
+        return "; ".join(f"{Threshold(k).name}: {residual[k]:.2e} against {allowed[k]:.2e}" for k in which)
+
+    return [
+        Check.holds(
+            "10.10 kg and 0.285 lie as far from the computed values as the rounding of the table's values with three "
+            "digits explains",
+            "Table 8.1, Sect. 8.6.1, Fig. 8.15",
+            words(mass, friction),
+            bool((residual[[mass, friction]] <= allowed[[mass, friction]]).all()),
+        ),
+        Check.holds(
+            "20 N lies as far from the computed value as its own two digits explain",
+            "Sect. 8.5.1, Fig. 8.6",
+            words(onset),
+            bool(residual[onset] <= allowed[onset]),
+        ),
+        Check.holds(
+            "34.5 N and 46.5 N lie farther from the computed values than the rounding of the values with three digits "
+            "and their own explains",
+            "Table 8.1, Sect. 8.5.1, Fig. 8.6",
+            words(stick, detach),
+            bool((residual[[stick, detach]] > allowed[[stick, detach]]).all()),
+        ),
+        Check.holds(
+            "One support damping that rounds to the printed one would give both 34.5 N and 46.5 N to their last digit",
+            "Table 8.1, Sect. 8.5.1, Fig. 8.6",
+            f"c = {damping:.4g} N m s/rad gives 34.5 N and {force:.5g} N",
+            abs(damping - float(dataset.support_damping)) <= half and distance <= _PRINTED_HALF_UNITS["detach_force"],
+        ),
+        Check.holds(
+            "but not the printed effective damping C₊, so it is not the damping of the chapter",
+            "Sect. 8.5.1",
+            f"C₊ = {plus:.4g} N m s/rad, printed {claim.value:g}",
+            abs(plus / claim.value - 1) > claim.tolerance,
+        ),
+    ]
+
+
+def _residual_and_rounding(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """|Residual| of each threshold, and the largest that the values with three digits and its own print explain."""
+    precise = dataset.one_digit.values == 0
+    allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
+    return np.abs(dataset.print_residual.values), allowed
+
+
+def _own(changes: Mapping[str, float]) -> dict[str, float]:
+    return {key: value for key, value in changes.items() if key != "screw_mass"}
+
+
+def _functions() -> dict[str, Callable[[RigidParameters], float]]:
+    """Each threshold as a function of a drive."""
+    screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
+    return {
+        "critical_mass": critical_mass,
+        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
+        **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
+    }
+
+
+def _damping_of(threshold: Callable[[RigidParameters], float], force: float, drive: RigidParameters) -> float:
+    """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
+    half = HALF_UNITS["support_damping"]
+    low, high = drive.support_damping - half, drive.support_damping + half
+    rising = threshold(drive.replace(support_damping=high)) > threshold(drive.replace(support_damping=low))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        if (threshold(drive.replace(support_damping=middle)) < force) == rising:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,1 @@
+"""Linear stability of steady sliding, the chapter's conditions, boundaries and thresholds."""

@@ -1,0 +1,103 @@
+"""Thresholds of a drive as plain values, ready for JSON."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lsvib.drives import chapter
+from lsvib.drives.parameters import RigidParameters, SupportParameters, model_of, parameters_of
+from lsvib.steady_sliding import thresholds
+from lsvib.steady_sliding.conditions import critical_friction, critical_mass
+from lsvib.steady_sliding.summary_two_coordinates import model_threshold_table
+from lsvib.steady_sliding.support_conditions import critical_friction_by_eigenvalues
+
+_COMPUTE: dict[str, Callable[[Any], float | None]] = {
+    "critical_mass": critical_mass,
+    "critical_friction": lambda drive: critical_friction(drive, drive.screw_mass),
+    "onset_force": thresholds.onset_force,
+    "stick_force": thresholds.stick_force,
+    "detach_force": thresholds.detach_force,
+    "global_stability_force": thresholds.global_stability_force,
+}
+_STATEMENTS = {  # for input_speed > 0; for input_speed < 0 all forces change sign
+    "onset_force": "Steady sliding attracts what is near under every smaller force and repels it under larger ones.",
+    "stick_force": "From the onset to this force slip has an attracting cycle that does not come to rest; "
+    "beyond it slip comes to a stand.",
+    "detach_force": "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip "
+    "cycle does not.",
+    "global_stability_force": "Under every smaller force all motions end in steady sliding; from this force to the "
+    "onset, R = r_m tan(lead_angle) c_x Omega, some do not.",
+}
+_ABSENT = {
+    "critical_mass": "The drive is not self-locking, so no mass makes the effective inertia vanish.",
+    "critical_friction": "No friction coefficient below cot(lead_angle) makes the effective inertia vanish.",
+}
+
+
+def threshold_table(
+    changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid"
+) -> dict[str, dict[str, Any]]:
+    """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
+
+    A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For another
+    ``model`` than the rigid one see :func:`lsvib.steady_sliding.summary_two_coordinates.model_threshold_table`. A
+    change of ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support;
+    there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
+    ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
+    four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
+    number –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide,
+    for Ω > 0. Raises ``InputError`` for unacceptable parameters.
+    """
+    model, changes = model_of(changes, model), parameters_of(changes)
+    if model != "rigid":
+        return model_threshold_table(model, changes)
+    table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
+    drive = RigidParameters.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
+    value, reason = _value_or_reason("global_stability_force", drive)
+    table["global_stability_force"] = {
+        "value": value,
+        "unit": "N",
+        **dict.fromkeys(("expected", "tolerance", "relative_error", "passed")),
+        "source": "end of Sect. 8.7",
+        "statement": _STATEMENTS["global_stability_force"],
+        **({"reason": reason} if reason else {}),
+    }
+    return table
+
+
+def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The entry of a threshold that the chapter prints."""
+    kind = SupportParameters if name == "critical_friction" else RigidParameters
+    original = kind.of(claim.drive)
+    drive = original.replace(**(changes if kind is SupportParameters else _without_screw(changes)))
+    value, reason = _value_or_reason(name, drive)
+    as_printed = drive == original
+    error = abs(value - claim.value) / claim.value if as_printed and value is not None else None
+    entry = {
+        "value": value,
+        "unit": claim.unit,
+        "expected": claim.value if as_printed else None,
+        "tolerance": claim.tolerance if as_printed else None,
+        "relative_error": error,
+        "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
+        "source": claim.source,
+    }
+    if name in _STATEMENTS:
+        entry["statement"] = _STATEMENTS[name]
+    if isinstance(drive, SupportParameters):
+        entry["by_eigenvalues"] = critical_friction_by_eigenvalues(drive)
+    if reason:
+        entry["reason"] = reason
+    return entry
+
+
+def _without_screw(changes: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in changes.items() if key != "screw_mass"}
+
+
+def _value_or_reason(name: str, drive: RigidParameters) -> tuple[float | None, str | None]:
+    """A threshold, or None and why there is none."""
+    try:
+        value = _COMPUTE[name](drive)
+    except thresholds.NoThreshold as absent:
+        return None, str(absent)
+    return value, None if value is not None else _ABSENT[name]

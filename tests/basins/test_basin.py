@@ -1,0 +1,243 @@
+"""The exact basin of steady sliding against motions from thousands of starts, and against 40 digits.
+
+The engine decides where a motion ends by following it to its attractor; the basin is computed from a single motion
+backwards. They share the flow of a mode and nothing else. Points 1e-6 of the window off the boundary, on either side,
+are labelled by both: no tolerance enters. Areas and boundary points are compared with values formed here with 40 digits
+from the parameters; 1e-13 is asked, since arcs end at roots that are known to rounding.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import findroot, mp, mpf, quad
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Arc, state_on
+from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.errors import InputError
+
+DIGITS = 40
+FAST_NUT = {"mass": 24, "support_damping": 1.15e-3, "translation_damping": 2820, "friction_coefficient": 0.1974}
+WINDOW = Window(-0.3, 0.3, -150.0, 150.0)
+SCENES = {
+    "Fig. 8.14b beyond m_cr": (Boundary.TOUCHING_MOTION, {"mass": 11, "support_damping": 1e-3, "axial_force": -10}),
+    "touching slip": (Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 2e-3, "axial_force": -17.9}),
+    "repelling cycle of seizures": (Boundary.CYCLE, {"mass": 11, "support_damping": 3e-3, "axial_force": -12.3}),
+    "repelling cycle of slip": (
+        Boundary.CYCLE,
+        {"mass": 10, "support_damping": 2.8e-5, "translation_damping": 430, "axial_force": -0.56},
+    ),
+    "Fig. 8.14b as printed": (Boundary.NONE, {"mass": 10, "support_damping": 1e-3, "axial_force": -10}),
+}
+MORE = {
+    "the other way round": (
+        Boundary.TOUCHING_SLIP,
+        {"mass": 11, "support_damping": 2e-3, "axial_force": 17.9, "input_speed": -40},
+    ),
+    "force with the motion, net force against it": (
+        Boundary.TOUCHING_MOTION,
+        {"mass": 11, "support_damping": 1e-3, "translation_damping": 1000, "axial_force": 10},
+    ),
+    "seizures that end backward slip": (
+        Boundary.TOUCHING_MOTION,
+        {
+            "mass": 17.5,
+            "support_damping": 1.4e-4,
+            "translation_damping": 1500,
+            "axial_force": -1.9,
+            "friction_coefficient": 0.26,
+        },
+    ),
+    "as before, globally stable": (
+        Boundary.NONE,
+        {
+            "mass": 13.8,
+            "support_damping": 1.7e-3,
+            "translation_damping": 2e4,
+            "axial_force": -12,
+            "friction_coefficient": 0.19,
+        },
+    ),
+    "overdamped": (Boundary.NONE, {"mass": 11, "support_damping": 1e-2, "axial_force": -20}),
+    "overdamped, touching slip": (Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 1e-2, "axial_force": -1}),
+    "force with the motion, no seizure": (Boundary.NONE, {"mass": 10, "support_damping": 1e-4, "axial_force": 20}),
+}
+
+
+def drive_of(scene: str) -> RigidParameters:
+    return RigidParameters.of({**SCENES, **MORE}[scene][1])
+
+
+def starts(found, count: int, seed: int) -> list[np.ndarray]:
+    """Random states of the window, and as many 1e-6 of the window off the boundary in random directions."""
+    generator = np.random.default_rng(seed)
+    size = np.array([WINDOW.right - WINDOW.left, WINDOW.top - WINDOW.bottom])
+    states = [np.array([WINDOW.left, WINDOW.bottom]) + size * generator.random(2) for _ in range(count)]
+    pieces = [piece for curve in found.clipped(WINDOW) for piece in curve]
+    for _ in range(count if found.curves else 0):
+        piece, angle = pieces[generator.integers(len(pieces))], 2 * math.pi * generator.random()
+        share = generator.random()
+        if isinstance(piece, Arc):
+            point = state_on(found.flow, piece, share * piece.duration)
+        else:
+            point = piece.start + share * (piece.end - piece.start)
+        states.append(point + 1e-6 * size * [math.cos(angle), math.sin(angle)])
+    return states
+
+
+def wrong_labels(scene: str, rule: str, count: int, seed: int) -> list:
+    found = basin(drive_of(scene))
+    automaton = rigid_automaton(drive_of(scene), resume=rule)
+    labels = [(x, steady_state(automaton, x).label) for x in starts(found, count, seed)]
+    assert Attractor.UNRESOLVED not in {label for _, label in labels}
+    return [x for x, label in labels if found.contains(x) != (label == Attractor.STEADY_SLIDING)]
+
+
+@pytest.mark.parametrize("rule", ["contact_sign", "at_once"])
+@pytest.mark.parametrize("scene", [*SCENES, *MORE])
+def test_every_start_ends_where_the_basin_says(scene, rule):
+    assert basin(drive_of(scene)).boundary == {**SCENES, **MORE}[scene][0]
+    assert wrong_labels(scene, rule, 60, 1) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES)
+def test_ten_thousand_starts(scene):
+    assert wrong_labels(scene, "contact_sign", 5000, 2) == []
+
+
+def test_mirrored_drive_has_the_basin_turned_by_half_a_turn():
+    found = basin(drive_of("the other way round"))
+    twin = basin(drive_of("touching slip"))
+    generator = np.random.default_rng(3)
+    for state in generator.uniform([-0.3, -150], [0.3, 150], (200, 2)):
+        assert found.contains(state) == twin.contains(-state)
+    assert found.area(WINDOW) == pytest.approx(twin.area(Window(-0.3, 0.3, -150.0, 150.0)), rel=1e-14)
+
+
+def touching_motion(d: RigidTrueDrive):
+    """The motion that touches Q = 0, from there backwards to Q = 0: the state where it touches, end, duration.
+
+    On Q = 0, where p (k u + c w) = −Γ₋ R / m, the touch k w + c w′ = 0 with w′ = R / (m p) lies at w = −c R / (k m p).
+    """
+    w = -d.c * d.R / (d.k * d.m * d.p)
+    u = (-d.Gamma(-1) * d.R / (d.m * d.p) - d.c * w) / d.k
+    flow = RigidTrueFlow(d, -1, u, w)
+    # Backwards Q falls first, to rise again: the last of many equal steps before its second zero.
+    step = mpf("1e-4")
+    count = next(n for n in range(10, 1000) if d.Q(*flow.state(-n * step)) > 0)
+    duration = findroot(lambda t: d.Q(*flow.state(-t)), ((count - 1) * step, count * step))
+    return flow, (u, w), flow.state(-duration), duration
+
+
+def test_area_against_forty_digits():
+    """∫ w du by quadrature along the motion, and the straight part along Q = 0."""
+    drive = drive_of("Fig. 8.14b beyond m_cr")
+    with mp.workdps(DIGITS + GUARD_DIGITS):
+        flow, touch, start, duration = touching_motion(RigidTrueDrive(dict(drive), DIGITS))
+        turned = quad(lambda t: flow.state(-t)[1] ** 2, mp.linspace(0, duration, 9))
+        expected = turned + (touch[1] + start[1]) * (start[0] - touch[0]) / 2
+        found = basin(drive)
+        (curve,) = found.curves
+        assert abs(mpf(found.area()) / expected - 1) < mpf("1e-13")
+        assert abs(mpf(curve[0].duration) / duration - 1) < mpf("1e-13")
+        assert all(abs(mpf(float(a)) - b) < 1e-13 * abs(b) for a, b in zip(curve[0].start, start, strict=True))
+
+
+def test_repelling_cycle_of_seizures_against_forty_digits():
+    """Slip from (x, −Ω) that comes back to u = x just on Q = 0; the area to the right of it in a window."""
+    drive = drive_of("repelling cycle of seizures")
+    with mp.workdps(DIGITS + GUARD_DIGITS):
+        d = RigidTrueDrive(dict(drive), DIGITS)
+        found = basin(drive)
+        slip = next(piece for piece in found.curves[0] if isinstance(piece, Arc))
+
+        def misses(x, time):
+            u, w = RigidTrueFlow(d, -1, x, -d.Omega).state(time)
+            return u - x, d.Q(u, w) / d.Gamma(-1)
+
+        x, time = findroot(misses, (mpf(float(slip.start[0])), mpf(slip.duration)))
+        assert abs(mpf(float(slip.start[0])) / x - 1) < mpf("1e-12")  # double over 1 − 1/multiplier = 0.1
+        flow = RigidTrueFlow(d, -1, x, -d.Omega)
+        expected = (mpf(WINDOW.right) - x) * (WINDOW.top - WINDOW.bottom)
+        expected += quad(lambda t: flow.state(t)[1] ** 2, mp.linspace(0, time, 9))
+        assert abs(mpf(found.area(WINDOW)) / expected - 1) < mpf("1e-13")
+
+
+def test_area_is_that_of_a_grid_to_first_order():
+    """Counting centres errs by half of each cell that the boundary cuts, at most.
+
+    A straight line leaves more than half of a cell on the side of its centre. A curve goes from cell to cell across one
+    edge at a time, so it cuts as many cells as it crosses lines of the grid.
+    """
+    found = basin(drive_of("repelling cycle of slip"))
+    line = found.line(WINDOW)
+    low, high = line.min(axis=0), line.max(axis=0)
+    window = Window(low[0], high[0], low[1], high[1])
+    automaton = rigid_automaton(drive_of("repelling cycle of slip"))
+    exact = found.area() / window.area
+    assert 0.5 < exact < 0.9
+    for n in (24, 48):
+        cell = np.clip((line - low) / (high - low) * n, 0, n - 1e-9).astype(int)
+        cut = np.abs(np.diff(cell, axis=0)).sum()
+        assert cut < 4.5 * n  # it turns once, from side to side and back
+        centres = (np.arange(n) + 0.5) / n
+        settled = sum(
+            steady_state(automaton, low + (high - low) * [a, b]).label == Attractor.STEADY_SLIDING
+            for a in centres
+            for b in centres
+        )
+        assert abs(settled - exact * n**2) <= 0.5 * cut
+
+
+def test_area_in_a_window_is_the_sum_over_its_parts():
+    """Random windows cut in two at random, upright or across: clipping loses and doubles nothing."""
+    generator = np.random.default_rng(4)
+    for scene in ("touching slip", "repelling cycle of slip", "Fig. 8.14b beyond m_cr", "Fig. 8.14b as printed"):
+        found = basin(drive_of(scene))
+        for _ in range(25):
+            left, right = np.sort(generator.uniform(-0.15, 0.15, 2))
+            bottom, top = np.sort(generator.uniform(-60, 60, 2))
+            u, w = generator.uniform(left, right), generator.uniform(bottom, top)
+            whole = found.area(Window(left, right, bottom, top))
+            upright = found.area(Window(left, u, bottom, top)) + found.area(Window(u, right, bottom, top))
+            across = found.area(Window(left, right, bottom, w)) + found.area(Window(left, right, w, top))
+            size = (right - left) * (top - bottom)
+            assert abs(upright - whole) < 1e-13 * size
+            assert abs(across - whole) < 1e-13 * size
+
+
+def test_size_grows_with_the_force_until_nothing_bounds_it():
+    """Without translation damping slip does not depend on R, so that the motion that touches Q = 0 scales with it."""
+    drive = drive_of("Fig. 8.14b beyond m_cr")
+    areas = [basin(drive.replace(axial_force=-r)).area() / r**2 for r in (1e-3, 1.0, 10.0, 32.0)]
+    np.testing.assert_allclose(areas, areas[0], rtol=1e-13)
+    assert basin(drive.replace(axial_force=-33.0)).area() == math.inf
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"mass": 11, "axial_force": 10}, "attracts nothing"),
+        ({"mass": 1, "translation_damping": 1000, "axial_force": 25}, "attracts nothing"),
+        ({"mass": 11, "axial_force": 0}, "balances the translation damping"),
+        ({"mass": 11, "support_damping": 0, "axial_force": -10}, "attracts nothing"),
+        ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "not covered"),
+        (
+            {"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16},
+            "without a turn",
+        ),
+        (
+            {**FAST_NUT, "axial_force": 40.56},
+            "rest does not settle",
+        ),
+    ],
+)
+def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):
+    with pytest.raises(InputError, match=words):
+        basin(RigidParameters.of(changes))

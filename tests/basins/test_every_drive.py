@@ -1,0 +1,120 @@
+"""Attractors and maps of rigid drives far from the chapter's: each of them once crashed, hung or was labelled wrongly.
+
+What becomes of them is told by the theory in docs/attraction.md, or by following them for long on the engine.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.basins.mapper import mapper
+from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.fate import fate
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import follow
+
+UNDAMPED = RigidParameters.of(support_damping=0.0)
+STRONG_NEGATIVE_DAMPING = RigidParameters.of(
+    pitch_radius=0.025277447719872562, lead_angle=0.06068182414661292, friction_coefficient=0.8767876250636453,
+    mass=0.010363976111208168, screw_inertia=3.1122226256607436e-06, coupling_stiffness=0.5772976146323651,
+    support_damping=3.743652031421517e-07, translation_damping=69630.40377620011, input_speed=0.4514084201824602,
+    axial_force=48.271688806499085,
+)  # fmt: skip
+NO_FORCE_NO_DAMPING = RigidParameters.of(
+    pitch_radius=0.013383268413967779, lead_angle=0.3246916849796429, screw_inertia=3.1540557934364716e-08,
+    coupling_stiffness=10115.4324215604, support_damping=0.0, friction_coefficient=0.3121744881845673,
+    input_speed=-0.6086988519313125, mass=0.017259265280124902, axial_force=0.0,
+)  # fmt: skip
+SLOW_SPIRAL = RigidParameters.of(  # both laws change an oscillation by 1e-8 of itself in a turn, one enlarges it
+    pitch_radius=0.0015375713158014127, lead_angle=0.23817068334213254, screw_inertia=1.5034256552156315e-07,
+    coupling_stiffness=952.3260148012222, support_damping=0.0, friction_coefficient=0.5039129038342504,
+    input_speed=19.144745701660646, mass=0.3888375485255668, translation_damping=0.0013753717408117418,
+    axial_force=0.0,
+)  # fmt: skip
+MANY_SEIZURES = RigidParameters.of(  # overdamped: a seizure moves it by 1e-8 of the way to a cycle of seizures
+    pitch_radius=0.00916201601142274, lead_angle=0.10102236505075994, screw_inertia=1.1554331776008608e-06,
+    coupling_stiffness=0.0066264878061496725, support_damping=86.32442497660541,
+    friction_coefficient=0.14722951108552843, input_speed=0.1759704536546235, mass=585.6016916091033,
+    translation_damping=0.004399651580121414, axial_force=5.008e-07,
+)  # fmt: skip
+
+
+def test_motion_that_only_touches_is_one_of_a_neutral_family():
+    """c = c_x = 0: every motion ends in an oscillation that does not pass θ′ = 0; the largest one touches it."""
+    for start in ((0.1, 0.0), (1e-3, 0.0), (3.0, 200.0), (0.0, -40.0)):
+        found = steady_state(rigid_automaton(UNDAMPED), start)
+        assert found.label == Attractor.NEUTRAL_FAMILY
+        assert found.multiplier == 1.0
+        assert np.abs(found.orbit.end_state - found.state).max() <= 1e-9 * np.abs(found.orbit.after).max(initial=40.0)
+
+
+def test_guard_that_falls_for_ever_is_not_asked_at_infinity():
+    """The guard θ′ falls along two growing rates and has no minimum; the motion rests after 5 µs, then slides."""
+    automaton = rigid_automaton(STRONG_NEGATIVE_DAMPING)
+    start = (-0.002431625983179918, -0.010582909482192133)
+    short, endless = (follow(automaton, start, t, max_events=3) for t in (10.0, math.inf))
+    assert short.time.tolist() == endless.time.tolist()
+    assert short.kind.tolist() == endless.kind.tolist()
+    assert steady_state(automaton, start).label == Attractor.STEADY_SLIDING
+
+
+def test_events_that_accumulate_in_the_corner_go_on():
+    """R = c = c_x = 0: reversals shrink towards the corner of θ′ = 0 and Q = 0 by a constant factor, for ever."""
+    automaton = rigid_automaton(NO_FORCE_NO_DAMPING)
+    start = (-4.418904915675089e-05, -17.831033197192436)
+    assert follow(automaton, start, 1e-2).status == Status.TIME_REACHED
+    assert steady_state(automaton, start).label == Attractor.NEUTRAL_FAMILY
+
+
+@pytest.mark.parametrize("start", [(-0.00029198944436617974, 191.38482947857693), (1e-4, -30.0), (1e-9, 18.0)])
+def test_slow_spiral_is_leapt_over(start):
+    assert steady_state(rigid_automaton(SLOW_SPIRAL), start).label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize("place", [-1e2, -1e3, -1e6, -1e8])
+def test_leaps_do_not_pass_over_a_cycle(place):
+    """The drift comes from any distance to the same cycle of seizures, at u = −93 rad."""
+    found = steady_state(rigid_automaton(MANY_SEIZURES), (place, -MANY_SEIZURES.input_speed))
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.state[0] == pytest.approx(-93.1, rel=2e-2)
+
+
+def test_motion_from_beside_a_cycle_settles():
+    found = steady_state(rigid_automaton(MANY_SEIZURES), (-31.0, -MANY_SEIZURES.input_speed))
+    assert found.label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize("mass", [1.0, 8.0, 10.0])
+def test_drive_that_enlarges_no_area_has_one_label(mass):
+    """Γ₊ > 0 and C_s > 0: steady sliding is globally stable; the map knows it without a search."""
+    drive = RigidParameters.of(mass=mass, support_damping=1e-9, axial_force=-3.0)
+    automaton = rigid_automaton(drive)
+    assert automaton.contracts
+    u, w = np.random.default_rng(5).normal(size=(2, 50)) * np.array([[0.3], [150.0]])
+    assert (mapper(drive).labels_of(u, w) == Attractor.STEADY_SLIDING).all()
+
+
+def _judged(seed: int, drives: int) -> list[str]:
+    """What attractors and labels of random drives say against what a watcher sees; the disagreements."""
+    wrong = []
+    for index in range(drives):
+        case = wide_drive("rigid", seed, index, 4)
+        mapped, constants = mapper(case.drive), watch.constants(dict(case.drive))
+        labels = mapped.labels_of(*np.array(case.starts).T)
+        for start, label in zip(case.starts, labels, strict=True):
+            seen = fate(constants, *start).name
+            found = steady_state(mapped.automaton, start).label
+            if found != label or (seen != "unknown" and seen != found.name.lower()):
+                wrong.append(f"{index} {start}: {found.name}, map {Attractor(int(label)).name}, seen {seen}")
+    return wrong
+
+
+@pytest.mark.slow
+def test_labels_of_random_drives():
+    """Over the full ranges; an undamped orbit that touches θ′ = 0 is steady to the watcher or not, by a digit."""
+    assert _judged(31, 60) == []

@@ -1,0 +1,203 @@
+"""Random drives over the full ranges: the watcher and the judge of fates against the reference, and the command."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.bench.random_drives import command, judges, threshold_judge
+from lsvib.bench.random_drives.linear_judge import rates
+from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.fate import fate
+from lsvib.bench.sweeps import case_judge
+from lsvib.bench.sweeps.paths import exact_path, quick_path, watched_path
+from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
+from lsvib.drives.parameters import RigidParameters
+
+SEED = 7
+CHAPTER = {  # what the chapter's drives do, by the figures
+    "steady_sliding": ({"mass": 10.0}, (1e-3, 0.0)),
+    "sprag_slip_cycle": ({"mass": 11.0}, (1e-3, 0.0)),
+    "stick_slip_cycle": ({"translation_damping": 1e3, "axial_force": 40.0}, (1e-3, 0.0)),
+    "other_cycle": ({"translation_damping": 1e3, "axial_force": 25.0}, (1e-3, 0.0)),
+    "neutral_family": ({"support_damping": 0.0}, (1e-3, 0.0)),
+}
+WITHOUT_EDGES = {  # drives whose fate only patience shows: the return map drifts by a part in 10⁵ to 10¹² in a turn
+    (1, 25, 1): "steady_sliding",
+    (1, 27, 1): "steady_sliding",
+    (1, 53, 1): "steady_sliding",
+    (1, 168, 3): "steady_sliding",
+    (1, 219, 1): "steady_sliding",
+    (1, 24, 3): "neutral_family",
+}
+
+
+@pytest.mark.parametrize("name", CHAPTER)
+def test_the_fates_of_the_chapters_drives(name):
+    """The judge of fates sees in the chapter's drives what its figures show."""
+    changes, start = CHAPTER[name]
+    assert fate(watch.constants(dict(RigidParameters.of(changes))), *start).name == name
+
+
+@pytest.mark.parametrize("key", WITHOUT_EDGES)
+def test_slow_drifts_are_followed_to_their_end(key):
+    """A drift that takes millions of turns is leapt over, and where it ends is known."""
+    seed, index, start = key
+    wide = wide_drive("rigid", seed, index, command.STARTS)
+    assert fate(watch.constants(dict(wide.drive)), *wide.starts[start]).name == WITHOUT_EDGES[key]
+
+
+def test_the_watcher_has_the_events_of_the_reference():
+    """The compiled closed forms agree with 40 digits over the full ranges, or say that they cannot tell."""
+    compared = 0
+    for index in range(40):
+        wide = wide_drive("rigid", SEED, index, 1)
+        case = judges.motion_case(wide, 0)
+        exact = exact_path(case, wide.drive, case.start)
+        watched = exact and watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+        if watched is None:
+            continue
+        compared += 1
+        alike = case_judge.agree(watched, exact, case) or case_judge.agree_but_corners(watched, exact, case)
+        assert alike, (index, watched, exact)
+    assert compared >= 36
+
+
+@pytest.mark.parametrize("model", ["threads", "support", "nut"])
+def test_strides_have_the_events_of_the_reference(model):
+    """Strides by propagators agree with 40 digits over the full ranges, or say that they cannot tell."""
+    compared = 0
+    for index in range(4):
+        case = judges.four_cases(wide_drive(model, SEED, index, 1))[0]
+        exact = exact_path(case, case.drive, case.start)
+        strides = exact and quick_path(case, case.drive, case.start)
+        if strides is None:
+            continue
+        compared += 1
+        assert case_judge.agree(strides, exact, case), (index, strides, exact)
+    assert compared >= 3
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_drives_do_not_depend_on_what_else_is_drawn(model):
+    """Drive and first start of an index are the same whatever the number of starts."""
+    one, more = wide_drive(model, SEED, 3, 1), wide_drive(model, SEED, 3, 5)
+    assert one.drive == more.drive
+    assert (one.starts[0] == more.starts[0]).all()
+
+
+def test_rates_of_rigid_threads_near_those_of_the_rigid_drive():
+    """Very stiff and hardly damped threads have the two rates of the rigid drive among their four."""
+    drive = {"mass": 5.0, "translation_damping": 100.0, "support_damping": 1e-3}
+    rigid = wide_drive("rigid", SEED, 0, 1)._replace(drive=RigidParameters.of(drive))
+    threads = wide_drive("threads", SEED, 0, 1)
+    stiff = type(threads.drive).of({**drive, "contact_stiffness": 1e15, "contact_damping": 0.0})
+    slow = sorted(rates(threads._replace(drive=stiff)), key=abs)[:2]
+    for rate in rates(rigid):
+        assert min(abs(rate - x) for x in slow) < 1e-6 * abs(rate)
+
+
+def test_motions_and_stability_of_random_drives_are_right():
+    """A part of the run that judges a million: motions and linear stability of rigid drives."""
+    records = [command.judged("rigid", SEED, k, ("stability", "motion")) for k in range(25)]
+    table = command.summary(records)
+    assert table["motion"].total() == 25 * command.STARTS
+    assert not any(table[stage][verdict] for stage in table for verdict in judges.BAD), records
+
+
+@pytest.mark.slow
+def test_more_motions_and_stability_of_random_drives_are_right():
+    """The same for more drives, and some of each other model."""
+    drives = {"rigid": 400, "support": 5, "nut": 5}
+    for model, count in drives.items():
+        records = [command.judged(model, SEED, k, ("stability", "motion")) for k in range(count)]
+        table = command.summary(records)
+        assert not any(table[stage][verdict] for stage in table for verdict in judges.BAD), records
+
+
+@pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
+def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
+    """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""
+    wide = wide_drive(model, 11, index, command.STARTS)
+    for k, (_, ask) in enumerate(judges.stages(wide, ["motion"])):
+        assert ask() == [judges.Finding(judges.RIGHT, k)]
+
+
+@pytest.mark.parametrize(("index", "start"), [(22, 1), (38, 3)])
+def test_an_equilibrium_without_contact_force_lasts(index, start):
+    """R = 0 without drag: the equilibrium lies on N = 0, where infinitely many events seemed to accumulate."""
+    wide = wide_drive("support", 11, index, command.STARTS)
+    assert not wide.starts[start].any()
+    _, ask = list(judges.stages(wide, ["motion"]))[start]
+    assert ask() == [judges.Finding(judges.RIGHT, start)]
+
+
+def test_the_judges_can_say_wrong(monkeypatch):
+    """A program that calls everything a cycle, or has an onset that is off by 1 %, is found out."""
+    wide = wide_drive("rigid", SEED, 0, 1)
+    truth = fate(watch.constants(dict(wide.drive)), *wide.starts[0])
+    other = "other_cycle" if truth.name == "steady_sliding" else "steady_sliding"
+    assert judges.compared(wide, 0, truth, other).verdict == judges.WRONG
+    assert judges.compared(wide, 0, truth, "unbounded").verdict == judges.WRONG
+    drive = RigidParameters.of(translation_damping=1e3)
+    rng = np.random.default_rng(0)
+    assert {verdict for _, verdict, *_ in threshold_judge.objections(drive, rng)} == {"right"}
+    right = threshold_judge.thresholds.onset_force
+    monkeypatch.setattr(threshold_judge.thresholds, "onset_force", lambda drive: 1.01 * right(drive))
+    found = {name: verdict for name, verdict, *_ in threshold_judge.objections(drive, rng)}
+    assert found["onset_force"] == "wrong"
+
+
+def test_faults_and_their_drives_are_recorded(monkeypatch):
+    """A question that raises is a finding, and the next one is asked."""
+
+    def stages(wide, questions):
+        yield "motion", lambda: 1 / 0
+        yield "label", lambda: [judges.Finding(judges.RIGHT)]
+
+    monkeypatch.setattr(judges, "stages", stages)
+    record = command.judged("rigid", SEED, 0, ())
+    assert record["counts"] == {"motion crashed": 1, "label right": 1}
+    assert "ZeroDivisionError" in record["notable"][0]["said"]
+    assert not command.passed(command.summary([record]))
+
+
+def test_verdicts_that_let_a_run_pass():
+    """Only a small share may be refused or unresolved; nothing may be wrong."""
+    good = {"index": 0, "counts": {"label right": 5000}, "longest": 0.0, "notable": []}
+    few = {**good, "counts": {"label unresolved": 4}}
+    many = {**good, "counts": {"label unresolved": 40}}
+    wrong = {**good, "counts": {"label wrong": 1}}
+    assert command.passed(command.summary([good, few]))
+    assert not command.passed(command.summary([good, many]))
+    assert not command.passed(command.summary([good, wrong]))
+
+
+@pytest.mark.slow
+def test_a_run_goes_on_where_it_was_stopped_and_ends_what_does_not_return(tmp_path):
+    """Records that are there are kept, a torn line is judged again, and a limit of nothing makes all questions late."""
+    arguments = ["--cases", "8", "--seed", "3", "--questions", "motion", "--out", str(tmp_path)]
+    assert command.main(arguments) == 0
+    path = tmp_path / "rigid-3.jsonl"
+    lines = path.read_text().splitlines()
+    assert [json.loads(line)["index"] for line in lines] == [0, 1]
+    path.write_text(lines[0] + "\n" + lines[1][:20])
+    assert command.main(arguments) == 0
+    kept = [line for line in path.read_text().splitlines() if line.endswith("}")]
+    assert kept[0] == lines[0]
+    assert json.loads(kept[1])["counts"] == json.loads(lines[1])["counts"]
+    late = command.main([*arguments[:-1], str(tmp_path / "late"), "--limit", "1e-6"])
+    assert late == 1
+    assert "motion late" in (tmp_path / "late" / "rigid-3.jsonl").read_text()
+
+
+def test_nothing_is_unbounded_by_energy():
+    """The bound of the module ``fate``: far out, a turn of the undamped drive loses energy by the threads alone."""
+    drive = RigidParameters.of(support_damping=0.0, translation_damping=0.0, mass=5.0)
+    c = watch.constants(dict(drive))
+    times, kinds, modes = np.empty(9), np.empty(9, dtype=np.int64), np.empty(9, dtype=np.int64)
+    states = np.empty((9, 2))
+    watch.watch(c, 1e6, -c.speed, watch.ANYWHERE, math.inf, False, times, kinds, modes, states)
+    stopped = np.abs(states[kinds != watch.CONTACT_REVERSAL, 0])
+    assert (np.diff(stopped) < 0).all()

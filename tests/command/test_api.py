@@ -1,0 +1,297 @@
+"""The public interface: drives are values, methods do what the commands and functions do, nothing heavy is loaded."""
+
+import ast
+import copy
+import doctest
+import json
+import pickle
+import re
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from test_cli import DRIVE, GRID, MOTION, run  # noqa: F401
+
+import lsvib
+from lsvib import api
+from lsvib.cycles.attractors import steady_state
+from lsvib.drives import rigid
+from lsvib.drives.once import forget
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.figures.fig8_09 import dataset as fig8_09
+from lsvib.settings import DEFAULT, read_yaml
+
+ROOT = Path(__file__).parents[2]
+HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy"}
+PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
+START = {"u": 0.1, "w": 0.0}
+WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
+pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
+
+
+def random_drives(count: int, seed: int = 1):
+    """Drives of every model with some parameters changed, the values over many decades."""
+    rng = np.random.default_rng(seed)
+    for k in range(count):
+        kind = list(api.DRIVES.values())[k % 4]
+        changes = {}
+        for key in kind.model_fields:
+            if rng.random() < 0.5:
+                changes[key] = 10 ** rng.uniform(-4, 2)
+        changes["lead_angle"] = rng.uniform(0.01, 0.8)
+        changes["friction_coefficient"] = rng.uniform(0, 0.95 / np.tan(changes["lead_angle"]))
+        changes["pitch_radius"] = 10 ** rng.uniform(-3, -1.3)
+        changes["axial_force"] = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-3, 6)
+        yield kind(**changes)
+
+
+@pytest.mark.parametrize("statement", ["import lsvib", "from lsvib import LsvibError, RigidDrive as D\ndel D"])
+def test_importing_loads_neither_engine_nor_pictures(statement):
+    heavy = HEAVY if statement == "import lsvib" else {"numba", "matplotlib", "xarray", "netCDF4"}
+    assert not loaded(statement) & heavy
+
+
+@pytest.mark.parametrize("kind", list(api.DRIVES))
+def test_stability_loads_no_engine(kind):
+    names = loaded(f"import lsvib.api\nlsvib.api.drive_class({kind!r})(mass=9).stability()")
+    assert "pydantic" in names
+    assert not names & {"numba", "matplotlib", "xarray"}
+
+
+def test_config_loads_no_engine():
+    names = loaded("import sys\nsys.argv = ['lsvib', 'config']\nfrom lsvib.cli import main\nmain()")
+    assert not names & {"numba", "matplotlib", "xarray"}
+
+
+def loaded(statements: str) -> set[str]:
+    """Names of the modules that a fresh Python has loaded after some statements."""
+    program = f"{statements}\nimport sys\nprint()\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_types_name_what_is_exported():
+    """The stub for type checkers has the names that the package loads lazily, no other, from where they come."""
+    stub = ast.parse(Path(find_spec("lsvib").origin).with_suffix(".pyi").read_text(encoding="utf-8"))
+    names = {}
+    for node in stub.body:
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            names[alias.asname] = f"{node.module}:{alias.name}"
+    homes = {name: home if ":" in home else f"{home}:{name}" for name, home in lsvib._HOMES.items()}
+    assert names == homes
+    (listed,) = (ast.literal_eval(node.value) for node in stub.body if isinstance(node, ast.Assign))
+    assert sorted(listed) == sorted(lsvib.__all__)
+    assert set(lsvib.__all__) <= set(dir(lsvib))
+    for name in lsvib.__all__:
+        assert getattr(lsvib, name).__doc__
+    with pytest.raises(AttributeError, match="no attribute 'LeadDrive'"):
+        _ = lsvib.LeadDrive
+
+
+def test_results_say_their_units():
+    for kind in (lsvib.StabilityReport, lsvib.Threshold, lsvib.Quantity, lsvib.Condition, lsvib.UndampedStability):
+        assert is_dataclass(kind)
+        assert kind.__dataclass_params__.frozen
+        missing = [field.name for field in fields(kind) if f"``{field.name}``" not in kind.__doc__]
+        assert missing in ([], ["name"])
+
+
+def test_drives_are_values():
+    for drive in random_drives(200):
+        same = type(drive)(**drive.model_dump())
+        assert drive == same
+        assert hash(drive) == hash(same)
+        assert drive == pickle.loads(pickle.dumps(drive)) == copy.deepcopy(drive) == drive.replace()
+        assert type(pickle.loads(pickle.dumps(drive))) is type(drive)
+        text = repr(drive)
+        assert eval(text, vars(api)) == drive
+        assert str(drive) == text
+        shown = dict(re.findall(r"(\w+)=([^,)]+)", text))
+        default = type(drive)()
+        assert set(shown) == {key for key, value in drive if value != getattr(default, key)}
+        changed = drive.replace(mass=2 * drive.mass)
+        assert changed != drive
+        assert drive not in {changed}
+
+
+def test_a_drive_is_its_model_and_its_values():
+    assert lsvib.RigidDrive(mass=9) == RigidParameters(mass=9)
+    assert hash(lsvib.RigidDrive(mass=9)) == hash(RigidParameters(mass=9.0))
+    assert lsvib.RigidDrive() != lsvib.ThreadsDrive()
+    assert lsvib.SupportDrive() != lsvib.NutDrive()
+    assert lsvib.RigidDrive() != {}
+    assert repr(lsvib.RigidDrive()) == "RigidDrive()"
+    assert repr(lsvib.RigidDrive(axial_force=-0.0)) == "RigidDrive(axial_force=0.0)"
+    assert lsvib.RigidDrive(lead_angle_deg=4) == lsvib.RigidDrive().replace(lead_angle_deg=4)
+    with pytest.raises(lsvib.InputError, match="both given"):
+        lsvib.RigidDrive(lead_angle_deg=4, lead_angle=0.1)
+    with pytest.raises(ValueError, match="frozen"):
+        lsvib.RigidDrive().mass = 2.0
+
+
+def test_pickles_are_small():
+    """What was built from a drive does not travel with it."""
+    drive = lsvib.RigidDrive(**PARADOX)
+    size = len(pickle.dumps(drive))
+    assert drive.automaton() is drive.automaton()
+    drive.simulate(START, 0.1)
+    assert len(pickle.dumps(drive)) == size
+
+
+def test_stability_is_that_of_the_function():
+    """Over random drives of every model: every number of the plain table is in the report."""
+    seen = set()
+    for drive in random_drives(80):
+        try:
+            table = lsvib.stability(drive)
+        except lsvib.InputError as refused:
+            with pytest.raises(lsvib.InputError, match=re.escape(str(refused))):
+                drive.stability()
+            continue
+        report = drive.stability()
+        seen.add((report.model, report.stable))
+        assert (report.model, report.stable, report.kind) == (drive.model, table["stable"], table["class"])
+        assert [{"real": x.real, "imaginary": x.imag} for x in report.eigenvalues] == table["eigenvalues"]
+        conditions = {name: {"margins": c.margins, "hold": c.hold} for name, c in report.conditions.items()}
+        assert conditions == table["conditions"]
+        assert numbers_of(report) >= numbers_of(table)
+        assert report == drive.stability()
+    assert {model for model, _ in seen} == set(api.DRIVES)
+    assert {stable for _, stable in seen} == {True, False}
+
+
+def numbers_of(value) -> set[float]:
+    """All numbers in a result, at whatever depth."""
+    if is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in fields(value)}
+    if isinstance(value, dict):
+        return set().union(*map(numbers_of, value.values()))
+    if isinstance(value, list | tuple):
+        return set().union(*map(numbers_of, value))
+    if isinstance(value, complex):
+        return {value.real, value.imag}
+    return {float(value)} if isinstance(value, int | float) else set()
+
+
+@pytest.mark.parametrize("kind", list(api.DRIVES))
+def test_thresholds_are_those_of_the_function(kind):
+    drive = api.drive_class(kind)(mass=9.0, translation_damping=10.0)
+    table = lsvib.thresholds(drive)
+    found = drive.thresholds()
+    assert list(found) == list(table)
+    for name, threshold in found.items():
+        assert (threshold.name, threshold.value, threshold.unit) == (name, table[name]["value"], table[name]["unit"])
+        assert threshold.reason == table[name].get("reason", "")
+        assert numbers_of(threshold) == numbers_of(table[name])
+        assert threshold.value is not None or threshold.reason
+
+
+@pytest.mark.parametrize("kind", list(api.DRIVES))
+def test_simulate_is_that_of_the_function(kind):
+    drive = api.drive_class(kind)(mass=9.0, contact_damping=1e4) if kind == "threads" else api.drive_class(kind)()
+    motion = drive.simulate(START, 0.02, samples=11, outputs=["screw_speed"])
+    for form in (drive, {"drive": drive}, {"drive": drive.model_dump(), "model": kind}):
+        other = lsvib.simulate(form, model=kind, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+        xr.testing.assert_identical(motion, other)
+    xr.testing.assert_identical(
+        motion, lsvib.simulate(drive, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+    )
+    found = drive.steady_state(START)
+    assert (
+        found.label == steady_state(drive.automaton(), drive._scene(START, 1.0).kind.initial_state(drive, START)).label
+    )
+
+
+def test_simulate_is_that_of_the_command(run, tmp_path):  # noqa: F811
+    assert run("simulate", *MOTION, "--out", "m.nc", "--json")[0] == 0
+    with xr.open_dataset(tmp_path / "m.nc") as written:
+        motion = lsvib.RigidDrive(**PARADOX).simulate(START, 0.1)
+        assert all((written[name].values == motion[name].values).all() for name in motion.variables)
+
+
+def test_attraction_is_that_of_the_command(run, tmp_path):  # noqa: F811
+    summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
+    drive, rows = lsvib.RigidDrive(**PARADOX), []
+    found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
+    with xr.open_dataset(tmp_path / "a.nc") as written:
+        assert set(found.data_vars) == set(written.data_vars)
+        for name in ("label", "settling_time", "fraction", "boundary_angle"):
+            np.testing.assert_array_equal(written[name], found[name])
+    assert rows[-1] == (30, 30)
+    assert found.basin_area.item() == summary["exact_basin_area"]
+    np.testing.assert_array_equal(drive.attraction(WINDOW, threads=2).label, found.label)
+    grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80.0, 80.0, 30))
+    xr.testing.assert_identical(drive.attraction(grid, quantities=["time"]), found)
+    blocks = drive.attraction(WINDOW, refine=True)
+    np.testing.assert_allclose(blocks.fraction, found.fraction)
+
+
+def test_basin_is_handed_the_drive_itself():
+    drive = lsvib.RigidDrive(**PARADOX)
+    basin = drive.basin()
+    assert basin.drive is drive
+    assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
+
+
+def test_figure_8_9_builds_each_automaton_once(monkeypatch):
+    """Twelve builds of four automata became three: below the critical mass both rules have one automaton."""
+    made = []
+    assemble = rigid.assemble
+    monkeypatch.setattr(rigid, "assemble", lambda *rows, **more: made.append(1) or assemble(*rows, **more))
+    settings = read_yaml(DEFAULT)["fig8_09"]
+    settings["axial_force"]["count"] = 2
+    forget()
+    fig8_09.build(settings)
+    assert len(made) == 5  # and one for each of the two other forces
+    fig8_09.build(settings)
+    assert len(made) == 5
+    light, heavy = RigidParameters(), RigidParameters(mass=11.0)
+    assert rigid_automaton(light) is rigid_automaton(light, resume="at_once")
+    assert rigid_automaton(heavy) is not rigid_automaton(heavy, resume="at_once")
+    assert rigid_automaton(heavy) is rigid_automaton(lsvib.RigidDrive(mass=11.0), resume="contact_sign")
+
+
+def test_examples_of_docstrings_and_documentation():
+    failed = doctest.testmod(api).failed
+    from lsvib.data import simulation
+
+    failed += doctest.testmod(simulation).failed
+    page = ROOT / "docs" / "python.md"
+    result = doctest.testfile(str(page), module_relative=False)
+    assert (failed, result.failed) == (0, 0)
+    text = page.read_text(encoding="utf-8")
+    assert result.attempted >= len(lsvib.__all__)
+    for name in (*lsvib.__all__, "steady_state", "basin", "attraction", "automaton", "coefficients", "replace"):
+        assert name in text, f"docs/python.md says nothing of {name}"
+
+
+@pytest.mark.slow
+def test_a_type_checker_sees_the_types(tmp_path):
+    """Right uses pass in strict mode and have the types they should, wrong ones are found."""
+    pytest.importorskip("mypy")
+    (tmp_path / "right.py").write_text(
+        "import lsvib\n"
+        "drive = lsvib.RigidDrive(mass=11, axial_force=-10.0)\n"
+        "reveal_type(drive.replace(mass=3))\n"
+        "reveal_type(drive.stability().eigenvalues)\n"
+        "reveal_type(drive.basin().area())\n"
+        "reveal_type(lsvib.ThreadsDrive().thresholds()['critical_mass'].value)\n"
+    )
+    (tmp_path / "wrong.py").write_text(
+        "import lsvib\nlsvib.RigidDrive(mas=1)\nlsvib.RigidDrive(mass='1 kg')\nlsvib.RigidDrive().simulate(3)\n"
+    )
+    command = [sys.executable, "-m", "mypy", "--config-file=", "--strict", "--follow-imports=silent"]
+    command += ["--cache-dir", str(tmp_path / "cache")]
+    done = subprocess.run([*command, "right.py", "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
+    revealed = re.findall(r'right\.py:\d+: note: Revealed type is "(.*)"', done.stdout)
+    assert [x.replace("builtins.", "") for x in revealed] == [
+        "lsvib.api.RigidDrive", "tuple[complex, ...]", "float", "float | None",
+    ]  # fmt: skip
+    assert not re.findall(r"right\.py:\d+: error", done.stdout)
+    assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}

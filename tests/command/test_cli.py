@@ -1,0 +1,414 @@
+"""The command line: JSON keys, exit codes, one sentence for bad input, no file then; the dataset of ``simulate``."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+import lsvib
+from lsvib import cli
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.motion import follow
+
+# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
+pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
+DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
+GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
+MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
+CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
+UNITS = {
+    "time": "s",
+    "angle_deviation": "rad",
+    "velocity_deviation": "rad s-1",
+    "normal_force": "N",
+    "coupling_torque": "N m",
+    "mode": "1",
+    "event_time": "s",
+    "event_kind": "1",
+    "event_sign": "1",
+    "event_mode": "1",
+    "event_angle_deviation_before": "rad",
+    "event_angle_deviation_after": "rad",
+    "event_velocity_deviation_before": "rad s-1",
+    "event_velocity_deviation_after": "rad s-1",
+}
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty folder; returns exit code, standard output, error output."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = end.code or 0
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def refused(run, *arguments: str) -> str:
+    """Assert that a command ends with code 2, one sentence, nothing on standard output and no file; the sentence."""
+    before = sorted(Path().rglob("*"))
+    code, out, error = run(*arguments)
+    assert (code, out) == (2, "")
+    assert error.startswith("lsvib: ")
+    assert error.count("\n") == 1
+    assert error.endswith(".\n")
+    assert sorted(Path().rglob("*")) == before
+    return error
+
+
+def test_thresholds_json(run):
+    code, out, error = run("thresholds", "--json")
+    assert (code, error) == (0, "")
+    table = json.loads(out)
+    described = table.pop("global_stability_force")  # without a number in the chapter
+    assert described["unit"] == "N"
+    assert all(described[key] is None for key in ("expected", "tolerance", "relative_error", "passed"))
+    assert set(table) == {"critical_mass", "critical_friction", "onset_force", "stick_force", "detach_force"}
+    for entry in table.values():
+        assert {"value", "unit", "expected", "tolerance", "relative_error", "passed"} <= set(entry)
+        assert entry["passed"] is True
+        assert entry["relative_error"] == abs(entry["value"] - entry["expected"]) / entry["expected"]
+    assert {name: entry["unit"] for name, entry in table.items()} == {
+        "critical_mass": "kg", "critical_friction": "1", "onset_force": "N", "stick_force": "N", "detach_force": "N",
+    }  # fmt: skip
+
+
+def test_thresholds_away_from_the_chapter(run):
+    table = json.loads(run("thresholds", "--set", "translation_damping=2000", "--json")[1])
+    for name in ("onset_force", "stick_force", "detach_force"):
+        assert all(table[name][key] is None for key in ("expected", "tolerance", "relative_error", "passed"))
+    assert table["onset_force"]["value"] == pytest.approx(40.413221118359644, rel=1e-14)  # twice that of c_x = 1000
+    table = json.loads(run("thresholds", "--set", "support_damping=1", "--json")[1])
+    assert table["stick_force"]["value"] is None
+    assert table["stick_force"]["reason"].endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("model", "damping", "unit"),
+    [
+        ("threads", "least_contact_damping", "N s m-1"),
+        ("support", "least_axial_support_damping", "N s m-1"),
+        ("nut", "least_nut_damping", "N m s rad-1"),
+    ],
+)
+def test_thresholds_of_another_model(run, model, damping, unit):
+    arguments = ("thresholds", "--model", model, "--set", "mass=4")
+    table = json.loads(run(*arguments, "--json")[1])
+    assert table == lsvib.thresholds({"mass": "4"}, model=model)
+    assert {name: entry["unit"] for name, entry in table.items()} == {
+        "critical_mass": "kg", "critical_friction": "1", damping: unit,
+    }  # fmt: skip
+    text = run(*arguments)[1]
+    for name, entry in table.items():
+        assert {"value", "unit", "stability", "stable_intervals"} <= set(entry)
+        assert (entry["value"] is not None) or entry["reason"].endswith(".")
+        shown = "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+        assert any(line.split(maxsplit=1) == [name, shown] for line in text.splitlines())
+        assert text.count("stability from") == sum(len(entry["stable_intervals"]) for entry in table.values())
+
+
+def test_stability_does_not_contradict_itself(run):
+    """Above the least damping of an infinitely stiff contact, below that of this one."""
+    code, text, _ = run("stability", "--model", "threads", "--set", "mass=9", "--set", "contact_damping=5e4")
+    assert code == 0
+    assert text.startswith("steady sliding is unstable (flutter)")
+    assert "contact_flutter: holds" in text
+    assert "least_contact_damping: 371157.682934 N s m-1" in text
+    assert run("stability", "--set", "support_damping=0")[1].startswith("steady sliding is neutral (centre)")
+    text = run("stability", "--model", "support", "--set", "support_damping=0")[1]
+    assert text.startswith("steady sliding is neutral\n")
+    assert "without any damping: neutral" in text
+
+
+def test_text_output(run):
+    code, out, _ = run("thresholds")
+    assert code == 0
+    assert len(out.splitlines()) == 6
+    assert out.count("pass") == 5
+    assert "unstable" in run("stability", "--set", "mass=11")[1]
+    assert len(run("config")[1].splitlines()) == len(RigidParameters.model_fields)
+
+
+def test_stability_json(run):
+    table = json.loads(run("stability", *DRIVE[:2], "--json")[1])
+    assert table["paradox_region"] is True
+    assert table["stable"] is False
+    assert table["conditions"]["paradox"]["hold"] is True
+    assert [set(pair) for pair in table["eigenvalues"]] == [{"real", "imaginary"}] * 2
+    assert table["effective_inertia"]["plus"] < 0
+
+
+def test_config_json(run):
+    table = json.loads(run("config", "--set", "lead_angle_deg=4", "--json")[1])
+    assert list(table) == list(RigidParameters.model_fields)
+    assert table["lead_angle"]["value"] == np.radians(4)
+    assert table["mass"] == {"value": 1.0, "unit": "kg", "symbol": "m", "allowed": "0 < mass <= 1e+09"}
+
+
+def test_simulate(run, tmp_path):
+    code, out, error = run("simulate", "--model", "rigid", *MOTION, "--samples", "21", "--out", "m.nc", "--json")
+    assert (code, error) == (0, "")
+    summary = json.loads(out)
+    assert {"final_state", "events", "attractor", "peak_normal_force", "status"} <= set(summary)
+    motion = follow(
+        rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
+    )
+    assert [summary["final_state"][key] for key in ("u", "w")] == motion.end_state.tolist()
+    assert summary["attractor"] == "sprag_slip_cycle"
+    assert summary["status"] == "time_reached"
+    assert sum(summary["events"].values()) == len(motion.time)
+    with xr.open_dataset(tmp_path / "m.nc") as data:
+        assert set(UNITS) <= set(data.variables)
+        assert {name: data[name].attrs["units"] for name in UNITS if name != "time"} == {
+            name: unit for name, unit in UNITS.items() if name != "time"
+        }
+        assert data["angle_deviation"].dims == ("time",)
+        assert data.attractor.attrs["flag_meanings"].split()[1 + int(data.attractor)] == summary["attractor"]
+        assert float(data.amplitude) > 0 < float(data.period)
+        assert float(data.mass) == 11.0
+        assert "coupling_deflection" in data
+        assert data.sizes["time"] == 21
+        assert data["event_time"].dims == ("event",)
+        assert data.sizes["event"] == len(motion.time)
+        np.testing.assert_array_equal(data["event_time"], motion.time)
+        np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
+        assert json.loads(data.attrs["parameters"])["mass"] == 11
+        kinds = dict(
+            zip(data["event_kind"].attrs["flag_meanings"].split(), data["event_kind"].attrs["flag_values"], strict=True)
+        )
+        counted = {name: int(np.sum(data["event_kind"] == value)) for name, value in kinds.items()}
+    assert {name: n for name, n in counted.items() if n} == summary["events"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
+
+
+def test_simulate_from_python_is_the_same():
+    data = lsvib.simulate(
+        mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1, samples=21
+    )
+    motion = follow(
+        rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
+    )
+    np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
+
+
+def test_simulate_from_a_scene_file(run, tmp_path):
+    (tmp_path / "scene.yaml").write_text(
+        "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\ninitial: {u: 0.1, w: 0}\nt_end: 9\n"
+    )
+    direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
+    assert (
+        json.loads(run("simulate", "--scene", "scene.yaml", "--t-end", "0.1", "--out", "b.nc", "--json")[1]) == direct
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["thresholds", "--set", "masss=1"], "masss is not a known key"),
+        (["thresholds", "--set", "mass=5kg"], "mass = '5kg' is not a number; the allowed range is 0 < mass <= 1e+09"),
+        (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
+        (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
+        (["stability", "--set", "axial_force=0"], "axial_force"),
+        (["stability", "--model", "elastic"], "model = 'elastic' is not one of rigid, threads, support, nut"),
+        (["thresholds", "--model", "nut", "--set", "axial_force=0"], "axial_force balances damping and friction"),
+        (["thresholds", "--model", "nut", "--set", "screw_mass=1"], "screw_mass is not a known key"),
+        (["config", "--set", "mass=nan"], "mass = 'nan' is not a number"),
+        (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
+        (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),
+        (["simulate", *MOTION, "--out", "none/x.nc"], "none"),
+        (["simulate", *DRIVE, "--initial", "u=0.1", "--t-end", "1", "--out", "x.nc"], "initial"),
+        (["simulate", *DRIVE, "--initial", "u=1e300", "w=0", "--t-end", "1", "--out", "x.nc"], "1e+300"),
+        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "-1", "--out", "x.nc"], "t_end = -1"),
+        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "soon", "--out", "x.nc"], "soon"),
+        (["simulate", *MOTION, "--samples", "1", "--out", "x.nc"], "samples = 1"),
+        (["simulate", *MOTION, "--resume", "never", "--out", "x.nc"], "resume = 'never'"),
+        (["simulate", *MOTION, "--model", "elastic", "--out", "x.nc"], "model = 'elastic'"),
+        (["simulate", *MOTION], "--out"),
+        (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
+        (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
+        (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
+        (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of those"),
+        (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
+        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
+        (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
+        (["simulate", *MOTION, "--out", "."], "not the name of a file"),
+        (["simulate", *MOTION, "--set", "t_end=1", "--out", "x.nc"], "t_end is not a known key"),
+        (["simulate", *MOTION, "--set", "drive=1", "--out", "x.nc"], "drive is not a known key"),
+        (["simulate", *MOTION, "--model", "threads", "--resume", "at_once", "--out", "x.nc"], "resume = 'at_once'"),
+        (["thresholds", "--set", "self=1"], "self is not a known key"),
+        (["config", "--set", "lead_angle_deg=95"], "lead_angle_deg = '95' is outside the allowed range 0 <"),
+        (["config", "--set", "input_speed=0"], "-1e+09 <= input_speed <= 1e+09, not 0"),
+        (["attraction", *GRID, "--set", "mass=11", "--figure", "map.pdf", "--out", "x.nc"], ".png"),
+        (["nonsense"], "nonsense"),
+        (["thresholds", "--nonsense"], "--nonsense"),
+    ],
+)
+def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
+    assert words in refused(run, *arguments)
+
+
+def test_unknown_figure_is_refused_with_all_that_there_are(run, tmp_path):
+    (tmp_path / "figures.yaml").write_text(
+        "figures: [fig8_06, limit_process]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\nattraction: {}\n"
+    )
+    sentence = refused(run, "figure", "8.99", "--config", "figures.yaml")
+    assert sentence.rstrip().endswith("figure 8.99 is not one of those in figures.yaml: 8.6, limit_process.")
+
+
+@pytest.mark.parametrize("number", ["8.3", "fig8_03"])
+def test_figure_by_number_or_name(run, tmp_path, number):
+    section = yaml.safe_load(CONFIG.read_text())["fig8_03"]
+    for axis in ("inertia", "damping"):
+        section[axis]["count"] = 41
+    (tmp_path / "figures.yaml").write_text(yaml.safe_dump({"figures": ["fig8_03"], "fig8_03": section}))
+    code, out, _ = run("figure", number, "--config", "figures.yaml", "--out", "built")
+    assert code == 0
+    assert ": true (" in out
+    assert Path("built/figures/fig8_03.png").is_file()
+
+
+@pytest.mark.parametrize("form", [[], ["--json"]])
+def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
+    """Another friction than the chapter's in the file of settings, which is not ``--set``: 10.1 kg is missed."""
+    section = yaml.safe_load(CONFIG.read_text())["fig8_08"]
+    section["mass"]["count"], section["drive"] = 21, {"friction_coefficient": 0.3}
+    (tmp_path / "figures.yaml").write_text(yaml.safe_dump({"figures": ["fig8_08"], "fig8_08": section}))
+    code, _, err = run("figure", "8.8", "--config", "figures.yaml", "--out", "built", *form)
+    assert code == 2
+    assert "a check failed" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("drive: {mass: [1\n", "not valid YAML"),
+        ("- 1\n", "does not hold names and values"),
+        ("drive: {mass: 11, weight: 2}\ninitial: {u: 0, w: 0}\nt_end: 1\n", "weight is not a known key"),
+        ("drive: 5\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = 5 does not hold names and values"),
+        ("drive: [1, 2]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = [1, 2] does not hold"),
+        ("model: [rigid]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "model = ['rigid'] is not one of"),
+        ("1: 2\ninitial: {u: 0, w: 0}\nt_end: 1\n", "1 is not a known key"),
+        ("drive: {mass: 11}\nphysics: [support_damping, axial_force]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "list rest"),
+    ],
+)
+def test_corrupt_scene_is_refused(run, tmp_path, text, words):
+    (tmp_path / "scene.yaml").write_text(text)
+    assert words in refused(run, "simulate", "--scene", "scene.yaml", "--out", "x.nc")
+
+
+def test_installed_command_and_help():
+    """In a process of its own: exit code and streams, not only what ``main`` raises."""
+    command = [sys.executable, "-c", "from lsvib.cli import main; main()"]
+    bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 0 < mass <= 1e+09.\n"
+    for name in ("thresholds", "stability", "simulate", "figure", "attraction", "config"):
+        shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
+        assert f"lsvib {name}" in shown
+        assert "Example" in shown
+
+
+def test_attraction_json_and_dataset(run):
+    code, out, error = run("attraction", *DRIVE, *GRID, "--quantities", "time", "seizures", "first_event",
+                           "--out", "map.nc", "--figure", "map.png", "--json")  # fmt: skip
+    assert code == 0
+    result = json.loads(out)
+    assert set(result) == {"cells", "fractions", "unresolved", "exact_basin_area", "cells_per_second"}
+    assert result["cells"] == 1200
+    assert result["unresolved"] == 0
+    assert sum(result["fractions"].values()) == pytest.approx(1.0, abs=1e-15)
+    assert error.splitlines()[-1] == "100 % of 30 rows"
+    with xr.open_dataset("map.nc") as written:
+        assert written.label.dims == ("velocity_deviation", "angle_deviation")
+        assert written.angle_deviation.values[0] == -0.1 + 0.5 * 0.2 / 40
+        assert (written.label == 0).mean().item() == result["fractions"]["steady_sliding"]
+        assert written.fraction.sel(attractor=2).item() == result["fractions"]["sprag_slip_cycle"]
+        assert {
+            "settling_time",
+            "seizures",
+            "first_event",
+            "cycle_angle",
+            "contact_line_angle",
+            "friction_coefficient",
+        } <= set(written)
+        assert np.isfinite(written.settling_time).all()
+    assert Path("map.png").stat().st_size > 10_000
+    assert Path("map.pdf").is_file()
+
+
+def test_attraction_text_says_cells_and_fraction(run):
+    lines = run("attraction", *DRIVE, *GRID, "--out", "map.nc")[1].splitlines()
+    found = [line.rsplit(": ", 1)[1].split() for line in lines if "a fraction of" in line]
+    assert sum(int(words[0]) for words in found) == 1200
+    for words in found:
+        assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
+        assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
+
+
+def test_refined_attraction_is_the_full_one(run):
+    grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
+    full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
+    code, out, _ = run("attraction", *DRIVE, *grid, "--refine", "--out", "blocks.nc", "--json")
+    assert code == 0
+    assert json.loads(out)["fractions"] == full["fractions"]
+    with xr.open_dataset("blocks.nc") as blocks, xr.open_dataset("full.nc") as written:
+        painted = np.empty((600, 600))
+        for level, row, column, label in zip(
+            *(blocks[name].values.astype(int) for name in ("level", "row", "column", "label")), strict=True
+        ):
+            painted[row << level : (row + 1) << level, column << level : (column + 1) << level] = label
+        assert np.array_equal(painted, written.label.values)
+
+
+@pytest.mark.parametrize(
+    ("grid", "word"),
+    [
+        (["u=-0.1:0.1:40"], "two axes"),
+        (["u=-0.1:0.1:40", "u=0:1:10"], "u is given twice"),
+        (["u=-0.1:0.1:40", "q=0:1:10"], "'q'"),
+        (["u=0.1:0.1:40", "w=0:1:10"], "start < stop"),
+        (["u=0.1:nan:40", "w=0:1:10"], "stop = 'nan' is not a number"),
+        (["u=-0.1:0.1:0", "w=0:1:10"], "count = 0"),
+        (["u=-0.1:0.1:2.5", "w=0:1:10"], "count = 2.5, which is not a whole number"),
+        (["u=-1e100:0.1:4", "w=0:1:10"], "-1e+100 < start < 1e+100"),
+        (["u=1:1.000000000000001:4", "w=0:1:10"], "too narrow to be told apart"),
+        (["u=-0.1:0.1", "w=0:1:10"], "KEY=START:STOP:COUNT"),
+        (["u=-0.1:x:4", "w=0:1:10"], "not a number"),
+        (["u=-0.1:0.1:4", "w=0:1:10", "e=0"], "u and w"),
+        (["u=-0.1:0.1:4", "e=0:1:10"], "u and w"),
+    ],
+)
+def test_attraction_refuses_a_bad_grid(run, grid, word):
+    assert word in refused(run, "attraction", *DRIVE, "--grid", *grid, "--out", "map.nc")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--quantities", "tim"], "'tim'"),
+        (["--threads", "0"], "threads = 0"),
+        (["--resume", "later"], "'later'"),
+        (["--model", "elastic"], "'elastic'"),
+        (["--refine", "--quantities", "time"], "refine"),
+    ],
+)
+def test_attraction_refuses(run, arguments, word):
+    assert word in refused(run, "attraction", *DRIVE, *GRID, "--out", "map.nc", *arguments)
+
+
+def test_a_slice_needs_all_coordinates(run):
+    error = refused(run, "attraction", "--model", "threads", "--grid", "u=0:1:4", "e=0:1:4", "--out", "map.nc")
+    assert "needs the coordinate w" in error

@@ -1,0 +1,81 @@
+"""The README's examples run as they stand: every line of the shell, the scene, the Python."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from lsvib.data.writer import read_dataset
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(part: str, language: str) -> list[str]:
+    """Code of a language between two markers of the README."""
+    (text,) = re.findall(rf"<!-- {part} -->(.*?)<!-- /{part} -->", README, re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+(SHELL,), (SCENE,), (PYTHON,) = blocks("cli", "bash"), blocks("cli", "yaml"), blocks("python", "python")
+COMMANDS = SHELL.splitlines()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with what a clone has that the examples read."""
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    (tmp_path / "scene.yaml").write_text(SCENE, encoding="utf-8")
+    return tmp_path
+
+
+def run(line: str, folder: Path) -> str:
+    """Run a command that a reader would type; what it says it writes is there, and can be read."""
+    program, *arguments = line.split()
+    assert program == "lsvib"
+    command = [sys.executable, "-c", "from lsvib.cli import main; main()", *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    for name in re.findall(r"--out (\S+)", line):
+        assert (folder / name).exists()
+        if name.endswith(".nc"):
+            assert read_dataset(folder / name).sizes
+    return done.stdout
+
+
+@pytest.mark.parametrize("line", COMMANDS, ids=lambda line: line.split()[1])
+def test_command(line, folder):
+    run(line, folder)
+
+
+def test_the_scene_is_the_command_with_other_outputs(folder):
+    """``lsvib simulate --scene`` as in the text; the same drive, start and duration as in the line of the shell."""
+    (line,) = re.findall(r"`(lsvib simulate --scene scene\.yaml [^`]*)`", README)
+    run(line, folder)
+    (folder / "motion.nc").rename(folder / "scene.nc")
+    run(next(command for command in COMMANDS if command.startswith("lsvib simulate")), folder)
+    scene, motion = read_dataset(folder / "scene.nc"), read_dataset(folder / "motion.nc")
+    assert {*yaml.safe_load(SCENE)["outputs"]} <= set(scene.data_vars)
+    for name in ("angle_deviation", "velocity_deviation", "event_time"):
+        assert (scene[name].values == motion[name].values).all()
+
+
+def test_python(folder):
+    done = subprocess.run([sys.executable, "-c", PYTHON], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    motion, thresholds = done.stdout.splitlines()
+    deviation, events = motion.split()
+    assert float(deviation) >= 0.1
+    assert int(events) > 0
+    mass, force = map(float, thresholds.split())
+    assert mass == pytest.approx(10.10, rel=0.02)
+    assert force == pytest.approx(34.5, rel=0.02)
+    calls = re.findall(r"`(lsvib\.(?:stability|thresholds)\([^`]*\))`", README)
+    assert len(calls) == 3
+    for call in calls:
+        assert eval(call, {"lsvib": __import__("lsvib")})

@@ -1,0 +1,131 @@
+"""Sweeps: every point is what its own drive gives, for any number of processes; thresholds lie where it changes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from test_cli import refused, run  # noqa: F401
+
+import lsvib
+from lsvib import api
+from lsvib.cycles.attractors import orbit_extremes
+from lsvib.cycles.impulses import event_impulses
+from lsvib.data import sweep as sweeping
+from lsvib.engine.motion import follow
+
+BASE = lsvib.RigidDrive(translation_damping=1000)
+START = {"u": 1e-3, "w": 0.0}
+pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
+
+
+def test_points_are_those_of_single_drives():
+    """Random drives of all regimes, by long motions: amplitude, peak force and impulse once the motion has settled."""
+    rng = np.random.default_rng(5)
+    masses, forces = rng.uniform(0.5, 20, 7), rng.uniform(-60, 60, 9)
+    drive = lsvib.RigidDrive(support_damping=1e-3, translation_damping=300)
+    found = drive.sweep(mass=masses, axial_force=forces, initial={"u": 0.1, "w": 0.0})
+    assert found.attractor.dims == ("mass", "axial_force")
+    seen = set()
+    for i, mass in enumerate(masses):
+        for j, force in enumerate(forces):
+            own, here = drive.replace(mass=mass, axial_force=force), found.isel(mass=i, axial_force=j)
+            steady = own.steady_state({"u": 0.1, "w": 0.0})
+            seen.add(steady.label)
+            assert here.attractor == steady.label
+            if steady.orbit is None:
+                assert here.amplitude == 0
+                row = own.automaton().observables["normal_force"][follow(own.automaton(), (0, 0), 1e-9).end_mode]
+                assert here.peak_normal_force.item() == pytest.approx(abs(row[-1]), rel=1e-12)
+                continue
+            assert (here.amplitude, here.period, here.multiplier) == (
+                steady.amplitude, steady.period, pytest.approx(steady.multiplier, nan_ok=True),
+            )  # fmt: skip
+            late = follow(own.automaton(), steady.state, 3.5 * steady.period, mode=steady.orbit.start_mode)
+            low, high = orbit_extremes(late, own.automaton().observables["normal_force"])
+            assert here.peak_normal_force.item() == pytest.approx(max(-low, high), rel=1e-6)
+            impulses = np.abs(event_impulses(own, late).normal)
+            assert here.peak_normal_impulse.item() == pytest.approx(impulses.max(initial=0.0), rel=1e-6, abs=1e-12)
+    assert {lsvib.Attractor.STEADY_SLIDING, lsvib.Attractor.SPRAG_SLIP_CYCLE} <= seen
+
+
+def test_thresholds_lie_where_the_attractor_changes():
+    names = BASE.thresholds()
+    for name, before, after in (("onset_force", 0, 3), ("stick_force", 3, 1)):
+        threshold = names[name].value
+        found = BASE.sweep(axial_force=[threshold * (1 - 1e-4), threshold * (1 + 1e-4)])
+        assert found.attractor.values.tolist() == [before, after]
+
+
+def test_same_bits_for_any_number_of_processes():
+    forces = np.linspace(1.0, 60.0, 120)
+    alone, told = BASE.sweep(axial_force=forces), []
+    xr.testing.assert_identical(
+        BASE.sweep(axial_force=forces, workers=2, progress=lambda *numbers: told.append(numbers)), alone
+    )
+    assert told == [(k, 120) for k in range(1, 121)]
+    order = np.random.default_rng(1).permutation(120)
+    xr.testing.assert_identical(BASE.sweep(axial_force=forces[order]), alone.isel(axial_force=order))
+    xr.testing.assert_identical(BASE.sweep(axial_force=forces[7:8]), alone.isel(axial_force=slice(7, 8)))
+
+
+def test_any_parameter_can_be_swept():
+    for name, value in lsvib.RigidDrive():
+        values = [value * 0.9, value * 1.1] if value else [1.0, 2.0]
+        found = lsvib.RigidDrive().sweep(**{name: values})
+        assert found[name].attrs["units"]
+        assert name not in json.loads(found.attrs["parameters"])
+        for k, changed in enumerate(values):
+            assert found.attractor[k] == lsvib.RigidDrive(**{name: changed}).steady_state(START).label
+
+
+def test_command(run):  # noqa: F811
+    arguments = ["sweep", "--set", "translation_damping=1000", "--over", "axial_force=1:60:30"]
+    code, out, _ = run(*arguments, "--over", "mass=1:2:2", "--out", "s.nc", "--json")
+    result = json.loads(out)
+    assert (code, result["points"]) == (0, 60)
+    assert result["points_per_second"] > 0
+    assert sum(result["attractors"].values()) == 60
+    expected = BASE.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
+    with xr.open_dataset("s.nc") as written:
+        assert all((written[name].values == expected[name].values).all() for name in ("attractor", "axial_force"))
+        np.testing.assert_array_equal(written.amplitude, expected.amplitude)
+    assert "points per second" in run(*arguments)[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--over", "axial_force=1:60"], "KEY=START:STOP:COUNT"),
+        (["--over", "axial_force=1:x:3"], "is not a number"),
+        (["--over", "axial_force=1:60:0"], "count = 0"),
+        (["--over", "axial_force=1:60:1.5"], "whole"),
+        (["--over", "force=1:60:3"], "force is not a known key"),
+        (["--over", "mass=-1:1:3"], "mass = -1"),
+        (["--over", "mass=1:1e999:3"], "range of doubles"),
+        (["--over", "mass=1:2:3", "--over", "mass=1:2:3"], "given twice"),
+        (["--over", "mass=1:2:3", "--workers", "0"], "workers = 0"),
+        (["--over", "mass=1:2:3", "--resume", "later"], "resume = 'later'"),
+        (["--over", "mass=1:2:3", "--initial", "u=0.1"], "it needs u and w"),
+        (["--over", "mass=1:2:3", "--initial", "u=0.1", "w=x"], "is not a number"),
+        (["--over", "mass=1:2:10000", "--over", "axial_force=1:2:10000"], "points"),
+        (["--set", "contact_damping=1", "--over", "mass=1:2:3"], "contact_damping is not a known key"),
+    ],
+)
+def test_command_refuses(run, arguments, words):  # noqa: F811
+    assert words in refused(run, "sweep", *arguments, "--out", "x.nc")
+
+
+@pytest.mark.parametrize(
+    ("over", "words"),
+    [({}, "over names no parameter"), ({"mass": 3}, "is not a list"), ({"mass": "12"}, "is not a list"),
+     ({"mass": []}, "0 points"), ({"mass": [1.0, None]}, "is not a number"), ({"weight": [1.0]}, "not a known key"),
+     ({"mass": [0.0]}, "outside the allowed range")],
+)  # fmt: skip
+def test_python_refuses(over, words):
+    with pytest.raises(lsvib.InputError, match=words):
+        lsvib.RigidDrive().sweep(**over)
+    assert not hasattr(api.ThreadsDrive(), "sweep")
+    assert set(sweeping.Point._fields) == set(lsvib.RigidDrive().sweep(mass=[1.0]).data_vars)
+    assert Path(sweeping.__file__).name == "sweep.py"

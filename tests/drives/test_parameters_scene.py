@@ -1,0 +1,191 @@
+"""Parameters and scenes: every unacceptable value gets one sentence with key, value and range; nothing else gets in."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.scene import Scene, read_yaml
+from lsvib.errors import InputError
+
+BOUNDS = {
+    "pitch_radius": (0.9e-6, 1.1, "1e-06 <= pitch_radius <= 1"),
+    "lead_angle": (0.0, math.pi / 2, "0 < lead_angle < 1.5708"),
+    "screw_inertia": (0.0, 1.1e6, "0 < screw_inertia <= 1e+06"),
+    "coupling_stiffness": (0.0, 1.1e15, "0 < coupling_stiffness <= 1e+15"),
+    "support_damping": (-1e-9, 1.1e15, "0 <= support_damping <= 1e+15"),
+    "friction_coefficient": (-0.1, 10.3, "0 <= friction_coefficient < cot(lead_angle)"),
+    "input_speed": (-1.1e9, 1.1e9, "-1e+09 <= input_speed <= 1e+09"),
+    "mass": (0.0, 1.1e9, "0 < mass <= 1e+09"),
+    "translation_damping": (-1.0, 1.1e15, "0 <= translation_damping <= 1e+15"),
+    "axial_force": (-1.1e12, 1.1e12, "-1e+12 <= axial_force <= 1e+12"),
+}
+SCENE = {"drive": {"mass": 11.0}, "initial": {"u": 0.1, "w": 0.0}, "t_end": 0.5}
+
+
+def complaint(function, *arguments, **options) -> str:
+    """The one sentence that an unacceptable input gets."""
+    with pytest.raises(InputError) as error:
+        function(*arguments, **options)
+    sentence = str(error.value)
+    assert sentence.endswith(".")
+    assert "\n" not in sentence
+    return sentence
+
+
+def test_defaults_are_table_8_1():
+    assert dict(RigidParameters()) == {
+        "pitch_radius": 5.18e-3,
+        "lead_angle": math.radians(5.57),
+        "screw_inertia": 3.12e-6,
+        "coupling_stiffness": 1.0,
+        "support_damping": 2e-4,
+        "friction_coefficient": 0.218,
+        "input_speed": 40.0,
+        "mass": 1.0,
+        "translation_damping": 0.0,
+        "axial_force": 50.0,
+    }
+    assert set(BOUNDS) == set(RigidParameters.model_fields)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("key", BOUNDS)
+def test_value_out_of_range(key, side):
+    value = BOUNDS[key][side]
+    sentence = complaint(RigidParameters.of, {key: value})
+    assert sentence.startswith((f"{key} = {value!r} is outside", f"{key} = {value:g} is outside"))
+    assert BOUNDS[key][2] in sentence
+    complaint(RigidParameters().replace, **{key: value})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "5mm", "", None, [1.0], {"a": 1}, True, "nan", 1j])
+@pytest.mark.parametrize("key", BOUNDS)
+def test_value_that_is_no_number(key, value):
+    sentence = complaint(RigidParameters.of, {key: value})
+    assert sentence.startswith(f"{key} = {value!r} ")
+    assert BOUNDS[key][2] in sentence
+
+
+def test_text_that_is_a_number_is_read():
+    assert RigidParameters.of(mass="11", axial_force="-1e1") == RigidParameters.of(mass=11.0, axial_force=-10.0)
+
+
+def test_unknown_key_names_the_known_ones():
+    sentence = complaint(RigidParameters.of, {"masss": 1.0})
+    assert sentence.startswith("masss is not a known key; the known keys are pitch_radius, ")
+    assert all(key in sentence for key in BOUNDS)
+
+
+def test_friction_is_limited_by_the_lead_angle():
+    assert "cot(lead_angle) = 10.2541" in complaint(RigidParameters.of, friction_coefficient=10.26)
+    assert RigidParameters.of(friction_coefficient=10.25).friction_coefficient == 10.25
+    assert "friction_coefficient = 2" in complaint(RigidParameters.of, friction_coefficient=2.0, lead_angle=0.5)
+
+
+def test_a_drive_must_turn():
+    assert "input_speed = 0 is outside" in complaint(RigidParameters.of, input_speed=0)
+
+
+def test_lead_angle_in_degrees():
+    assert RigidParameters.of(lead_angle_deg=5.57) == RigidParameters()
+    assert RigidParameters.of(lead_angle_deg="4").lead_angle == math.radians(4)
+    assert RigidParameters().replace(lead_angle_deg=4).lead_angle == math.radians(4)
+    assert "both given" in complaint(RigidParameters.of, lead_angle=0.1, lead_angle_deg=5.0)
+    for value in ("steep", None, True, "nan"):
+        assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 0 < " in complaint(
+            RigidParameters.of, lead_angle_deg=value
+        )
+    for value in (0, 90):
+        assert f"lead_angle_deg = {value} is outside the allowed range 0 < " in complaint(
+            RigidParameters.of, lead_angle_deg=value
+        )
+    assert "outside the allowed range" in complaint(RigidParameters.of, lead_angle_deg=90.0)
+
+
+def test_drives_and_scenes_are_immutable():
+    drive, scene = RigidParameters(), Scene.of(SCENE)
+    with pytest.raises(ValidationError):
+        drive.mass = 2.0
+    with pytest.raises(ValidationError):
+        scene.t_end = 2.0
+    assert drive.replace(mass=2.0).mass == 2.0
+    assert drive.mass == 1.0
+    assert hash(drive) == hash(RigidParameters())
+
+
+def test_exact_values_are_the_doubles():
+    exact = RigidParameters().exact()
+    assert float(exact.tan_lead) == math.tan(RigidParameters().lead_angle)
+    assert abs(exact.sin_lead**2 + exact.cos_lead**2 - 1) < 1e-27  # in the 28 digits of the default context
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"t_end": 0}, ["t_end = 0", "0 < t_end <= 1e+09"]),
+        ({"t_end": "long"}, ["t_end = 'long'"]),
+        ({"t_end": math.inf}, ["t_end = inf"]),
+        ({"samples": 1}, ["samples = 1", "2 <= samples <= 1e+08"]),
+        ({"samples": 2.5}, ["samples = 2.5"]),
+        ({"initial": {"u": 0.1}}, ["initial", "u", "w"]),
+        ({"initial": {"u": 0.1, "w": 0.0, "e": 1.0}}, ["initial", "e"]),
+        ({"initial": {"u": "left", "w": 0.0}}, ["u", "'left'"]),
+        ({"model": "elastic"}, ["model = 'elastic'"]),
+        ({"resume": "later"}, ["resume = 'later'"]),
+        ({"outputs": ["temperature"]}, ["temperature"]),
+        ({"physics": ["gravity"]}, ["gravity"]),
+        ({"colour": "red"}, ["colour is not a known key", "t_end"]),
+        ({"drive": {"mass": -1}}, ["mass = -1", "0 < mass <= 1e+09"]),
+        ({"drive": {"weight": 1}}, ["weight is not a known key"]),
+        ({"drive": 3}, ["drive = 3"]),
+        ({"physics": ["rest"]}, ["support_damping = 0.0002", "physics does not list support_damping"]),
+    ],
+)
+def test_unacceptable_scene(changes, words):
+    sentence = complaint(Scene.of, {**SCENE, **changes})
+    assert all(word in sentence for word in words), sentence
+
+
+@pytest.mark.parametrize("key", ["initial", "t_end"])
+def test_missing_key(key):
+    assert complaint(Scene.of, {k: v for k, v in SCENE.items() if k != key}) == f"{key} is missing."
+
+
+def test_physics_of_a_scene():
+    """A scene carries only the terms that it lists; by default those that are not zero, and rest."""
+    scene = Scene.of({**SCENE, "drive": {"support_damping": 0.0, "axial_force": 10.0}})
+    assert scene.terms == ("axial_force", "rest")
+    assert "support_damping" not in scene.parameters()
+    assert "translation_damping" not in scene.parameters()
+    assert scene.parameters()["axial_force"] == 10.0
+    listed = Scene.of({**SCENE, "physics": ["support_damping", "axial_force"]})
+    assert "rest" not in listed.terms
+
+
+def test_scene_from_yaml(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(
+        "drive:\n  mass: 11\n  lead_angle_deg: 5.57\n  support_damping: 1.0e-3\n"
+        "initial: {u: 0.1, w: 0}\nt_end: 0.5\nsamples: 11\n",
+        encoding="utf-8",
+    )
+    scene = Scene.of(read_yaml(path))
+    assert scene.drive == RigidParameters.of(mass=11.0, support_damping=1e-3)
+    assert (scene.t_end, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
+    path.write_text("drive: {mass: 1e-3}\ninitial: {u: 0.1, w: 0}\nt_end: 1\n")  # YAML 1.1 reads 1e-3 as text
+    assert Scene.of(read_yaml(path)).drive.mass == 1e-3
+
+
+@pytest.mark.parametrize("text", ["a: [1", "- 1\n- 2", "just words", "", "a: !!python/object/new:os.system [x]"])
+def test_unusable_yaml(tmp_path, text):
+    path = tmp_path / "scene.yaml"
+    path.write_text(text)
+    assert "scene.yaml" in complaint(read_yaml, path)
+
+
+def test_unreadable_yaml(tmp_path):
+    assert "No such file" in complaint(read_yaml, tmp_path / "none.yaml")
+    (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00\x80")
+    assert "not valid YAML" in complaint(read_yaml, tmp_path / "bytes.yaml")

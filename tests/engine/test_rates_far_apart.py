@@ -1,0 +1,189 @@
+"""Drives of four states whose rates lie up to thirty decades apart: each was refused, or lost digits, once.
+
+The motions are held against the references with 40 digits, in which nothing is far apart.
+"""
+
+import numpy as np
+import pytest
+
+from lsvib.bench.sweeps.case_judge import CaseVerdict, judge
+from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.paths import automaton
+from lsvib.drives.parameters import NutParameters, ThreadsParameters
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import follow
+
+CASES = {
+    "seated where a growing rate of 1e16 is": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.03580220412136874,
+            lead_angle=0.016691827686857147,
+            screw_inertia=1.771790855536558e-09,
+            coupling_stiffness=0.19091615618388189,
+            support_damping=1.3282687534785524e-08,
+            friction_coefficient=0.8019265178324269,
+            input_speed=395.8879787733986,
+            mass=7602.243236234851,
+            translation_damping=45.33324834610233,
+            axial_force=0.0018066940724057092,
+            contact_stiffness=5640955.099254641,
+            contact_damping=1323268581723.0027,
+        ),
+        (0.007018712498912743, -298.7491772305621, -1.9274870108271627e-06, 0.0),
+        0.0006911857357050064,
+    ),
+    "seated far beyond what the motion moves": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.0020530629142554977,
+            lead_angle=0.313537999425142,
+            screw_inertia=9.384885904607605e-07,
+            coupling_stiffness=48725.60247226365,
+            support_damping=4.563561823226057e-09,
+            friction_coefficient=0.011721957852164192,
+            input_speed=-16.722228137774838,
+            mass=10.235452343230886,
+            translation_damping=2843.0701709346904,
+            axial_force=-18314.616465987896,
+            contact_stiffness=26075.4297153462,
+            contact_damping=4020803271847.8735,
+        ),
+        (2.6860832350466475e-05, 0.8227779054574539, -0.7719336513360673, 0.0),
+        3.6639328698016375e-05,
+    ),
+    "fast pair beside 25 1/s": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.006755758541163216,
+            lead_angle=0.1793890273708749,
+            screw_inertia=7.138531890632822e-07,
+            coupling_stiffness=202.05156006164407,
+            support_damping=8.08342807036829,
+            friction_coefficient=0.004302711918500923,
+            input_speed=-330.8413241804521,
+            mass=40.92583891715188,
+            translation_damping=0.0,
+            axial_force=0.0025618832289997775,
+            contact_stiffness=20038852124987.434,
+            contact_damping=0.0,
+        ),
+        (-0.0008383644488822559, 264.0728291008666, 6.61276992910818e-15, -0.04266155385138459),
+        0.0011077110761301555,
+    ),
+    "rest with 1e-5 beside 1e6": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.020175060478720315,
+            lead_angle=0.12175106635658306,
+            screw_inertia=1.5284179989589013e-05,
+            coupling_stiffness=3071.4716866056033,
+            support_damping=1.4649361570370146e-08,
+            friction_coefficient=0.7321149416510724,
+            input_speed=-1472.9526424960375,
+            mass=65.2852336040702,
+            translation_damping=607486.8194860457,
+            axial_force=5.63694609076885,
+            contact_stiffness=1005.5062917743654,
+            contact_damping=84980400.88018365,
+        ),
+        (-8.377992617073266, 7508.71476394492, 0.018466171983363904, 1.3739475191105417),
+        0.000316101570191887,
+    ),
+    "rest with 1e-8 beside 1e9": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.010774486211286198,
+            lead_angle=0.21500020528690122,
+            screw_inertia=1.9917238229311532e-07,
+            coupling_stiffness=5308.786735096591,
+            support_damping=0.01883194198752303,
+            friction_coefficient=0.001789918834992445,
+            input_speed=-116.36562258336244,
+            mass=155.9167222840723,
+            translation_damping=0.6248294570741453,
+            axial_force=0.0,
+            contact_stiffness=24676.161031233296,
+            contact_damping=448354691186.0067,
+        ),
+        (-0.032532265481088146, 5.8895294120471045, 1.1260143189288897e-07, 0.0005894724030192506),
+        5.328346717439247e-05,
+    ),
+    "pairs beside 1e12": (
+        ThreadsParameters,
+        dict(
+            pitch_radius=0.027670438096589877,
+            lead_angle=0.750320948468801,
+            screw_inertia=1.211411180884006e-09,
+            coupling_stiffness=43062.72252663437,
+            support_damping=0.0,
+            friction_coefficient=0.667559249541335,
+            input_speed=0.06528371605702331,
+            mass=0.04911631852456285,
+            translation_damping=5386.767996447659,
+            axial_force=0.005911808189386846,
+            contact_stiffness=3980546.315461225,
+            contact_damping=12284388.83392562,
+        ),
+        (-1.2979970383460205e-10, 2.282100995511509, -1.1269019562507994e-05, 0.0),
+        1.9129931143137816e-06,
+    ),
+    "impact at the corner without force": (
+        NutParameters,
+        dict(
+            pitch_radius=0.01721148548790027,
+            lead_angle=0.04432220658477507,
+            screw_inertia=0.0014166872361878562,
+            coupling_stiffness=162840.9891732696,
+            support_damping=0.1980339060760073,
+            friction_coefficient=0.38537182135032283,
+            input_speed=3.281156490789627,
+            mass=5508.637583717538,
+            translation_damping=0.002178791940429286,
+            axial_force=0.0,
+            nut_inertia=5.18322998303675e-07,
+            nut_stiffness=485.48240092650474,
+            nut_damping=8.854351736893758e-06,
+            slide_friction=0.0,
+            bearing_friction=0.0,
+        ),
+        (-6.128417021289366e-05, 15.084416588294577, -0.0004972637787572805, 8.023588787061733),
+        0.0013523338996411973,
+    ),
+}
+
+
+def case_of(drive, values, start, duration) -> Case:
+    family = CaseFamily.NUT if drive is NutParameters else CaseFamily.CONTACT
+    return Case(family, Group.ONLY, 0.0, drive.of(values), start, duration)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_against_the_reference(name):
+    outcome = judge(case_of(*CASES[name]), np.random.default_rng(0), by_reference=True)
+    assert outcome.verdict in (CaseVerdict.PASSED, CaseVerdict.CORNER)
+
+
+def test_a_vibrating_contact_does_not_hold_the_search_down():
+    """An undamped contact that turns 2e7 times after the last event; N stays positive."""
+    values = dict(
+        pitch_radius=0.002604657329060413,
+        lead_angle=0.09556383129314026,
+        screw_inertia=0.0008749261728421231,
+        coupling_stiffness=0.0037729374503892125,
+        support_damping=0.4456986401397607,
+        friction_coefficient=0.1294841347974078,
+        input_speed=-54.12059683646637,
+        mass=0.022909281897790984,
+        translation_damping=0.0,
+        axial_force=15485.354338388395,
+        contact_stiffness=4184792600355.4565,
+        contact_damping=0.0,
+    )
+    start = (5.872565659757856, 74.07751731613516, 3.7813209539213355e-09, 0.0)
+    case = case_of(ThreadsParameters, values, start, 9.206112381906635)
+    motion = follow(automaton(case), case.start, case.duration)
+    assert motion.status == Status.TIME_REACHED
+    assert motion.time.size < 10
+    states, modes = motion.at(np.sort(np.random.default_rng(1).uniform(motion.time[-1], case.duration, 50_000)))
+    assert motion.automaton.observe("normal_force", states, modes).min() > 0.0

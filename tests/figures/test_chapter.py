@@ -1,0 +1,87 @@
+"""The list of the chapter's numbers and claims is complete by its numbering, and each entry leads somewhere."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from reference.listed_claims import entries
+
+from lsvib.drives.parameters import RigidParameters
+
+ROOT = Path(__file__).parents[2]
+CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+ROOMS = {"basins", "bench", "figures"}  # of the tests that build datasets of figures
+KEYS = {"at", "says", "value", "unit", "figure", "check", "input", "reason"}
+
+
+def numbers_in(places: list[str], word: str) -> set[int]:
+    """Numbers N of "word 8.N" in places such as "Sect. 8.8.1", "Fig. 8.14b" or "eqs 8.24, 8.25, 8.26"."""
+    found = [re.match(rf"{word}s? (8\.\d+(?:\.\d)?[a-d]?(?:, 8\.\d+)*)$", part) for part in places]
+    return {int(n) for match in found if match for n in re.findall(r"8\.(\d+)", match[1])}
+
+
+def test_every_entry_is_whole():
+    for entry in entries():
+        assert entry.keys() <= KEYS, entry
+        assert {"at", "says"} <= entry.keys(), entry
+        assert sum(key in entry for key in ("check", "input", "reason")) == 1, entry
+        assert ("check" in entry) == ("figure" in entry), entry
+        assert ("value" in entry) == ("unit" in entry), entry
+        assert "value" in entry or "input" not in entry, entry
+        assert entry.get("figure", CONFIG["figures"][0]) in CONFIG["figures"], entry
+    said = [(entry["at"], entry["says"]) for entry in entries()]
+    assert len(said) == len(set(said))
+
+
+@pytest.mark.parametrize(
+    ("word", "last"), [("eq\\.?", 33), ("Fig\\.", 15), ("Sect\\.", 9), ("Remark", 6), ("Lemma", 2), ("Table", 1)]
+)
+def test_nothing_that_is_numbered_is_left_out(word, last):
+    places = [part for entry in entries() for part in re.split(r", (?=[A-Za-z])", entry["at"])]
+    found = numbers_in(places, word)
+    assert found == set(range(1, last + 1))
+
+
+@pytest.mark.parametrize("entry", [e for e in entries() if "input" in e], ids=lambda e: f"{e['at']}, {e['says']}")
+def test_printed_inputs_are_those_that_are_used(entry):
+    head, *path = entry["input"].split(".")
+    if head == "drive":
+        value = getattr(RigidParameters(), path[0])
+        value = math.degrees(value) if entry["unit"] == "degree" else value
+        assert value == pytest.approx(entry["value"], rel=1e-15)
+    else:
+        value = CONFIG[head]
+        for key in path:
+            value = value[int(key) if isinstance(value, list) else key]
+        assert value == entry["value"]
+
+
+def test_figures_that_are_named_have_their_checks_under_test():
+    """The helpers that those tests call compare the list with the checks: reference.figures."""
+    tests = "".join(
+        path.read_text(encoding="utf-8")
+        for path in sorted((ROOT / "tests").glob("*/test_*.py"))
+        if path.parent.name in ROOMS
+    )
+    assert {entry["figure"] for entry in entries() if "figure" in entry} <= set(re.findall(r'"(\w+)"', tests))
+
+
+def test_reasons_name_files_that_exist():
+    for entry in entries():
+        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", entry.get("reason", "")):
+            assert (ROOT / name).exists(), entry
+
+
+def test_the_readme_counts_as_the_list_does():
+    counts = {key: sum(key in entry for entry in entries()) for key in ("check", "input", "reason")}
+    numbers = sum("value" in entry for entry in entries())
+    compared = sum("value" in entry and "check" in entry for entry in entries())
+    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    words = (
+        f"names all {numbers} numbers and {len(entries()) - numbers} claims of the chapter: {counts['input']} are "
+        f"inputs, {counts['check']} are compared by a check, {compared} of them numbers, and for {counts['reason']} it "
+        "says why not"
+    )
+    assert words in text

@@ -1,0 +1,31 @@
+"""A quick look: several figures in one process, since starting one takes longer than a coarse grid does.
+
+These rules make the same files as those of a full run; Snakemake prefers a rule without wildcards.
+"""
+
+BATCHES = 4  # enough for four cores; the costly figures, which are neighbours in the list, come into different ones
+
+for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(BATCHES)]):
+    if not figures:
+        continue
+
+    rule:
+        name:
+            f"draft_{number + 1}"
+        input:
+            sources=sorted({file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}),
+            engine="results/engine.txt" if any(map(needs_engine, figures)) else [],
+        output:
+            datasets=expand("results/datasets/{figure}.nc", figure=figures),
+            checks=expand("results/checks/{figure}.json", figure=figures),
+            png=expand("results/figures/{figure}.png", figure=figures),
+        log:
+            f"logs/draft_{number + 1}.log",
+        benchmark:
+            f"benchmarks/draft_{number + 1}.tsv"
+        params:
+            settings={figure: config[figure] for figure in figures},
+        message:
+            f"Computing and drawing {', '.join(figures)}"
+        script:
+            "../scripts/draft_figures.py"
