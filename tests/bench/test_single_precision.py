@@ -13,7 +13,7 @@ from lsvib.bench.maps import single_precision
 from lsvib.bench.maps.single_precision import double_arithmetic, in_single, twin
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 
 EPS = np.finfo(np.float32).eps
 PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
@@ -55,9 +55,9 @@ def test_a_double_is_noticed():
 )
 def test_the_flow_in_single_precision(equilibrium, t):
     """The same state to the rounding of single precision, a unit or two for each of a dozen operations; no double."""
-    row = np.zeros(flow_planar.COLUMNS)
-    row[[flow_planar.A0, flow_planar.A1, flow_planar.ALPHA, flow_planar.TIME_SCALE]] = 1.0, 0.125, 0.0625, 1.0
-    row[[flow_planar.B, flow_planar.EQUILIBRIUM, flow_planar.BETA]] = (
+    row = np.zeros(columns.COUNT)
+    row[[columns.A0, columns.A1, columns.ALPHA, columns.TIME_SCALE]] = 1.0, 0.125, 0.0625, 1.0
+    row[[columns.B, columns.EQUILIBRIUM, columns.BETA]] = (
         equilibrium,
         equilibrium,
         math.sqrt(1.0 - 0.0625**2),

@@ -28,7 +28,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
@@ -210,7 +210,7 @@ def _wind_up(back: Automaton, state, mode: int) -> Motion | None:
     state, each turn is in proportion to the last, and growth goes on.
     """
     start = state = np.array(state, dtype=float)
-    scale = back.tables.flow[mode, flow_planar.TIME_SCALE]
+    scale = back.tables.flow[mode, columns.TIME_SCALE]
     for _ in range(_ROUNDS):
         trace = _trace(back, state, mode, _EVENTS)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():

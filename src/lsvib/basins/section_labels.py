@@ -47,7 +47,7 @@ from lsvib.basins.section_tables import (
 from lsvib.cycles import leaps, return_map
 from lsvib.cycles.attractors import Attractor, Passage, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
 
@@ -95,7 +95,7 @@ class Sections:
             self._same_for_all()
             return
         for section in self.sections:
-            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, flow_planar.EQUILIBRIUM]):
+            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, columns.EQUILIBRIUM]):
                 self._absorb_by_corner(section, 1)
                 self._absorb_by_corner(section, -1)
         releases = releases_of(automaton, self.known)
@@ -154,7 +154,7 @@ class Sections:
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
             if tables.guard_surface[guard] == section.surface:
                 flow = tables.flow[section.mode]
-                u, w, constant = -w * flow[flow_planar.A0], u - w * flow[flow_planar.A1], w * flow[flow_planar.B]
+                u, w, constant = -w * flow[columns.A0], u - w * flow[columns.A1], w * flow[columns.B]
             rows.append((u, w, constant))
         low, high = -FAR, FAR
         for u, w, constant in rows:

@@ -25,8 +25,8 @@ from lsvib.cycles import attractors
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
-from lsvib.engine.kernels.flow_blocks import BlockFlow
 from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 

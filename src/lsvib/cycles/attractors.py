@@ -16,9 +16,9 @@ import numpy as np
 from lsvib.cycles import drifts, leaps
 from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import dispatch, flow_planar
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels import columns, dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError
 
@@ -128,7 +128,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     modes, starts, ends, durations = orbit.arcs()
     flow = orbit.automaton.tables.flow[modes]
     change = ends - starts
-    a0, a1, b = flow[:, flow_planar.A0], flow[:, flow_planar.A1], flow[:, flow_planar.B]
+    a0, a1, b = flow[:, columns.A0], flow[:, columns.A1], flow[:, columns.B]
     resting = a0 == 0
     spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
     drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
@@ -164,7 +164,7 @@ def _steady_state(
     automaton: Automaton, state: np.ndarray, mode: int | None, max_events: int, patience: int, twice: bool
 ) -> SteadyState:
     """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
-    if automaton.contracts and (automaton.tables.flow[:, flow_planar.ALPHA] > 0).any():
+    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     if mode is None and _at_equilibrium(automaton, state):
         return SteadyState(Attractor.STEADY_SLIDING, state)
@@ -304,7 +304,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         field = flow.field[mode]
         return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
     if isinstance(flow, np.ndarray):
-        rows, equilibrium = flow[mode][None], np.array([flow[mode, flow_planar.EQUILIBRIUM], 0.0])
+        rows, equilibrium = flow[mode][None], np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])
     else:
         pairs, field = flow.pairs[mode], flow.field[mode]
@@ -315,16 +315,16 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
             return SteadyState(Attractor.UNBOUNDED, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
-    damping = rows[:, flow_planar.ALPHA]
-    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, flow_planar.BETA]
+    damping = rows[:, columns.ALPHA]
+    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, columns.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return SteadyState(Attractor.UNBOUNDED, state)
-    lasting = np.flatnonzero(excited & undamped & (rows[:, flow_planar.BETA] > 0))
+    lasting = np.flatnonzero(excited & undamped & (rows[:, columns.BETA] > 0))
     if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
     if lasting.size > 1:
         return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
-    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], flow_planar.BETA], mode=mode)
+    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], columns.BETA], mode=mode)
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
 
 
@@ -333,7 +333,7 @@ def _only_touches(motion: Motion) -> bool:
     half = motion.time.size // 2
     flow = motion.automaton.tables.flow
     touches = isinstance(flow, np.ndarray) and bool((motion.kind[half:] == GRAZE_KIND).all())
-    return touches and flow[motion.end_mode, flow_planar.ALPHA] == 0 and flow[motion.end_mode, flow_planar.BETA] > 0
+    return touches and flow[motion.end_mode, columns.ALPHA] == 0 and flow[motion.end_mode, columns.BETA] > 0
 
 
 def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
@@ -343,7 +343,7 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     """
     state, mode = motion.end_state, motion.end_mode
     if _only_touches(motion):
-        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, flow_planar.BETA], mode=mode)
+        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, columns.BETA], mode=mode)
     else:
         own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
         state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.kernels import dispatch, event_loop
-from lsvib.engine.kernels.flow_planar import A0, A1, ALPHA, BETA, EPS, EQUILIBRIUM, ROUNDING
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
 

@@ -16,7 +16,7 @@ from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.cycles.attractors import Attractor
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 
 _HORIZON = 1.0  # [s] after which a rival's motion is unresolved
 _BUDGET = 100_000  # events of a motion
@@ -137,7 +137,7 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
     if not reach > 0.0:
         return math.inf
     row = tables.flow[mode]
-    rate = 2.0 * row[flow_planar.ALPHA] - abs(kappa2 - row[flow_planar.BETA] ** 2) / math.sqrt(kappa2)
+    rate = 2.0 * row[columns.ALPHA] - abs(kappa2 - row[columns.BETA] ** 2) / math.sqrt(kappa2)
     return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 

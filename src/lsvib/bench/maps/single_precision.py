@@ -25,7 +25,7 @@ from numba.extending import overload
 from lsvib.engine.kernels import jit
 
 _PACKAGES = ("lsvib.engine.kernels", "lsvib.basins.kernels")
-_SHARED = ("status", "tables")  # modules without arithmetic: the twin uses the engine's
+_SHARED = ("columns", "status", "tables")  # modules without arithmetic: the twin uses the engine's
 _LARGEST = float(np.finfo(np.float32).max)
 _CONSTANTS = ("pi", "e", "tau", "inf", "nan")
 _NEW_ARRAYS = ("zeros", "empty", "ones", "full")

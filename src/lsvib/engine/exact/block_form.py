@@ -21,7 +21,7 @@ import mpmath
 import numpy as np
 
 from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.errors import EngineError
 
 _DIGITS = 120  # the factors of far groups, in powers, take some of them
@@ -35,7 +35,7 @@ _NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in a
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.flow_blocks.BlockFlow` and its condition."""
+    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.tables.BlockFlow` and its condition."""
 
     matrix: np.ndarray
     norm: np.ndarray

@@ -19,8 +19,7 @@ from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
 from lsvib.engine.exact.field import DIGITS, Field, exact_field
 from lsvib.engine.exact.modal_form import ModalMode, modal_flow, modal_mode
 from lsvib.engine.exact.reach import reached
-from lsvib.engine.kernels.flow_blocks import BlockFlow
-from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
 _MORE_DIGITS = 120  # for rates that lie thirty decades apart
 

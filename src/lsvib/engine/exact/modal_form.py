@@ -17,8 +17,8 @@ import numpy as np
 
 from lsvib.engine.exact.factors import subspaces
 from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification
-from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.tables import ModalFlow
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class ModalMode:
     """One mode in modal form, with p pairs, s singles and q = 2p + s coordinates.
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
-    :class:`lsvib.engine.kernels.flow_modal.ModalFlow`. ``condition`` is the largest amplification of rounding,
+    :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
     max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
     """
 
@@ -42,7 +42,7 @@ class ModalMode:
     def time_scales(self) -> list[float]:
         """Time scales [s] of the pairs, and of the singles that are carried about their equilibrium."""
         about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
-        return [*self.oscillators[:, flow_planar.TIME_SCALE], *(1.0 / np.abs(about))]
+        return [*self.oscillators[:, columns.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
 def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
@@ -147,18 +147,18 @@ def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
 
 def _row(a0, a1) -> np.ndarray:
     """Row of the oscillator table for s² + a₁ s + a₀, without force."""
-    row = np.zeros(flow_planar.COLUMNS)
+    row = np.zeros(columns.COUNT)
     alpha, discriminant = a1 / 2, a1 * a1 / 4 - a0
-    row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.ALPHA] = float(a0), float(a1), float(alpha)
+    row[columns.A0], row[columns.A1], row[columns.ALPHA] = float(a0), float(a1), float(alpha)
     if discriminant < 0:
-        row[flow_planar.BETA] = float(mpmath.sqrt(-discriminant))
+        row[columns.BETA] = float(mpmath.sqrt(-discriminant))
     else:
         delta = mpmath.sqrt(discriminant)
         large = -(alpha + delta) if alpha >= 0 else -alpha + delta
         small = a0 / large
-        row[flow_planar.DELTA] = float(delta)
-        row[flow_planar.R1], row[flow_planar.R2] = float(max(large, small)), float(min(large, small))
-    row[flow_planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
+        row[columns.DELTA] = float(delta)
+        row[columns.R1], row[columns.R2] = float(max(large, small)), float(min(large, small))
+    row[columns.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
     return row
 
 
@@ -183,7 +183,7 @@ def _tables(field: Field, pairs: list[_Pair], singles: list[_SingleRate]) -> Mod
     if not condition < WORST_CONDITION:
         raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
     return ModalMode(
-        np.array([pair.row for pair in pairs]).reshape(-1, flow_planar.COLUMNS),
+        np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
         np.array([float(single.rate) for single in singles]),
         np.array([float(single.push) for single in singles]),
         to_modal,
@@ -200,7 +200,7 @@ def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     flow = ModalFlow(
         pairs,
         singles,
-        np.zeros((len(modes), pairs.max(), flow_planar.COLUMNS)),
+        np.zeros((len(modes), pairs.max(), columns.COUNT)),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), size, n + 1)),

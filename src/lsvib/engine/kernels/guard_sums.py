@@ -21,7 +21,8 @@ import numpy as np
 
 from lsvib.engine.kernels import flow_modal
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.flow_planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, own_rate
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, R2
+from lsvib.engine.kernels.flow_planar import EPS, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 
 ORDERS = 5  # derivatives 0 to 4

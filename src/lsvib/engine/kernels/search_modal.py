@@ -19,7 +19,8 @@ ends when the bounds of all parts together are below the guards' constants.
 import math
 
 from lsvib.engine.kernels import guard_sums
-from lsvib.engine.kernels.flow_planar import ALPHA, BETA, R1, R2, own_rate
+from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
+from lsvib.engine.kernels.flow_planar import own_rate
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.status import Found

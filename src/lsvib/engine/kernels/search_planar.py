@@ -9,21 +9,8 @@ makes the search certain.
 
 import math
 
-from lsvib.engine.kernels.flow_planar import (
-    A0,
-    A1,
-    ALPHA,
-    BETA,
-    DELTA,
-    EPS,
-    EQUILIBRIUM,
-    R1,
-    R2,
-    B,
-    far,
-    integrated_response,
-    responses,
-)
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
+from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
 from lsvib.engine.kernels.jit import kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.status import Found
