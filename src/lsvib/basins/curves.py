@@ -21,7 +21,7 @@ from lsvib.engine.kernels import columns, flow_planar, search_planar
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Found
 
-_DIGITS = 40
+_DIGITS = 40  # of an area: the strips under the pieces of a boundary nearly cancel, and 24 digits may go
 
 
 @dataclass(frozen=True)

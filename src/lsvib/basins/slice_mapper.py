@@ -31,11 +31,11 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events
-_ROUNDS = 16
+_ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
 _EVENTS = 300_000  # beyond the rounds; about a second
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # of that work is for each start that looks for a cycle, before a map begins
-_SAME = 1e-3
+_SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
 

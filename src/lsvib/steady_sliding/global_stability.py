@@ -14,7 +14,7 @@ from lsvib.errors import NoThreshold
 _GRID = 240  # durations of slip that are looked at, in ratio, before the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _REFINEMENTS = 40  # leave 4e-9 of the bracket, and at a maximum the square of that in the value
-_NEWTON = 200
+_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, in the end with the square
 _EXACT = 1e-40  # relative step; the coefficients have 50 digits
 
 
