@@ -210,7 +210,7 @@ class Sections:
                 return
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
-        """Double an interval around a point of a cycle as long as the return map takes it into itself; return the last."""
+        """Double an interval around a point of a cycle while the return map takes it into itself; return the last."""
         orbit, near = cycle.orbit, ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
         for section in self.sections:
             points = orbit.after[orbit.mode == section.mode]
@@ -445,7 +445,7 @@ def _touching(piece: tuple[float, float, int], sliver: float) -> bool:
 
 
 def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
-    """Join neighbours of one label; a piece that touches a guard or a corner takes the label that its neighbours share."""
+    """Join neighbours of one label; a piece that touches a guard or a corner takes the label of both neighbours."""
     pieces = Pieces(edges, labels)
     for _ in range(2):
         edges, labels = pieces

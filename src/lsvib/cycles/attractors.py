@@ -295,9 +295,9 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     """Return the attractor of a motion that never leaves its last mode.
 
     The mode is a sum of oscillators: one with two states, one for each pair of rates with more. The attractor is rest
-    in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows; and a neutral
-    family if one of them goes on for ever. The family has a period if only one does: several frequencies have none in
-    common.
+    in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows; and a
+    neutral family if one of them goes on for ever. The family has a period if only one does: several frequencies have
+    none in common.
     """
     flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
     if automaton.codes[mode] in automaton.rest_codes:
