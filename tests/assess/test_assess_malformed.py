@@ -10,6 +10,7 @@ from cyclopts import CycloptsError
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
+from lsvib.command.assess import app
 from lsvib.command.terminal import told
 
 BASE = {
