@@ -13,6 +13,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.basins.exact_basin import basin
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
+from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.rigid import rigid_automaton
@@ -28,6 +29,7 @@ _DOUBLINGS = 6  # of the time shown; slower growth is shown in part
 _SAMPLES = 1200
 _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
 _EVENTS = 4_000  # after which a motion counts as unresolved: a second of work or two
+_LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
 _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
 _MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
 
@@ -175,6 +177,10 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
     try:
         if rigid_automaton(drive).contracts and drive.support_damping > 0:
             return math.inf, "Steady motion comes back after any push."
+        c = coefficients(drive)
+        ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
+        if not c.paradox and 0 < ratio < _LEAST_DAMPING:
+            return None, "The largest push is not computed for a drive with so little damping."
         region = basin(drive)
     except InputError as error:
         text = str(error)
