@@ -100,21 +100,36 @@ def sources(kind):
     return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
-def map_sources():
-    """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
+def map_modules():
+    """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
     ending = f".{MAP.get('model', 'rigid')}"
     drives = [m for m in import_graph().modules if m.startswith("lsvib.drives.") and m.endswith(ending)]
-    return source_files(imports("lsvib.data.tiles").union(*map(imports, drives)))
+    return imports("lsvib.data.tiles").union(*map(imports, drives))
 
 
-def needs_engine(figure):
-    """Return whether the figure's dataset reaches ``lsvib.engine.kernels``."""
-    return any(module.startswith("lsvib.engine.kernels.") for module in imports(dataset_module(figure)))
+def map_sources():
+    """Return the source files of :func:`map_modules`."""
+    return source_files(map_modules())
 
 
-def engine(wildcards):
-    """Return the marker of the compiled engine if the figure's dataset needs it, else nothing."""
-    return "results/engine.txt" if needs_engine(wildcards.figure) else []
+# The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
+ENGINE = {
+    "planar": ("lsvib.engine.kernels.event_loop",),
+    "modal": ("lsvib.drives.threads", "lsvib.drives.second_body.support", "lsvib.drives.second_body.nut"),
+    "mapper": ("lsvib.basins.mapper",),
+}
+
+
+def marker(part):
+    """Return the file that says that a part of the engine is compiled."""
+    return f"results/engine/{part}.txt"
+
+
+def engine(modules):
+    """Return the markers of the parts of the engine that modules run; none if they do not reach its event loop."""
+    if "lsvib.engine.kernels.event_loop" not in modules:
+        return []
+    return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
 
 
 def cores(wildcards):

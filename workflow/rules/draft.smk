@@ -14,7 +14,7 @@ for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(B
             f"draft_{number + 1}"
         input:
             sources=sorted({file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}),
-            engine="results/engine.txt" if any(map(needs_engine, figures)) else [],
+            engine=sorted({part for f in figures for part in engine(imports(dataset_module(f)))}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),
