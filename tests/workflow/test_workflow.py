@@ -131,7 +131,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
         part: {figure for figure, reason in reasons.items() if f"results/engine/{part}.txt" in reason}
         for part in ("planar", "modal", "mapper")
     }
-    others = {"nut_stability", "table_rounding", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
+    others = {"nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
     assert waiting["planar"] == set(figures) - others
     assert waiting["modal"] == {"fig8_10", "fig8_13", "limit_process", "attraction_limit", "contact_stability"}
     assert waiting["mapper"] == {"basin_sweep", "attraction_limit"}

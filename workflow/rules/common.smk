@@ -114,7 +114,7 @@ def map_sources():
 
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
-    "planar": ("lsvib.engine.kernels.event_loop",),
+    "planar": ("lsvib.engine.kernels.flow_planar",),
     "modal": ("lsvib.drives.threads", "lsvib.drives.second_body.support", "lsvib.drives.second_body.nut"),
     "mapper": ("lsvib.basins.mapper",),
 }
@@ -126,8 +126,8 @@ def marker(part):
 
 
 def engine(modules):
-    """Return the markers of the parts of the engine that modules run; none if they do not reach its event loop."""
-    if "lsvib.engine.kernels.event_loop" not in modules:
+    """Return the markers of the parts of the engine that modules run; none if they load none of its kernels."""
+    if "lsvib.engine.kernels.flow_planar" not in modules:
         return []
     return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
 
