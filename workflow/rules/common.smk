@@ -12,6 +12,7 @@ import grimp
 from lsvib.data.checks import failures, read_checks, terminal_table, verdict
 from lsvib.errors import LsvibError
 from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.drives.registry import MODELS
 from lsvib.drives.scene import read_yaml
 from lsvib.settings import check
 from snakemake.exceptions import WorkflowError
@@ -48,7 +49,7 @@ UNIMPORTED = {
         "lsvib.figures.fig8_09.dataset",
         "lsvib.command.app",
     ),
-    "attraction_limit": ("lsvib.drives.threads",),
+    "attraction_limit": (MODELS["threads"],),
 }
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
@@ -102,9 +103,7 @@ def sources(kind):
 
 def map_modules():
     """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
-    ending = f".{MAP.get('model', 'rigid')}"
-    drives = [m for m in import_graph().modules if m.startswith("lsvib.drives.") and m.endswith(ending)]
-    return imports("lsvib.data.tiles").union(*map(imports, drives))
+    return imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")])
 
 
 def map_sources():
@@ -114,9 +113,9 @@ def map_sources():
 
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
-    "planar": ("lsvib.engine.kernels.flow_planar",),
-    "modal": ("lsvib.drives.threads", "lsvib.drives.second_body.support", "lsvib.drives.second_body.nut"),
-    "mapper": ("lsvib.basins.mapper",),
+    "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
+    "modal": tuple(module for model, module in MODELS.items() if model != "rigid"),
+    "mapper": ("lsvib.basins.planar_mapper",),
 }
 
 
@@ -126,8 +125,8 @@ def marker(part):
 
 
 def engine(modules):
-    """Return the markers of the parts of the engine that modules run; none if they load none of its kernels."""
-    if "lsvib.engine.kernels.flow_planar" not in modules:
+    """Return the markers of the parts of the engine that modules run; none if they reach no compiled code."""
+    if "lsvib.engine.kernels.jit" not in modules:
         return []
     return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
 

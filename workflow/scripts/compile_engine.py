@@ -10,8 +10,9 @@ from lsvib.files import write_text
 sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 if snakemake.wildcards.part == "mapper":
+    from lsvib.basins.cells import QUANTITIES
     from lsvib.basins.grid import Grid
-    from lsvib.basins.mapper import QUANTITIES, mapper
+    from lsvib.basins.mapper import mapper
     from lsvib.drives.parameters import RigidParameters
 
     mapper(RigidParameters()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)

@@ -19,23 +19,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
-from lsvib.basins.mapper import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.cycles import attractors
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
-from lsvib.engine.kernels.flow_blocks import BlockFlow
 from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events
-_ROUNDS = 16
+_ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
 _EVENTS = 300_000  # beyond the rounds; about a second
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # of that work is for each start that looks for a cycle, before a map begins
-_SAME = 1e-3
+_SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
 
@@ -73,7 +73,7 @@ class StateMapper:
         threads: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
-        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``Mapper.cells``.
+        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
 
         Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
         """
