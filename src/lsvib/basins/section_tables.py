@@ -1,5 +1,4 @@
-"""The tables that the kernels of :mod:`lsvib.basins.kernels.labelling` work with, from an automaton and what is known
-of it."""
+"""The tables that the kernels of :mod:`lsvib.basins.kernels.labelling` work with."""
 
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ from lsvib.engine.kernels import columns, event_loop, flow_planar
 
 FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
-_EVENTS = 4000  # until what follows a rest is at its attractor
+_EVENTS = 4000  # most events between the end of a rest and the attractor
 
 
 class LabelSection(NamedTuple):
@@ -32,7 +31,7 @@ class Pieces(NamedTuple):
 
 
 def sizes(automaton: Automaton) -> np.ndarray:
-    """Sizes of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria; (2)."""
+    """Return the sizes (2) of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria."""
     rows, flow = automaton.tables.surfaces, automaton.tables.flow
     stiff = flow[:, columns.A0] != 0
     tau = float(flow[stiff, columns.TIME_SCALE].max())
