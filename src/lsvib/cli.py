@@ -155,14 +155,15 @@ def figure(
     *,
     changes: Changes = None,
     config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
-    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
+    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("figures"),
     as_json: AsJson = False,
 ) -> None:
     """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
-    The settings are those of the file config/config.yaml if there is one here, else those that come with lsvib.
-    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A parameter
-    that the figure varies itself, or does not depend on, cannot be changed.
+    The files are FOLDER/fig8_06.nc, fig8_06_checks.json, fig8_06.png and fig8_06.pdf; the results of the workflow stay
+    as they are. The settings are those of the file config/config.yaml if there is one here, else those that come with
+    lsvib. Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A
+    parameter that the figure varies itself, or does not depend on, cannot be changed.
 
     Examples of use:
 
@@ -177,46 +178,27 @@ def figure(
     number:
         Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
-    from importlib import import_module
-
-    from lsvib.data.writer import write_dataset
     from lsvib.drives.scene import read_yaml
-    from lsvib.figures.folders import dataset_module, picture_module
-    from lsvib.files import Outputs, write_json
-    from lsvib.settings import DEFAULT, check_section, figures
+    from lsvib.figures.build import build_figure
+    from lsvib.figures.configuration import DEFAULT, section
+    from lsvib.figures.folders import accuracy_figures, default_figures
+    from lsvib.files import Outputs
 
+    labels = {name: _label(name) for name in (*default_figures(), *accuracy_figures())}
+    name = next((name for name, label in labels.items() if number in (name, label)), None)
+    if name is None:
+        raise InputError(f"figure {number} is not one of {', '.join(labels.values())}.")
     here = Path("config/config.yaml")
     config = config or (here if here.is_file() else DEFAULT)
-    settings = read_yaml(config)
-    labels = {name: _label(name) for name in figures(settings)}
-    name = next((name for name, label in labels.items() if number in (name, label)), number)
-    if not labels:
-        raise InputError(f"{config} lists no figures that it has settings for, under figures or accuracy_figures.")
-    if name not in labels:
-        raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
-    check_section(settings, name)
-    section = settings[name]
+    settings = section(read_yaml(config), name)
     if changes:
-        section["drive"] = _changed_drive(number, name, section, _pairs(changes))
-    files = [
-        ("datasets", "nc", "netCDF"),
-        ("checks", "json", "JSON"),
-        ("figures", "png", "PNG"),
-        ("figures", "pdf", "PDF"),
-    ]
-    paths = [(out / folder / f"{name}.{suffix}", kind) for folder, suffix, kind in files]
-    outputs = Outputs(paths, [config], make_folders=True)
-    module = import_module(dataset_module(name))
-    dataset = module.build(section)
-    checks = module.checks(dataset)
-    drawn = import_module(picture_module(name)).draw(dataset)
-    from lsvib.figures.drawing.style import save
-
-    with outputs.writing() as (data, verdicts, *pictures):
-        write_dataset(dataset, data, f"{dataset_module(name)}.build")
-        write_json([check.to_json() for check in checks], verdicts)
-        save(drawn, *pictures)
-    picture = paths[2][0]
+        settings = {**settings, "drive": _changed_drive(number, name, settings, _pairs(changes))}
+    _refuse_results_of_the_workflow(out)
+    endings = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
+    files = [(out / f"{name}{ending}", kind) for ending, kind in endings.items()]
+    with Outputs(files, [config], make_folders=True).writing() as parts:
+        checks = build_figure(name, settings, *parts)
+    picture = out / f"{name}.png"
     if as_json:
         print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
     else:
@@ -428,21 +410,32 @@ def _known_keys(scene: Path) -> dict[str, Any]:
     return values
 
 
+def _refuse_results_of_the_workflow(folder: Path) -> None:
+    """Refuse a folder of datasets, checks or figures of the workflow, which could not tell our files from its own."""
+    folder = folder.resolve()
+    if folder.parent.name == "results" and (folder.parent.parent / "Snakefile").is_file():
+        raise InputError(f"out = {folder} belongs to the workflow, which fills it by itself; name another folder.")
+
+
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
-    from lsvib.settings import UNUSED
+    from lsvib.drives.parameters import RigidParameters
+    from lsvib.figures.configuration import settings_of
+    from lsvib.numbers import number as number_of
 
-    if "drive" not in section:
+    settings = settings_of(name)
+    if "drive" not in settings.model_fields:
         raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
     for key in changes:
-        if key in UNUSED.get(name, ()):
+        if key in settings.unused:
             raise InputError(
                 f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
             )
-    given = section["drive"]
+    given = section.get("drive", {})
     if changes.keys() & {"lead_angle", "lead_angle_deg"}:
         given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
-    return {**given, **changes}
+    RigidParameters.of({**given, **changes})  # refuses a key or a value with the words of the other commands
+    return {**given, **{key: number_of(text) for key, text in changes.items()}}
 
 
 def _label(name: str) -> str:

@@ -5,7 +5,7 @@ These rules make the same files as those of a full run; Snakemake prefers a rule
 
 BATCHES = 4  # enough for four cores; the costly figures, which are neighbours in the list, come into different ones
 
-for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(BATCHES)]):
+for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
     if not figures:
         continue
 
@@ -24,7 +24,7 @@ for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(B
         benchmark:
             f"benchmarks/draft_{number + 1}.tsv"
         params:
-            settings={figure: config[figure] for figure in figures},
+            settings={figure: config.get(figure, {}) for figure in figures},
         message:
             f"Computing and drawing {', '.join(figures)}"
         script:
