@@ -16,7 +16,7 @@ class Settings(FigureSettings):
         "lsvib.figures.fig8_09.picture",
         "lsvib.figures.fig8_08.dataset",
         "lsvib.figures.fig8_09.dataset",
-        "lsvib.cli",
+        "lsvib.command.app",
     )
 
     duration: Duration

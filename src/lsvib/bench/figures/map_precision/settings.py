@@ -32,7 +32,6 @@ class CellsOfMethods(Section):
     """Cells along an edge of each method's grid, 0 to leave the method out."""
 
     engine: Some
-    single: Some
     followed: SomeOrNone = 0
     rk4_coarse: Some
     rk4_fine: SomeOrNone = 0

@@ -21,7 +21,6 @@ class Methods(Section):
     """
 
     exact: Annotated[Nothing, Field(min_length=1)]
-    exact_single: Nothing = Field(default=[])
     rk45: Tolerances = Field(default=[])
     dop853: Tolerances = Field(default=[])
     dop853_capped: Tolerances = Field(default=[])
