@@ -13,7 +13,11 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
         name:
             f"draft_{number + 1}"
         input:
-            sources=sorted({file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}),
+            sources=sorted(
+                {file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}.union(
+                    source_files(imports("lsvib.figures.build"))
+                )
+            ),
             engine="results/engine.txt" if any(map(needs_engine, figures)) else [],
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
