@@ -10,13 +10,11 @@ from pathlib import Path
 
 import grimp
 import pytest
-import yaml
 
 from lsvib.figures.folders import accuracy_figures, dataset_module, default_figures, picture_module
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(find_spec("lsvib").origin).parent
-CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 FIGURES = [*default_figures(), *accuracy_figures()]
 EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
 FIGURE_ROOMS = ("figures", "bench/figures")
