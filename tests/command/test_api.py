@@ -24,8 +24,9 @@ from lsvib.drives import rigid
 from lsvib.drives.once import forget
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.scene import read_yaml
+from lsvib.figures.configuration import DEFAULT
 from lsvib.figures.fig8_09 import dataset as fig8_09
-from lsvib.settings import DEFAULT, read_yaml
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy"}

@@ -81,7 +81,7 @@ rule draw_map:
     output:
         png=report(
             "results/figures/attraction.png",
-            caption="../report/attraction.rst",
+            caption="../../src/lsvib/figures/attraction/caption.rst",
             category="Region of attraction",
         ),
         pdf="results/figures/attraction.pdf",

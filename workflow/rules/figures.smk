@@ -38,7 +38,7 @@ rule dataset:
         "benchmarks/dataset/{figure}.tsv"
     threads: cores
     params:
-        settings=lookup(within=config, dpath="{figure}"),
+        settings=settings,
     message:
         "Computing {wildcards.figure}"
     script:
