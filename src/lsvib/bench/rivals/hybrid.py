@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import dispatch, flow_planar
@@ -188,12 +188,12 @@ class Hybrid:
                 return mode, kind
         raise GaveUp("no branch fits")
 
-    def run(self, integrate: Integrate, clock: Clock, max_events: int) -> "Record":
+    def run(self, integrate: Integrate, clock: Clock, max_events: int) -> "Recorder":
         """Follow the scene with a solver, event by event."""
         clock.start()
         mode, state = self.enter()
         now, end = 0.0, self.scene.duration
-        record = Record(self, mode, state)
+        record = Recorder(self, mode, state)
         try:
             while True:
                 guard = self.due(mode, state)
@@ -210,7 +210,7 @@ class Hybrid:
             return record.close(now, state, str(reason))
 
 
-class Record:
+class Recorder:
     """The arcs of a run; :meth:`run` works out the rest after the time has been taken."""
 
     def __init__(self, hybrid: Hybrid, mode: int, state: Sequence[float]) -> None:
@@ -225,20 +225,20 @@ class Record:
         self.modes.append(mode)
         self.starts.append(after)
 
-    def close(self, now: float, state: Sequence[float], failure: str = "") -> "Record":
+    def close(self, now: float, state: Sequence[float], failure: str = "") -> "Recorder":
         """Note the end."""
         self.end, self.end_state, self.failure = now, state, failure
         return self
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return the run with its extremes: those of the closed form from the states that the method found."""
         extremes = (np.nan, np.nan)
         if not self.failure:
             extremes = arc_extremes(
                 self.hybrid.automaton, self.modes, self.starts, [0.0, *self.times], self.end, self.hybrid.scene.window
             )
-        return Run(
-            end_state=np.asarray(self.end_state, dtype=float),
+        return Record(
+            end=np.asarray(self.end_state, dtype=float),
             times=np.array(self.times),
             kinds=[self.hybrid.names[kind] for kind in self.kinds],
             extremes=extremes,

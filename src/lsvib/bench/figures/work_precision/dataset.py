@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.bench.record import RunVerdict
+from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import race_scenes
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
 from lsvib.bench.rivals.race import Budget, Entry, contest
@@ -27,6 +27,7 @@ _CONTROLS = {
 _GENERAL = (MethodFamily.GENERAL, MethodFamily.COMPILED, MethodFamily.TAYLOR)
 _RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
 _SOURCE = "docs/accuracy.md"
+_VERDICTS = (Verdict.NOT_RUN, Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
 _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
@@ -60,7 +61,7 @@ class _Table:
         self.scenes, self.names = scene_names, names
         shape = (len(scene_names), len(names), longest)
         self.numbers = {key: np.full(shape, np.nan) for key in ("state", "times", "amplitude", "fastest", "median")}
-        self.verdict = np.full(shape, int(RunVerdict.NOT_RUN), dtype=np.int8)
+        self.verdict = np.full(shape, int(Verdict.NOT_RUN), dtype=np.int8)
         self.events, self.runs = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.int32)
         self.reference_events = np.zeros(len(scene_names), dtype=np.int32)
         self.durations, self.first = np.zeros(len(scene_names)), np.full(shape[:2], np.nan)
@@ -86,7 +87,7 @@ class _Table:
     def points(self, row: int, method: str) -> list[tuple[float, float]]:
         """Pairs (state error, shortest run time) of the right runs of a method on a scene."""
         k = self.names.index(method)
-        right = self.verdict[row, k] == RunVerdict.RIGHT
+        right = self.verdict[row, k] == Verdict.RIGHT
         state, seconds = self.numbers["state"][row, k], self.numbers["fastest"][row, k]
         return list(zip(state[right], seconds[right], strict=True))
 
@@ -139,7 +140,7 @@ class _Table:
                 "motion_verdict": (
                     cube,
                     self.verdict,
-                    _text("1", "whether the motion is the true one") | flags(RunVerdict),
+                    _text("1", "whether the motion is the true one") | flags(_VERDICTS),
                 ),
                 "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
                 "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
@@ -211,10 +212,10 @@ def _engine_checks(dataset: xr.Dataset) -> list[Check]:
     worst = int(np.argmax(engine.state_error.values))
     scene = dataset.scene.attrs["flag_meanings"].split()[worst]
     largest = float(engine.state_error[worst])
-    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(RunVerdict.RIGHT)))
+    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(Verdict.RIGHT)))
     others = dataset.isel(method=np.isin(dataset.method_family.values, _GENERAL))
-    ran = others.motion_verdict.values != int(RunVerdict.NOT_RUN)
-    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(RunVerdict.RIGHT)))
+    ran = others.motion_verdict.values != int(Verdict.NOT_RUN)
+    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(Verdict.RIGHT)))
     return [
         Check.holds(
             "The engine shows the true motion on every scene",
@@ -246,7 +247,7 @@ def _ratio_checks(dataset: xr.Dataset, family: MethodFamily, solver: str, floor:
         rivals, engine = (
             scene.isel(method=dataset.method_family.values == kind) for kind in (family, MethodFamily.EXACT)
         )
-        runs = int((rivals.motion_verdict != RunVerdict.NOT_RUN).sum())
+        runs = int((rivals.motion_verdict != Verdict.NOT_RUN).sum())
         if not runs:
             continue
         reached, ours = levels >= _least_error(rivals), bool((levels >= _least_error(engine)).all())
@@ -266,7 +267,7 @@ def _ratio_checks(dataset: xr.Dataset, family: MethodFamily, solver: str, floor:
 
 def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
-    right = methods.motion_verdict.values == RunVerdict.RIGHT
+    right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 import optimistix
 from jax import lax
 
-from lsvib.bench.rivals.hybrid import Clock, Hybrid, Record
+from lsvib.bench.rivals.hybrid import Clock, Hybrid, Recorder
 from lsvib.bench.rivals.padded_tables import ALWAYS, NEVER, EvenTables, even_tables
 from lsvib.engine.kernels.status import Test
 
@@ -114,7 +114,7 @@ class _Marched:
     def run(self):
         """Return what is compared: events, final state, steady amplitude."""
         first, *chunks = (jax.tree_util.tree_map(np.asarray, chunk) for chunk in self.chunks)
-        record = Record(self.hybrid, int(first.mode), first.state)
+        record = Recorder(self.hybrid, int(first.mode), first.state)
         for chunk in chunks:
             own = slice(int(chunk.count))
             columns = chunk.times[own], chunk.kinds[own], chunk.modes[own], chunk.starts[own]

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lsvib.bench.jit import allocating_kernel, kernel
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import Clock, Hybrid, fields
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
 from lsvib.engine.motion import enter
@@ -26,10 +26,10 @@ class _Stepped:
         self.hybrid, self.status = hybrid, status
         self.state, self.times, self.kinds, self.extremes = state, times, kinds, extremes
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return what is compared: events, final state, steady amplitude."""
-        return Run(
-            end_state=self.state,
+        return Record(
+            end=self.state,
             times=self.times,
             kinds=[self.hybrid.names[int(kind)] for kind in self.kinds],
             extremes=(float(self.extremes[0]), float(self.extremes[1])),
