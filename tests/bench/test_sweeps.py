@@ -8,6 +8,7 @@ from lsvib.bench.figures.stability_sweeps import dataset as stability_sweeps
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import simulate
 from lsvib.bench.second_opinions import taylor
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.case_judge import Judge, judge
 from lsvib.bench.sweeps.cases import THRESHOLDS, cases
@@ -106,7 +107,7 @@ def test_stepper_against_the_reference():
         complete, count, u, w = taylor.run(constants, *c.start, c.duration, times, kinds)
         expected = simulate(dict(c.drive), *c.start, c.duration)
         assert complete
-        assert [taylor.KINDS[kind] for kind in kinds[:count]] == [event.kind for event in expected.events]
+        assert [KINDS[kind] for kind in kinds[:count]] == [event.kind for event in expected.events]
         size = np.abs([[float(s.u), float(s.w)] for s in expected.segments]).max(axis=0)
         assert np.all(np.abs([u - float(expected.u), w - float(expected.w)]) <= 1e-11 * size)
 

@@ -23,7 +23,7 @@ from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.bench.second_opinions.stride_constants import Ladders
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.energy_balance import balance
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import (
     MOST_EVENTS,
     case_ladders,
@@ -50,7 +50,6 @@ QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative
 _TURNS = (0.3, 3.0)  # of the slow oscillation
-_MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
 _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
 _IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
 _CONFIRMING = 12  # events that the reference must have as well
@@ -244,7 +243,7 @@ def four_case(wide: WideDrive, k: int, fastest: float) -> Case:
     rng = np.random.default_rng([wide.seed, wide.index, k])
     drive, start = wide.drive, tuple(map(float, wide.starts[k]))
     turn = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    duration = min(turn * rng.uniform(*_TURNS), _MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
+    duration = min(turn * rng.uniform(*_TURNS), MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
     return Case(_FAMILIES[wide.model], Group.ONLY, 0.0, drive, start, duration, wide.physics)
 
 

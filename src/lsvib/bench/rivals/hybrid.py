@@ -18,7 +18,9 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
 
-_ROUNDING = 1e-12  # of the terms of a sum: less is zero
+ROUNDING = 1e-12  # of the terms of a sum: less is zero
+RETRIES = 8  # with steps a quarter as long each, where a solver steps over the root next to its start
+MOST_STEPS = 20_000  # of a solver, from one event to the next
 _POSITIVE, _ZERO = int(Test.POSITIVE), int(Test.ZERO)  # plain integers compare several times faster than an IntEnum
 
 
@@ -147,12 +149,12 @@ class Hybrid:
         """Return the first guard of a mode that is negative, or zero and falling, at ``state`` (n)."""
         for index, guard in enumerate(self._guards[mode]):
             value, size = _affine(guard.row, state)
-            if value > _ROUNDING * size:
+            if value > ROUNDING * size:
                 continue
-            if value < -_ROUNDING * size:
+            if value < -ROUNDING * size:
                 return index
             slope = _affine(guard.slope, state)[0]
-            if slope < 0.0 and slope < -_ROUNDING * _affine(guard.slope_size, state)[1]:
+            if slope < 0.0 and slope < -ROUNDING * _affine(guard.slope_size, state)[1]:
                 return index
         return None
 
@@ -182,7 +184,7 @@ class Hybrid:
         for conditions, mode, kind in self._branches[transition]:
             for row, test in conditions:
                 value, size = _affine(row, state)
-                if not _holds(test, value, _ROUNDING * size):
+                if not _holds(test, value, ROUNDING * size):
                     break
             else:
                 return mode, kind

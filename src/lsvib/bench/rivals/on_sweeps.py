@@ -19,7 +19,7 @@ from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, counted
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case
-from lsvib.bench.sweeps.paths import automaton
+from lsvib.bench.sweeps.paths import INSTANT, automaton
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.registry import MODELS, find_model
 from lsvib.engine.automaton import Automaton
@@ -28,10 +28,9 @@ from lsvib.engine.motion import Motion, follow
 MOST_EVALUATIONS = 50_000  # of the field, by a general solver that calls Python for each, some 0.1 s
 MOST_STEPS = 1_000_000  # of a method whose steps are compiled, some 0.1 to 0.5 s
 _STEPS_PER_TURN = 1000  # of the fastest oscillation that the motion has
-_FEWEST_STEPS = 100
+_FEWEST_STEPS = 100  # of a motion that is shorter than a turn
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
-_SPARE_EVENTS = 50
-_INSTANT = 1e-12  # of the duration and of the motion: less is rounding
+_SPARE_EVENTS = 50  # beyond twice the true number, after which a chain of events counts as endless
 _STIFF = "too stiff"
 
 
@@ -146,8 +145,8 @@ def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> Record:
     kept: list[int] = []
 
     def touches(first: int, last: int) -> bool:
-        at_once = motion.time[last] - motion.time[first] <= _INSTANT * hybrid.scene.duration
-        same = np.abs(motion.after[last] - motion.before[first]) <= _INSTANT * size
+        at_once = motion.time[last] - motion.time[first] <= INSTANT * hybrid.scene.duration
+        same = np.abs(motion.after[last] - motion.before[first]) <= INSTANT * size
         return bool(at_once and modes[last + 1] == modes[first] and same.all())
 
     for k in map(int, np.flatnonzero(counted(motion.kind))):

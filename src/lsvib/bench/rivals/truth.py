@@ -6,8 +6,7 @@ from mpmath import mp, mpf
 from lsvib.bench.record import Record, count_stops
 from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.rivals.race_scenes import RaceScene
-
-_DIGITS = 40
+from lsvib.bench.second_opinions.endings import DIGITS
 
 
 def reference(scene: RaceScene) -> Record:
@@ -16,8 +15,8 @@ def reference(scene: RaceScene) -> Record:
 
 
 def _rigid(scene: RaceScene) -> Record:
-    result = rigid_digits.simulate(dict(scene.drive), *scene.state, scene.duration, dps=_DIGITS, max_events=1_000_000)
-    with mp.workdps(_DIGITS + rigid_digits.GUARD_DIGITS):
+    result = rigid_digits.simulate(dict(scene.drive), *scene.state, scene.duration, dps=DIGITS, max_events=1_000_000)
+    with mp.workdps(DIGITS + rigid_digits.GUARD_DIGITS):
         angles = [result.u]
         ends = [segment.time for segment in result.segments[1:]] + [result.time]
         for segment, end in zip(result.segments, ends, strict=True):
@@ -38,8 +37,8 @@ def _rigid(scene: RaceScene) -> Record:
 
 
 def _threads(scene: RaceScene) -> Record:
-    result = threads_digits.simulate(dict(scene.drive), scene.state, scene.duration, dps=_DIGITS, max_events=1_000_000)
-    with mp.workdps(_DIGITS + threads_digits.SPARE_DIGITS):
+    result = threads_digits.simulate(dict(scene.drive), scene.state, scene.duration, dps=DIGITS, max_events=1_000_000)
+    with mp.workdps(DIGITS + threads_digits.SPARE_DIGITS):
         angles, visited = [result.state[0]], [result.state]
         row = [mpf(1), mpf(0), mpf(0), mpf(0), mpf(0)]
         for start, _, arc, stay in result.arcs:

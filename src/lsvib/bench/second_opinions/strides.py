@@ -20,7 +20,7 @@ _SAFETY = 4.0  # times the error of the polynomial in the middle
 _ROUNDING = 1e-13  # of the coefficients
 MOST_STRIDES = 100_000  # of a motion of some turns
 _PATIENCE = 4  # strides after one that was too long, before a longer one is tried
-_NONE = -1
+_NONE = -1  # index of no mode and of no condition
 
 
 @kernel

@@ -37,8 +37,8 @@ TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
 ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
 ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
 _AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
-_LAST_PLACES = 16
-_PERTURBED = 4
+_LAST_PLACES = 16  # of a parameter: the size below which the engine takes a sum for zero
+_PERTURBED = 4  # inputs moved at random, each a run of the reference
 _EPS = float(np.finfo(float).eps)
 
 

@@ -13,6 +13,7 @@ from lsvib.bench.reference import threads_digits as threads_reference
 from lsvib.bench.reference import two_bodies_digits
 from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive as TwoBodies
 from lsvib.bench.second_opinions import strides, taylor, watch
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
 from lsvib.bench.sweeps.families import Case
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
@@ -24,11 +25,11 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 
-MOST_EVENTS = 60
+MOST_EVENTS = 60  # of a motion: with 40 digits it is compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
-_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _CORNER = "corner"
 _LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
@@ -93,7 +94,7 @@ def stepper_path(case: Case, size: np.ndarray) -> Record | None:
         return None
     times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
     complete, count, u, w = taylor.run(constants, *case.start, case.duration, times, kinds)
-    names = [taylor.KINDS[kind] for kind in kinds[:count]]
+    names = [KINDS[kind] for kind in kinds[:count]]
     return _path(case, names, times[:count], (u, w), size, complete)
 
 
@@ -106,7 +107,7 @@ def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) 
     )
     if end not in (watch.TIME_REACHED, watch.EVENTS_FULL):
         return None
-    names = [watch.KINDS[kind] for kind in kinds[:count]]
+    names = [KINDS[kind] for kind in kinds[:count]]
     return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
 
 
@@ -234,7 +235,7 @@ def _least(case: Case) -> np.ndarray:
 def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
     """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
     kept: list[int] = []
-    instant = _INSTANT * case.duration
+    instant = INSTANT * case.duration
     for k, kind in enumerate(kinds):
         if times[k] <= instant:
             continue

@@ -17,8 +17,8 @@ from lsvib.engine.motion import enter
 from lsvib.errors import InputError
 
 _DONE, _FULL, _LOST = 0, 1, 2
-_REFINEMENTS = 3
-_MOST_STEPS = 3e8
+_REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
+_MOST_STEPS = 3e8  # of a run, a minute or so
 
 
 class _Stepped:

@@ -21,7 +21,7 @@ from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
-_STEPS = 2_000_000
+_STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
 _STANDS = 5.0  # a screw slower than so many ε stands
 
 
