@@ -144,7 +144,8 @@ def _moment(c, m, r, x, most):
 def _arc(c, m, x, zero, t, t_end, budget, size):
     """Follow a mode from x, which is moved, to the first condition that fails or to t_end.
 
-    Returns (status, time, index of the condition, what is left of the budget); _NONE for the index at t_end.
+    Returns (status, time, index of the condition, what is left of the budget); _NONE for the index at t_end. One loop:
+    its parts share eight arrays, which are made once for an arc and not for each stride.
     """
     count, first = c.kinds.shape[1], c.shortest[m]
     field, tables = c.fields[m], c.tables[m]

@@ -153,7 +153,8 @@ def _resumed(c, u, sign):
 def run(c, u, w, t_end, times, kinds):
     """Follow the motion from (u [rad], w [rad/s]) to t_end [s]; events are written to ``times`` and ``kinds``.
 
-    Returns (complete, number of events, u, w); not complete if there was no room for all events.
+    Returns (complete, number of events, u, w); not complete if there was no room for all events. One loop over the
+    steps: what a step hands to the next are nine numbers.
     """
     place, rate, guard = np.zeros(ORDER + 1), np.zeros(ORDER + 1), np.zeros(ORDER + 1)
     t, count = 0.0, 0

@@ -260,7 +260,8 @@ def watch(c, u, w, mode, t_end, two_releases, times, kinds, modes, states):
 
     ``mode``: ANYWHERE, or what :func:`coded` tells of the event just before. ``two_releases``: end at the second
     release from rest, after which the motion repeats. ``modes`` (n), ``states`` (n, 2): after each event. Returns (how
-    it ends, number of events, u, w, law of the last slip).
+    it ends, number of events, u, w, law of the last slip). One loop over the arcs: what an arc hands to the next are
+    nine numbers, which a kernel for each part would have to take and return.
     """
     t, count, kind = 0.0, 0, -1
     if mode != ANYWHERE:

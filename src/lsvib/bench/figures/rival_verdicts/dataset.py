@@ -117,16 +117,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "relative_tolerance": ("method", np.array([value for _, value in entries]), _text(
                 "relative tolerance of the method")),
         },
-        coords={
-            "case": ("case", np.arange(len(rows)), _text("index of the case")),
-            "edge_family": ("edge_family", np.array(families, np.int8),
-                            _text("what is driven to the edge") | flags(CaseFamily)),
-            "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
-                               _text("verdict on a method") | flags(VERDICTS)),
-            "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
-                               _text("verdict on the engine") | flags(case_judge.VERDICTS)),
-            "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
-        },
+        coords=_coordinates(len(rows), entries, families),
         attrs={
             "title": "Verdicts on other methods over the sweeps to the edge of the domain",
             "source": "lsvib; truth: the engine's motion where an independent computation has confirmed it",
@@ -137,6 +128,19 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "rival_versions": json.dumps(_versions(entries)),
         },
     )  # fmt: skip
+
+
+def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[CaseFamily]) -> dict[str, tuple]:
+    return {
+        "case": ("case", np.arange(cases), _text("index of the case")),
+        "edge_family": ("edge_family", np.array(families, np.int8),
+                        _text("what is driven to the edge") | flags(CaseFamily)),
+        "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
+                           _text("verdict on a method") | flags(VERDICTS)),
+        "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
+                           _text("verdict on the engine") | flags(case_judge.VERDICTS)),
+        "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
+    }  # fmt: skip
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
