@@ -15,7 +15,7 @@ _PARTS = (
     ("ModalFlow", "the engine for models with three or four states, once, about 20 s"),
     ("Tables", "the engine for two-state models, once, about 10 s"),
 )
-_MAPPER = "the mapper of two-state models, once, about 6 s"
+_MAPPER = "the mapper of two-state models, once, 6 to 15 s"
 _ROOMS = ("lsvib.engine.kernels.", "lsvib.basins.kernels.")
 
 
@@ -33,9 +33,13 @@ class Notice(event.Listener):
 
     def __init__(self) -> None:
         self.said: set[str] = set()
+        self.depth = 0  # kernels that are being compiled, each for the one before
 
     def on_start(self, event: event.Event) -> None:
-        """Say what is compiled, unless it has been said."""
+        """Say what is compiled, unless it has been said, or is part of what is being compiled."""
+        self.depth += 1
+        if self.depth > 1:
+            return
         kernel, types = event.data["dispatcher"].py_func, event.data["args"]
         words = sentence(kernel.__module__, " ".join(map(str, types)))
         if words is not None and words not in self.said:
@@ -44,3 +48,4 @@ class Notice(event.Listener):
 
     def on_end(self, event: event.Event) -> None:
         """Say nothing."""
+        self.depth -= 1
