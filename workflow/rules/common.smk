@@ -95,19 +95,34 @@ def sources(kind):
     return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
+def map_modules():
+    """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
+    return imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")])
+
+
 def map_sources():
-    """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return source_files(imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")]))
+    """Return the source files of :func:`map_modules`."""
+    return source_files(map_modules())
 
 
-def needs_engine(figure):
-    """Return whether the figure's dataset reaches compiled code; all of it imports ``lsvib.engine.kernels.jit``."""
-    return "lsvib.engine.kernels.jit" in imports(dataset_module(figure))
+# The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
+ENGINE = {
+    "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
+    "modal": tuple(module for model, module in MODELS.items() if model != "rigid"),
+    "mapper": ("lsvib.basins.planar_mapper",),
+}
 
 
-def engine(wildcards):
-    """Return the marker of the compiled engine if the figure's dataset needs it, else nothing."""
-    return "results/engine.txt" if needs_engine(wildcards.figure) else []
+def marker(part):
+    """Return the file that says that a part of the engine is compiled."""
+    return f"results/engine/{part}.txt"
+
+
+def engine(modules):
+    """Return the markers of the parts of the engine that modules run; none if they reach no compiled code."""
+    if "lsvib.engine.kernels.jit" not in modules:
+        return []
+    return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
 
 
 def cores(wildcards):

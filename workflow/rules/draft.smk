@@ -18,7 +18,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
                     source_files(imports("lsvib.figures.build"))
                 )
             ),
-            engine="results/engine.txt" if any(map(needs_engine, figures)) else [],
+            engine=sorted({part for f in figures for part in engine(imports(dataset_module(f)))}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),
