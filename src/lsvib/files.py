@@ -11,7 +11,13 @@ from typing import Any
 from lsvib.errors import LsvibError
 
 # How a file of each kind begins. What begins otherwise was not written by us and is not replaced by a command.
-_BEGINNINGS = {"netCDF": (b"\x89HDF", b"CDF"), "PNG": (b"\x89PNG",), "PDF": (b"%PDF",), "JSON": (b"[", b"{")}
+_BEGINNINGS = {
+    "netCDF": (b"\x89HDF", b"CDF"),
+    "PNG": (b"\x89PNG",),
+    "PDF": (b"%PDF",),
+    "JSON": (b"[", b"{"),
+    "HTML": (b"<!DO", b"<htm"),
+}
 
 
 def target_of(path: str | os.PathLike[str], make_folder: bool = False) -> Path:

@@ -260,6 +260,7 @@ def test_lint_asks_for_nothing_but_conda(fresh):
     assert set(demands) == {"Specify a conda environment or container for each rule.:"}
     names = ["checks", "compile_engine", "dataset", "figure", "verdict"]
     attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile"]
+    names += ["assess_drive", "compare_drives", "sample_drive"]
     assert sorted(rules) == sorted([*names, *attraction, "accuracy_checks", "accuracy_table", "accuracy_verdict"])
     assert "Lints for snakefile" not in run.stdout
 

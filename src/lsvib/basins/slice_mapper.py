@@ -8,12 +8,11 @@ A cell's motion is followed on the exact engine until one of the following holds
   point that they tend to, x + q / (1 − q) Δx, is the cycle's within ``_SAME`` of the cycle's size. (A contact creeps at
   the rate k_c / c_c, so that a motion may come close to its cycle only after thousands of returns.)
 * it diverges: unbounded;
-* ``_ROUNDS`` times 64 events: then the return map is extrapolated from there (``steady_state``), within ``_EVENTS``
-  events; what that leaves open is unresolved.
+* ``_ROUNDS`` times 64 events: then the motion is followed and extrapolated from there (``steady_state``), with as much
+  work as ``_EVENTS`` events; what that leaves open is unresolved.
 
-Known cycles are those that a few fixed starts reach, within as many events; so the result does not depend on the grid,
-tiles or threads. Modes in blocks, whose rates lie so far apart that an event may take a thousand times as long, have
-``_BLOCK_EVENTS`` in all.
+Known cycles are those that a few fixed starts reach, with less work; so the result does not depend on the grid, tiles
+or threads. Modes in blocks, whose rates lie so far apart that an event takes many times as long, have fewer events.
 """
 
 from collections.abc import Sequence
@@ -33,9 +32,11 @@ from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events
 _ROUNDS = 16
-_EVENTS = 20_000  # beyond the rounds; some 0.1 s, so that a map of motions without an attractor comes to an end
-_BLOCK_EVENTS = 64  # of modes in blocks
+_EVENTS = 300_000  # beyond the rounds; about a second
+_BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
+_PART = 10  # of that work is for each start that looks for a cycle, before a map begins
 _SAME = 1e-3
+_NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
 
 
@@ -54,11 +55,11 @@ class StateMapper:
         self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
-        self._rounds, self._events = (1, _BLOCK_EVENTS) if in_blocks else (_ROUNDS, _EVENTS)
+        self._rounds, self._events = _BLOCK_ROUNDS if in_blocks else _ROUNDS, _EVENTS
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = self._end(self.kind.initial_state(drive, {"u": u, "w": w}))
+            found = self._end(self.kind.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
             known = [other for other in self.attractors if abs(other.period - found.period) <= 1e-6 * other.period]
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
@@ -112,6 +113,8 @@ class StateMapper:
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Label, time [s], sprags and first event of the motion from a state (n)."""
         mode, time, sprags, first = None, 0.0, 0, None
+        if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
+            return Attractor.STEADY_SLIDING, 0.0, 0, -1
         for _ in range(self._rounds):
             try:
                 motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
@@ -132,10 +135,10 @@ class StateMapper:
         label = self._end(state, mode).label
         return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
 
-    def _end(self, state: np.ndarray, mode: int | None = None) -> SteadyState:
-        """The attractor of a motion; unresolved where the engine does not decide or the events do not suffice."""
+    def _end(self, state: np.ndarray, mode: int | None = None, work: int | None = None) -> SteadyState:
+        """The attractor of a motion; unresolved where the engine does not decide or the work does not suffice."""
         try:
-            return steady_state(self.automaton, state, mode=mode, max_events=self._events)
+            return steady_state(self.automaton, state, mode=mode, max_events=work or self._events)
         except EngineError:
             return SteadyState(Attractor.UNRESOLVED, state)
 
@@ -160,7 +163,8 @@ def _joins(motion: Motion, cycle: SteadyState) -> int | None:
         ratio = steps[2] / steps[1] if steps[2] > _STILL else 0.0
         if ratio >= 1 or steps[1] > max(steps[0], _STILL):
             continue
-        limit = motion.after[at[k]] + ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
-        if (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
+        way = ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
+        limit = motion.after[at[k]] + way
+        if (np.abs(way) <= _NEAR * size).all() and (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
             return int(at[k])
     return None

@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles import leaps
-from lsvib.cycles.return_map import ROUNDING, FixedPoint, ReturnSection, section_key
+from lsvib.cycles import drifts, leaps
+from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import dispatch, flow_planar
 from lsvib.engine.kernels.flow_blocks import BlockFlow
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError
 
 _CHUNK = 64  # events looked at first; then twice as many, and so on
@@ -29,7 +29,15 @@ _LONGER = 8  # factor from one such attempt to the next
 _MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
 _SOLVED = 8  # and in the longest that is solved for
 _REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
-_CORNER = 1e-9  # a fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface
+_WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point
+_UNDAMPED = 1e-30  # of a rate: the 60 digits from which a mode is made leave less of a damping that is zero
+_BLOCK_EVENTS = 5000  # of modes in blocks at most, whose events take ten to a hundred times as long
+_LATER = 37  # events after which leaps begin again: no multiple of those in a usual return
+_FEWEST = 4  # returns that tell anything, unless they repeat
+_STEPS = 8  # returns in a row that tell a drift from rounding
+# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface: of two states, of
+# more, where Newton's method leaves 1e-9 divided by what a slow multiplier lacks to one.
+_CORNERS = (1e-9, 1e-5)
 
 
 class Attractor(IntEnum):
@@ -43,6 +51,7 @@ class Attractor(IntEnum):
     UNBOUNDED = 4  # no model of a drive has it: energy enters as the work of constant forces only
     REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+    RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
 
 
 class Passage(NamedTuple):
@@ -157,6 +166,10 @@ def _steady_state(
     """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
     if automaton.contracts and (automaton.tables.flow[:, flow_planar.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
+    if mode is None and _at_equilibrium(automaton, state):
+        return SteadyState(Attractor.STEADY_SLIDING, state)
+    if isinstance(automaton.tables.flow, BlockFlow):
+        max_events = min(max_events, _BLOCK_EVENTS)
     used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
     while used < max_events:
         try:
@@ -170,7 +183,9 @@ def _steady_state(
         if automaton.contracts or _only_touches(motion):
             return _neutral(automaton, motion)
         used += motion.time.size
-        if used >= patience and size_of_state == 2:
+        if used >= patience and size_of_state > 2:
+            return _pursued(automaton, motion, max_events - used)
+        if used >= patience:
             patience *= _LONGER
             slow = _slow_end(automaton, motion, max_events - used, twice)
             if slow is not None:
@@ -183,22 +198,77 @@ def _steady_state(
     return SteadyState(Attractor.UNRESOLVED, state)
 
 
+def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
+    """Whether a motion with more than two states starts in steady sliding, to the last bit."""
+    if state.size == 2 or state.any():
+        return False
+    return not automaton.tables.flow.field[enter(automaton, state)[0], :, -1].any()
+
+
+def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
+    """Where a motion with more than two states ends that goes on from a part of it, within the work ``left``.
+
+    Where it is leapt over, the motion from some events later must end alike, with as much work.
+    """
+
+    def ended(part: Motion) -> SteadyState | None:
+        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part)
+
+    try:
+        found, leapt = drifts.pursue(motion, left, ended)
+        if leapt and found is not None:  # a leap loses the phase of what is fast
+            later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=_LATER)
+            again, _ = drifts.pursue(later, left, ended)
+            found = found if _name(again) == _name(found) else None
+    except EngineError:
+        found = None
+    if isinstance(found, drifts.Recurrence):
+        return SteadyState(Attractor.RECURRENT, found.state)
+    return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
+
+
+def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
+    """Label of what leaps have found."""
+    if isinstance(found, SteadyState):
+        return found.label
+    return Attractor.UNRESOLVED if found is None else Attractor.RECURRENT
+
+
+class _Watched(NamedTuple):
+    """What a motion shows on the section of its rarest events.
+
+    ``key``: kind and mode of the events; ``points`` (k, n): states after them; ``size`` (n) of the motion; ``longest``
+    [s] between two of them.
+    """
+
+    key: tuple[int, int]
+    points: np.ndarray
+    size: np.ndarray
+    longest: float
+
+
+def _watched(motion: Motion) -> _Watched | None:
+    """Watch a motion on the section of its rarest events; None if it only touches guards."""
+    key = section_key(motion)
+    if key is None:
+        return None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    size = np.abs(motion.after).max(axis=0)
+    size[size == 0] = 1.0  # zero at every event: any scale does
+    return _Watched(key, motion.after[watched], size, np.diff(motion.time[watched]).max(initial=0.0))
+
+
 def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
     """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
 
     ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns: with
     ``twice`` the last of them and a place half a return further must end alike.
     """
-    key = section_key(motion)
-    if key is None:
+    seen = _watched(motion)
+    if seen is None or len(seen.points) < _FEWEST:
         return None
-    watched = (motion.kind == key[0]) & (motion.mode == key[1])
-    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
-    size = np.abs(motion.after).max(axis=0)
-    size[size == 0] = 1.0
-    if len(points) < 4:
-        return None
-    section = ReturnSection(automaton, key, points[-1], size, 1, _MORE_PATIENCE * longest)
+    key, points, size, patience = seen.key, seen.points, seen.size, _MORE_PATIENCE * seen.longest
+    section = ReturnSection(automaton, key, points[-1], size, 1, patience)
     if section.dimension != 1:
         return None
     end = leaps.drift(section, 0.0)
@@ -208,13 +278,13 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> S
     came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
     passage = Passage(key[1], np.array([came_from, place]))
     if end.end == leaps.End.CLOSES:
-        there = ReturnSection(automaton, key, beyond, size, 1, _MORE_PATIENCE * longest)
+        there = ReturnSection(automaton, key, beyond, size, 1, patience)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else _cycle(there, fixed)
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, _LONG, twice)
     else:
-        between = section.state(np.array([end.place + 0.5 * leaps.come_back(section, end.place).excess]))
+        between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, _LONG, False)
         if twice and found.label != _steady_state(automaton, between, key[1], left, _LONG, False).label:
             return SteadyState(Attractor.UNRESOLVED, place)
@@ -246,7 +316,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
             return SteadyState(Attractor.UNBOUNDED, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
     damping = rows[:, flow_planar.ALPHA]
-    undamped = np.abs(damping) <= ROUNDING * rows[:, flow_planar.BETA]
+    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, flow_planar.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return SteadyState(Attractor.UNBOUNDED, state)
     lasting = np.flatnonzero(excited & undamped & (rows[:, flow_planar.BETA] > 0))
@@ -285,16 +355,13 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
 
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
-    key = section_key(motion)
-    if key is None:
+    seen = _watched(motion)
+    if seen is None:
         return None
-    watched = (motion.kind == key[0]) & (motion.mode == key[1])
-    points, longest = motion.after[watched], np.diff(motion.time[watched]).max(initial=0.0)
-    size = np.abs(motion.after).max(axis=0)
-    size[size == 0] = 1.0  # zero at every event: any scale does
+    key, points, size, longest = seen
     changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
     repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
-    if len(points) < 4 and not repeats.size:
+    if len(points) < _FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest)
@@ -309,17 +376,40 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
             continue
         if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
             continue
-        if np.abs(found.state / size).max() < _CORNER:
+        if size.size > 2 and not _by_the_same_events(section, found):
+            continue
+        if np.abs(found.state / size).max() < _CORNERS[size.size > 2]:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
             there = ReturnSection(automaton, key, found.state, size, fewer, longest)
             again = there.fixed_point(before)
-            if again is not None and (np.abs(again.state - found.state) <= _CORNER * size).all():
+            if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
                 return _cycle(there, again)
         return _cycle(section, found)
-    return _cycle(section, section.repeated()) if repeats.size else None
+    if not repeats.size or _drifts(points[::-nearest]):
+        return None
+    found = section.repeated()
+    return None if abs(found.multiplier) >= 1 - MARGIN else _cycle(section, found)
+
+
+def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
+    """Whether returns have the same events all the way from a section's origin to a fixed point with more states."""
+    target = section.place(found.state)
+    events = [section.outcome(part * target)[1] for part in _WAY]
+    return events[0] is not None and all(one == events[0] for one in events)
+
+
+def _drifts(states: np.ndarray) -> bool:
+    """Whether states (k, n) of a section, the latest first, go one way by steps that do not shrink."""
+    if len(states) <= _STEPS:
+        return False
+    size = np.maximum(np.abs(states[: _STEPS + 1]).max(axis=0), np.finfo(float).tiny)
+    latest, first, all_of_them = (
+        np.abs((states[i] - states[j]) / size).max() for i, j in ((0, 1), (_STEPS - 1, _STEPS), (0, _STEPS))
+    )
+    return bool(all_of_them > 0.5 * _STEPS * latest and latest > 0.9 * first)
 
 
 def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:

@@ -39,13 +39,6 @@ _TO_WEIGHTS = np.linalg.inv(chebyshev.chebvander(_PLACES, _NODES - 1))  # from v
 _TO_SAMPLES = chebyshev.chebvander(np.linspace(-1, 1, _SAMPLES), _NODES - 1)
 
 
-class Return(NamedTuple):
-    """One return to a line: f(y) and what happened on the way; ``events`` is None if the motion does not come back."""
-
-    excess: float
-    events: tuple[bytes, bytes] | None
-
-
 class End(IntEnum):
     """What a drift comes to."""
 
@@ -62,28 +55,22 @@ class Drift(NamedTuple):
     end: End
 
 
-def come_back(section: ReturnSection, place: float) -> Return:
-    """Follow one return from y = ``place`` on a section of one dimension."""
-    excess, events = section.outcome(np.array([place]))
-    return Return(float(excess[0]), events)
-
-
 def drift(section: ReturnSection, place: float) -> Drift | None:
     """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if it cannot be told.
 
     It cannot if f is zero to rounding, or if its zeros and turning points lie too close together for ``_LEAPS`` leaps.
     """
-    first = come_back(section, place)
+    first = section.return_from(place)
     if first.events is None or abs(first.excess) <= _rounding(section, place):
         return None
     way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
     for _ in range(_LEAPS):
-        step = abs(come_back(section, here).excess)
+        step = abs(section.return_from(here).excess)
         length = min(length, max(_NEARER * section.distance(here), _FIRST * step))
         there = here + way * length
         if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
             return Drift(here, here, End.SHRINKS)
-        if come_back(section, there).events != first.events:
+        if section.return_from(there).events != first.events:
             there = _last_same(section, here, there, first.events, step)
             if abs(there - here) <= step:
                 return Drift(here, there, End.LEAVES)
@@ -94,11 +81,11 @@ def drift(section: ReturnSection, place: float) -> Drift | None:
                 stalls += 1
                 if stalls > _STALLS:
                     return None
-                following = come_back(section, here)
+                following = section.return_from(here)
                 here, length = here + following.excess, _SHORTEST * step
-                if come_back(section, here).events != first.events:
+                if section.return_from(here).events != first.events:
                     return Drift(here, here, End.LEAVES)
-        elif outcome == there and way * come_back(section, there).excess <= 0:  # a zero behind the last node
+        elif outcome == there and way * section.return_from(there).excess <= 0:  # a zero behind the last node
             length *= _SHORTER
         elif outcome == there:
             here, length = there, length * _LONGER
@@ -112,23 +99,23 @@ def goes_straight(section: ReturnSection, target: float) -> bool:
 
     So it is if the target is a few returns away, as a motion that converges fast is before it arrives.
     """
-    first = come_back(section, 0.0)
+    first = section.return_from(0.0)
     if abs(target) <= _FEW * abs(first.excess):
         return True
-    nearly = target - math.copysign(_FEW * abs(come_back(section, target).excess) + _NEARLY * abs(target), target)
+    nearly = target - math.copysign(_FEW * abs(section.return_from(target).excess) + _NEARLY * abs(target), target)
     return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
 
 
 def reach_back(section: ReturnSection, place: float) -> float:
     """Return how far back the drift of a motion at y = ``place`` comes from: a place from which all go that way."""
-    first = come_back(section, place)
+    first = section.return_from(place)
     way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
     for _ in range(_LEAPS):
-        step = abs(come_back(section, here).excess)
+        step = abs(section.return_from(here).excess)
         if not length > _SHORTEST * step:
             break
         there = here - way * length
-        if come_back(section, there).events != first.events:
+        if section.return_from(there).events != first.events:
             there = _last_same(section, here, there, first.events, step)
         if there == here:
             break
@@ -143,7 +130,7 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
     """Halve an interval at whose ends f points to the other one until rounding of f, or of y, decides."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (here + there)
-        excess = way * come_back(section, middle).excess
+        excess = way * section.return_from(middle).excess
         if middle in (here, there) or not abs(excess) > _rounding(section, middle):
             break
         here, there = (middle, there) if excess > 0 else (here, middle)
@@ -163,7 +150,7 @@ def _last_same(section: ReturnSection, here: float, there: float, events, step: 
         middle = 0.5 * (here + there)
         if middle in (here, there):
             break
-        if come_back(section, middle).events == events:
+        if section.return_from(middle).events == events:
             here = middle
         else:
             there = middle
@@ -173,7 +160,7 @@ def _last_same(section: ReturnSection, here: float, there: float, events, step: 
 def _passes(section: ReturnSection, here: float, there: float, way: float, events) -> float | None:
     """Return ``there`` if f points the same way from ``here`` to there, a place beyond its first zero, or None."""
     places = here + 0.5 * (_PLACES + 1) * (there - here)
-    found = [come_back(section, float(y)) for y in places]
+    found = [section.return_from(float(y)) for y in places]
     if any(one.events != events for one in found):
         return None
     values = way * np.array([one.excess for one in found])

@@ -14,6 +14,7 @@ A fixed point counts only if its multipliers, the eigenvalues of P′, lie insid
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,7 +32,7 @@ _SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
-_MARGIN = 1e-6  # by which multipliers must lie inside the unit circle, well beyond their error
+MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # states of the motion on the section, at least, each of which must be closer than the one before
 _THERE = 1e-6  # distance within which it is there, well above rounding even in a stiff contact
 _LONGEST = 1000  # events in one return
@@ -52,6 +53,13 @@ class FixedPoint:
     state: np.ndarray
     multiplier: float
     enclosure: float
+
+
+class Return(NamedTuple):
+    """One return to a line: P(y) − y, and its events as told by ``Section.outcome``."""
+
+    excess: float
+    events: tuple[bytes, bytes] | None
 
 
 def section_key(motion: Motion) -> tuple[int, int] | None:
@@ -105,7 +113,8 @@ class ReturnSection:
         if origin.size > 2:
             scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
             normals = met * scales
-            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+            normals /= np.where(lengths == 0, 1.0, lengths)
             _, lengths, basis = np.linalg.svd(normals)
             axes = basis[np.count_nonzero(lengths > _ONE_PLANE) :]
             self.directions, self._axes = (axes * scales).T, axes / scales
@@ -169,6 +178,11 @@ class ReturnSection:
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan), None
         return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
+
+    def return_from(self, place: float) -> Return:
+        """Follow one return from y = ``place`` on a line."""
+        excess, events = self.outcome(np.array([place]))
+        return Return(float(excess[0]), events)
 
     def jacobian(self, place: np.ndarray) -> np.ndarray:
         """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
@@ -235,12 +249,14 @@ class ReturnSection:
         else:
             return None
         leading = largest(slopes)
-        if not abs(leading) < 1 - _MARGIN:
+        if not abs(leading) < 1 - MARGIN:
             return None
         if np.abs(place).max() > _THERE:
             away = np.vstack([earlier, np.zeros(self.dimension)]) - place
             distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
-            if len(earlier) < _WATCHED or (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
+            if len(earlier) < _WATCHED or not np.isfinite(distances).all():
+                return None
+            if (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
                 return None
         return FixedPoint(self.state(place), leading, math.nan)
 
@@ -259,7 +275,8 @@ def largest(slopes: np.ndarray) -> float:
 def _contracting(slopes: np.ndarray) -> np.ndarray:
     """Σ (P′ᵀ)ᵏ P′ᵏ: the quadratic form that P′ makes smaller, whatever its eigenvectors."""
     form, power = np.eye(len(slopes)), slopes
-    for _ in range(_DOUBLINGS):
-        form = form + power.T @ form @ power
-        power = power @ power
+    with np.errstate(over="ignore", invalid="ignore"):  # nothing comes closer in a form that is not a number
+        for _ in range(_DOUBLINGS):
+            form = form + power.T @ form @ power
+            power = power @ power
     return form

@@ -15,7 +15,7 @@ import numpy as np
 from mpmath import mp
 
 from lsvib.basins.mapper import mapper
-from lsvib.bench.random_drives import linear_judge, threshold_judge
+from lsvib.bench.random_drives import linear_judge, long_run, threshold_judge
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import Fate, fate
@@ -57,6 +57,7 @@ _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut"
 _IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
 _CONFIRMING = 12  # events that the reference must have as well
 _INSTANT = 1e-7  # of the duration
+_BESIDE = (1 - 1e-10, 1 + 1e-10)  # of a start: motions themselves agree to 7e-11
 _AT_ONCE = 1e-6  # of the duration; N turns twice within it where an undamped contact touches N = 0
 
 
@@ -85,6 +86,16 @@ def _stages(wide: WideDrive) -> Iterator[Stage]:
         model = lru_cache(lambda: built(cases()[0]))
         for k in range(len(wide.starts)):
             yield "motion", lambda k=k: _four_motion(wide, k, cases()[k], constants(), model())
+        long = lru_cache(lambda: long_run.constants_of(wide))
+        truth = lru_cache(lambda k: long_run.fate(wide, k, *long()))
+        mapped = lru_cache(lambda: mapper(wide.drive, wide.model, wide.physics))
+        asked = (
+            ("attractor", lambda state: steady_state(model(), state).label),
+            ("label", lambda state: mapped().destiny(state)[0]),
+        )
+        for question, answer in asked:
+            for k in range(len(wide.starts)):
+                yield question, lambda k=k, answer=answer: _four_label(wide, k, answer, truth)
         return
     constants = watch.constants(dict(wide.drive))
     truths = [fate(constants, *start) for start in wide.starts]
@@ -156,6 +167,29 @@ def _four_motion(
         if not drawn.residual > case_judge.allowed_residual(drawn.rounding):
             return [Finding(RIGHT, k)]
     return lambda: [_by_strides(wide, k, case, path, other)]
+
+
+def _four_label(
+    wide: WideDrive, k: int, answer: Callable[[np.ndarray], Attractor], truth: Callable[[int], long_run.Fate]
+) -> Callable[[], list[Finding]]:
+    """Name where a motion of a drive with four states ends; a long run by strides judges, as far as it decides."""
+    name = answer(wide.starts[k]).name.lower()
+
+    def judged() -> list[Finding]:
+        fate = truth(k)
+        told = f"{fate.name} ({fate.reason})"
+        if name == "unbounded":
+            return [Finding(WRONG, k, name, told)]
+        if name == "unresolved":
+            return [Finding(UNRESOLVED, k, name, told)]
+        if fate.name == "unknown":
+            return [Finding(UNDECIDED, k, name, told)]
+        if name == fate.name:
+            return [Finding(RIGHT, k)]
+        near = {answer(wide.starts[k] * part).name.lower() for part in _BESIDE}
+        return [Finding(CORNER if fate.name in near else WRONG, k, name, told)]
+
+    return judged
 
 
 def _by_strides(wide: WideDrive, k: int, case: Case, path: Path, other: Path | None) -> Finding:

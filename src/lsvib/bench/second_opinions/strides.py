@@ -18,7 +18,7 @@ SEIZURE = FORCE - 1  # what a condition of no speed is in the Painlevé region
 _ZERO = 1e-25  # of its terms: a condition that an event, or the start, has put on zero
 _SAFETY = 4.0  # times the error of the polynomial in the middle
 _ROUNDING = 1e-13  # of the coefficients
-_MOST_STRIDES = 100_000  # of a motion
+MOST_STRIDES = 100_000  # of a motion of some turns
 _PATIENCE = 4  # strides after one that was too long, before a longer one is tried
 _NONE = -1
 
@@ -266,16 +266,17 @@ def _put(table, x, scratch):
 
 
 @allocating_kernel
-def follow(c: Ladders, start, t_end, times, before, after, fired, end, size):
-    """Follow the motion from ``start`` (4,) to ``t_end`` [s]; its events are written to the arrays (k).
+def follow(c: Ladders, start, t_end, most, times, before, after, fired, states, end, size):
+    """Follow the motion from ``start`` (4,) to ``t_end`` [s], by at most so many strides; the arrays (k) tell events.
 
-    ``before``, ``after``: modes; ``fired``: kind of the condition that failed, or SEIZURE; ``end``,
-    ``size`` (4,): final state, and largest magnitude of each coordinate. Returns (how it ends, number of events).
+    ``before``, ``after``: modes; ``fired``: kind of the condition that failed, or SEIZURE; ``states`` (k, 4), or (0, 4)
+    if they are not wanted; ``end``, ``size`` (4,): final state, and largest magnitude of each coordinate. Returns (how
+    it ends, number of events, mode at the end).
     """
     x, scratch = np.zeros((4, 2)), np.empty((4, 2))
     x[:, 0] = start
     size[:] = np.abs(start)
-    t, count, budget, mode = 0.0, 0, _MOST_STRIDES, _NONE
+    t, count, budget, mode = 0.0, 0, most, _NONE
     zero, status = _on_zero(c, x), TIME_REACHED
     slip = affine(c.speeds[0], x)[0]
     way = 0 if slip == 0 else (1 if slip > 0 else -1)
@@ -316,9 +317,12 @@ def follow(c: Ladders, start, t_end, times, before, after, fired, end, size):
             status = AMBIGUOUS
             break
         times[count], before[count], after[count], fired[count] = t, here, mode, kind
+        if count < states.shape[0]:
+            for i in range(4):
+                states[count, i] = x[i, 0]
         count += 1
         if count == times.size:
             status = EVENTS_FULL
             break
     end[:] = x[:, 0] + x[:, 1]
-    return status, count
+    return status, count, mode

@@ -134,8 +134,18 @@ def strides_path(case: Case, constants: Ladders) -> Path | None:
     """The motion of a drive with four states by strides of propagators, or None where they do not tell."""
     times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
     before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
-    status, count = strides.follow(
-        constants, np.array(case.start), case.duration, times, before, after, fired, end, size
+    status, count, _ = strides.follow(
+        constants,
+        np.array(case.start),
+        case.duration,
+        strides.MOST_STRIDES,
+        times,
+        before,
+        after,
+        fired,
+        np.empty((0, 4)),
+        end,
+        size,
     )
     if status not in (strides.TIME_REACHED, strides.EVENTS_FULL):
         return None

@@ -14,6 +14,8 @@ _COLOURS = {
     "stick slip cycle": style.GREEN,
     "sprag slip cycle": style.ORANGE,
     "other cycle": style.PURPLE,
+    "neutral family": style.BLUE,
+    "recurrent": style.VERMILION,
     "unbounded": style.GREY,
     "rest": style.YELLOW,
     "unresolved": style.BLACK,

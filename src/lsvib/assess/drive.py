@@ -1,0 +1,190 @@
+"""From the entries of a data sheet to the parameters of the package: plain arithmetic, whole samples at once."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess.friction import coefficient_from_efficiency, flank_coefficient, sliding_speed, square_coefficient
+from lsvib.assess.sheet import DENSITIES, Sheet
+
+GRAVITY = 9.80665  # m/s², standard
+Values = Mapping[str, Any]
+
+QUANTITIES = {
+    "lead": ("lead of the thread", "m"),
+    "pitch_diameter": ("pitch diameter of the thread", "m"),
+    "half_angle": ("half angle of the thread", "rad"),
+    "friction": ("friction coefficient of the threads", "1"),
+    "friction_slope": ("slope of the friction coefficient over the sliding speed", "s m-1"),
+    "inertia": ("rotating inertia", "kg m2"),
+    "coupling_stiffness": ("stiffness of the coupling, at the screw", "N m rad-1"),
+    "rotational_damping": ("rotational damping", "N m s rad-1"),
+    "translational_damping": ("damping of the load", "N s m-1"),
+    "mass": ("moved mass", "kg"),
+    "force_low": ("smallest force against outward travel", "N"),
+    "force_high": ("largest force against outward travel", "N"),
+    "speed_low": ("smallest speed of the screw", "rad s-1"),
+    "speed_high": ("largest speed of the screw", "rad s-1"),
+    "contact_stiffness": ("stiffness of the thread contact", "N m-1"),
+    "contact_damping": ("damping of the thread contact", "N s m-1"),
+    "support_stiffness": ("axial stiffness of the support", "N m-1"),
+    "support_damping": ("axial damping of the support", "N s m-1"),
+    "screw_mass": ("mass of the screw", "kg"),
+}
+"""What the verdict depends on: long name and unit. Values of these names are floats or arrays that broadcast."""
+
+
+def nominal_draw(sheet: Sheet) -> dict[str, float]:
+    """Return the entries of a sheet, each at the value in its middle."""
+    return {path: entry.nominal for path, entry in sheet.spreads().items()}
+
+
+def random_entries(sheet: Sheet) -> list[str]:
+    """Return the entries that are uncertain: all but ranges of force and speed, which are the operating window."""
+    return [path for path, entry in sheet.spreads().items() if entry.uncertain and not is_window(sheet, path)]
+
+
+def is_window(sheet: Sheet, path: str) -> bool:
+    """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
+    entry = sheet.spreads().get(path)
+    return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
+
+
+def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
+    """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
+
+    Quantities that the sheet does not give are zero, or absent for a contact or support that it does not have.
+    """
+    lead, diameter, half_angle = _thread(sheet, draw)
+    angle = np.arctan(lead / (math.pi * diameter))
+    inertia, screw_mass = _screw(sheet, draw, diameter)
+    ratio = draw.get("coupling.gear_ratio", 1.0)
+    found = {
+        "lead": lead,
+        "pitch_diameter": diameter,
+        "half_angle": half_angle,
+        "friction": _coefficient(sheet, draw, angle, half_angle),
+        "friction_slope": draw.get("friction.slope", 0.0),
+        "inertia": inertia + draw.get("coupling.inertia", 0.0),
+        "coupling_stiffness": draw["coupling.stiffness"] * ratio**2,
+        "rotational_damping": draw.get("damping.rotational", 0.0),
+        "translational_damping": draw.get("damping.translational", 0.0),
+        "mass": draw["load.mass"],
+    }
+    for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
+        if keys is not None:
+            found[f"{part}_stiffness"] = draw[f"{part}.stiffness"]
+            found[f"{part}_damping"] = draw.get(f"{part}.damping", 0.0)
+    if sheet.support is not None:
+        found["screw_mass"] = screw_mass
+    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
+        if is_window(sheet, path):
+            entry = sheet.spreads()[path]
+            found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
+        else:
+            found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale
+    return found
+
+
+def _turns(sheet: Sheet, lead: Any) -> Any:
+    """Factor from the speed as given to rad/s."""
+    return 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0
+
+
+def _thread(sheet: Sheet, draw: Values) -> tuple[Any, Any, Any]:
+    thread = sheet.thread
+    if thread.size is not None:
+        return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle
+    half_angle = draw.get("thread.half_angle", 0.0)
+    pitch = draw.get("thread.pitch")
+    lead = draw.get("thread.lead", pitch * thread.starts if pitch is not None else None)
+    if thread.pitch_diameter is not None:
+        diameter = draw["thread.pitch_diameter"]
+    else:
+        diameter = draw["thread.nominal_diameter"] - 0.5 * (lead / thread.starts if pitch is None else pitch)
+    if lead is None or thread.lead_angle is not None:
+        lead = math.pi * diameter * np.tan(draw["thread.lead_angle"])
+    return lead, diameter, half_angle
+
+
+def _screw(sheet: Sheet, draw: Values, pitch_diameter: Any) -> tuple[Any, Any]:
+    """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
+    screw = sheet.screw
+    if screw.inertia is not None:
+        return draw["screw.inertia"], draw.get("screw.mass")
+    density = draw.get("screw.density", DENSITIES[screw.material or "steel"])
+    diameter = draw.get("screw.diameter", pitch_diameter)
+    mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]
+    return mass * diameter**2 / 8, draw.get("screw.mass", mass)
+
+
+def _coefficient(sheet: Sheet, draw: Values, angle: Any, half_angle: Any) -> Any:
+    """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
+    if sheet.friction.coefficient is not None:
+        return draw["friction.coefficient"]
+    if sheet.friction.efficiency is not None:
+        square = coefficient_from_efficiency(draw["friction.efficiency"], angle)
+        return flank_coefficient(square, angle, half_angle)
+    return float(np.mean(sheet.friction.curve.coefficients))
+
+
+@dataclass(frozen=True)
+class Point:
+    """Points of operation: ``speed`` Ω [rad/s] and ``force`` R [N] of the package, with the shape of the quantities.
+
+    ``parameters``: those of :class:`lsvib.drives.parameters.SupportParameters` or a part of them; ``slope`` μ′ of the
+    square thread [s/m].
+    """
+
+    parameters: dict[str, Any]
+    slope: Any
+
+
+def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) -> Point:
+    """Return a point of operation: direction of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N].
+
+    The axis leans by the tilt of the load, so that its weight m g sin(tilt) adds to the force. The force R of the
+    package acts along outward travel, whence the sign.
+    """
+    radius = 0.5 * values["pitch_diameter"]
+    angle = np.arctan(values["lead"] / (2 * math.pi * radius))
+    coefficient, slope = values["friction"], values["friction_slope"]
+    if sheet.friction.curve is not None:
+        scale = coefficient / float(np.mean(sheet.friction.curve.coefficients))
+        coefficient, slope = (scale * x for x in _along(sheet, sliding_speed(speed, radius, angle)))
+    parameters = {
+        "pitch_radius": radius,
+        "lead_angle": angle,
+        "screw_inertia": values["inertia"],
+        "coupling_stiffness": values["coupling_stiffness"],
+        "support_damping": values["rotational_damping"],
+        "friction_coefficient": square_coefficient(coefficient, angle, values["half_angle"]),
+        "input_speed": direction * speed,
+        "mass": values["mass"],
+        "translation_damping": values["translational_damping"],
+        "axial_force": -(force + values["mass"] * GRAVITY * math.sin(sheet.load.tilt)),
+    }
+    return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
+
+
+def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
+    """Coefficient and slope of the curve at sliding speeds [m/s]; constant beyond its ends."""
+    curve = sheet.friction.curve
+    real = np.real(sliding)
+    speeds, coefficients = np.array(curve.speeds), np.array(curve.coefficients)
+    slopes = np.concatenate([[0.0], np.diff(coefficients) / np.diff(speeds), [0.0]])
+    piece = np.searchsorted(speeds, real, side="right")
+    start = np.clip(piece - 1, 0, None)
+    return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
+
+
+def own_parameters(values: Values, part: str) -> dict[str, Any]:
+    """Return the parameters that a contact or a support adds to those of the rigid drive."""
+    if part == "contact":
+        return {key: values[key] for key in ("contact_stiffness", "contact_damping")}
+    names = {"screw_mass": "screw_mass", "support_stiffness": "support_stiffness"}
+    return {key: values[name] for key, name in names.items()} | {"axial_support_damping": values["support_damping"]}

@@ -1,0 +1,115 @@
+"""How much of each quantity, as a factor, until a mechanism sets in or vanishes; and what changes the reserve most."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess.mechanisms import reserves
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.window import corners, worst
+
+PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
+"""Quantities of the window, which are changed together."""
+
+_DECADES = 3  # factors from a thousandth to a thousandfold are looked at
+_PER_DECADE = 200  # steps of 1.2 %; a narrower island of stability between two of them is not seen
+_ROUNDS, _PARTS = 5, 1000  # a step of 1.2 % is cut into a thousand parts five times, which leaves the last bits
+_STEP = 1e-30  # of the complex step: its square, relative, lies far below rounding
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The nearest change of one quantity, in relation, at which a mechanism sets in or, if it occurs, vanishes.
+
+    ``factor`` [1] is what the quantity is multiplied with, ``value`` the quantity then (the larger end of a window);
+    both None if no factor from 0.001 to 1000 does it.
+    """
+
+    quantity: str
+    factor: float | None
+    value: float | None
+
+
+def changeable(values: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Return the quantities whose change is looked at, by name: keys of ``values`` that are not zero."""
+    paired = {key for keys in PAIRS.values() for key in keys}
+    single = {key: (key,) for key, value in values.items() if key not in paired and value != 0}
+    pairs = {name: keys for name, keys in PAIRS.items() if any(values[key] != 0 for key in keys)}
+    return {**single, **pairs}
+
+
+def _scaled(values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
+    return {**values, **{key: values[key] * factors for key in keys}}
+
+
+def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: NDArray) -> dict[str, NDArray]:
+    """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
+    found = worst(sheet, _scaled(values, keys, factors))
+    shape = factors.shape
+    return {
+        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
+        for name, one in found.items()
+    }
+
+
+def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]]:
+    """Return for each mechanism the margin in every quantity, the smallest change first.
+
+    By a scan in steps of 1.2 % on either side, and finer ones between the two steps where the verdict changes. A change
+    to a drive that cannot move at all (μ ≥ cot λ) does not count.
+    """
+    result: dict[str, list[Margin]] = {}
+    steps = np.linspace(0.0, _DECADES, _DECADES * _PER_DECADE + 1)
+    for name, keys in changeable(values).items():
+        sides = [_occurs(sheet, values, keys, 10.0 ** (sign * steps)) for sign in (1, -1)]
+        for mechanism in sides[0]:
+            found = [
+                _edge(sheet, values, keys, mechanism, 10.0 ** (sign * steps), side[mechanism])
+                for sign, side in zip((1, -1), sides, strict=True)
+            ]
+            factors = [factor for factor in found if factor is not None]
+            factor = min(factors, key=lambda f: abs(np.log(f)), default=None)
+            largest = max((float(values[key]) for key in keys), key=abs)
+            value = None if factor is None else largest * factor
+            result.setdefault(mechanism, []).append(Margin(name, factor, value))
+    for rows in result.values():
+        rows.sort(key=lambda row: np.inf if row.factor is None else abs(np.log(row.factor)))
+    return result
+
+
+def _edge(
+    sheet: Sheet, values: Mapping[str, float], keys: tuple[str, ...], name: str, factors: NDArray, occurs: NDArray
+) -> float | None:
+    """The first factor along ``factors`` at which the verdict changes, to the last bits."""
+    changed = np.flatnonzero(occurs != occurs[0])
+    if not changed.size or occurs[changed[0]] < 0:
+        return None
+    before, after = factors[changed[0] - 1], factors[changed[0]]
+    for _ in range(_ROUNDS):
+        finer = np.geomspace(before, after, _PARTS + 1)
+        there = np.flatnonzero(_occurs(sheet, values, keys, finer)[name] != occurs[0])
+        first = max(int(there[0]), 1) if there.size else _PARTS
+        before, after = finer[first - 1], finer[first]
+    return float(after)
+
+
+def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
+
+    At the corner of the window where the reserve is lowest. The derivative is that of the closed forms, exact to
+    rounding, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q + O(h²), with nothing to cancel.
+    """
+    places = corners(sheet, values)
+    lowest = worst(sheet, values)
+    result: dict[str, dict[str, float]] = {name: {} for name in lowest}
+    for quantity, keys in changeable(values).items():
+        changed = {key: complex(value) for key, value in _scaled(values, keys, 1 + 1j * _STEP).items()}
+        moved = corners(sheet, changed)
+        for name, one in lowest.items():
+            if places:
+                row = reserves(sheet, changed, *moved[int(one.corner[0])])
+                result[name][quantity] = float(np.imag(row[name]) / _STEP)
+    return result

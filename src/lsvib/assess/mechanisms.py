@@ -1,0 +1,170 @@
+r"""Which mechanism makes steady sliding unstable, and how much keeps it stable, for whole samples of drives at once.
+
+The reserve [1] of a mechanism is its balance: what keeps steady sliding stable less what destabilises it, over the sum
+of both. It is 1 where nothing destabilises, 0 at the onset and negative where the mechanism occurs:
+
+    kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
+    negative damping       C_0 likewise (8.19)
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.friction`)
+    mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
+    thread contact         the Hurwitz determinant of the drive with compliant threads
+
+The last two are laid at the door of the mechanism only where the drive with rigid parts would be stable, or where the
+undamped drive with support is unstable already. Without any damping a reserve of damping is zero: motions neither grow
+nor decay.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from lsvib.assess import drive as sheets
+from lsvib.assess.friction import damping_by_slope
+from lsvib.assess.sheet import Sheet
+from lsvib.drives import friction
+from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.steady_sliding.characteristic import polynomial
+from lsvib.steady_sliding.conditions import conditions
+from lsvib.steady_sliding.linearised import steady_law, support_model, threads_model
+from lsvib.steady_sliding.spectrum import spectrum
+
+NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
+"""All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
+
+_SCALARS = {"support": SupportParameters, "contact": ThreadsParameters}
+_UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
+
+
+def applicable(sheet: Sheet) -> tuple[str, ...]:
+    """Return the mechanisms that a sheet has the parts for."""
+    missing = {"mode_coupling": sheet.support is None, "thread_contact": sheet.contact is None}
+    return tuple(name for name in NAMES if not missing.get(name, False))
+
+
+def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any, force: Any) -> dict[str, Any]:
+    """Return the reserve [1] of each mechanism at points of operation; the mechanism occurs where it is negative.
+
+    ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
+    [rad/s] and ``force`` [N]; ``direction`` of travel ±1. Besides the mechanisms: ``law``, s_0 = ±1, and
+    ``push_needed``, the reserve of Γ₊ (Γ̃₊ with a support) under law −: below zero steady sliding is stable but no
+    longer the only motion (Sect. 8.7). NaN where μ is not below cot λ.
+    """
+    at = sheets.point(sheet, values, direction, speed, force)
+    p = at.parameters
+    tangent = np.tan(p["lead_angle"])
+    lever = p["pitch_radius"] * tangent * p["translation_damping"]
+    carried = p["axial_force"] - lever * p["input_speed"]  # R̃
+    law = np.where(np.real(carried) * np.real(p["input_speed"]) > 0, 1, -1)
+    size = np.where(np.real(carried) < 0, -carried, carried)
+    by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
+    factor = friction.friction_factor(p["friction_coefficient"], tangent, law)
+    geometry = (p["pitch_radius"], tangent, factor)
+    mass = p["mass"]
+    if sheet.support is not None:
+        mass = mass * values["screw_mass"] / (mass + values["screw_mass"])
+    inertia = friction.effective_inertia(p["screw_inertia"], mass, *geometry)
+    damping = friction.effective_damping(p["support_damping"], p["translation_damping"], *geometry)
+    base = _balance(p["support_damping"], damping - p["support_damping"])
+    sloped = _balance(p["support_damping"], damping - p["support_damping"], by_slope)
+    found = {
+        "kinematic_constraint": _balance(p["screw_inertia"], inertia - p["screw_inertia"]),
+        "negative_damping": _larger(base, sloped),
+        "falling_friction": np.where(np.real(at.slope) < 0, sloped, 1.0),
+    }
+    rigid_stable = (np.real(damping + by_slope) >= 0) & (np.real(inertia) > 0)
+    if sheet.support is not None:
+        own = sheets.own_parameters(values, "support")
+        full = _full_reserve("support", {**p, **own, "support_damping": p["support_damping"] + by_slope}, law)
+        bare = _full_reserve("support", {**p, **own, **dict.fromkeys(_UNDAMPED, 0.0)}, law)
+        kinematic = np.real(inertia) <= 0
+        coupled = ~kinematic & (rigid_stable | (np.real(bare) < 0))
+        found["mode_coupling"] = np.where(coupled, full, _larger(full, 0 * full))
+        for name in ("negative_damping", "falling_friction"):
+            found[name] = np.where(kinematic, found[name], _larger(found[name], full))
+    if sheet.contact is not None:
+        own = sheets.own_parameters(values, "contact")
+        full = _full_reserve("contact", {**p, **own}, law)
+        found["thread_contact"] = np.where(rigid_stable, full, _larger(full, 0 * full))
+    plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
+    of_plus = friction.effective_inertia(p["screw_inertia"], mass, p["pitch_radius"], tangent, plus)
+    reserve = _balance(p["screw_inertia"], of_plus - p["screw_inertia"])
+    found["push_needed"] = np.where(law < 0, reserve, 1.0)
+    valid = np.real(p["friction_coefficient"] * tangent) < 1
+    return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
+
+
+def _balance(*terms: Any) -> Any:
+    """Sum of terms over the sum of their sizes; zero if all are zero."""
+    size = sum(np.where(np.real(term) < 0, -term, term) for term in terms)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(np.real(size) == 0, 0.0, sum(terms) / size)
+
+
+def _larger(a: Any, b: Any) -> Any:
+    return np.where(np.real(a) >= np.real(b), a, b)
+
+
+def _full_reserve(part: str, parameters: dict[str, Any], law: Any) -> Any:
+    """Reserve of a drive with two coordinates, from its characteristic polynomial, for a law (scalar or array)."""
+    if any(np.iscomplexobj(value) for value in parameters.values()):
+        exact = {key: complex(value) for key, value in parameters.items()}
+        tangent = complex(np.tan(parameters["lead_angle"]))
+        return _hurwitz_reserve(*polynomial(_SCALARS[part], exact, int(law), tangent))
+    model = support_model if part == "support" else threads_model
+    both = [_hurwitz_reserve(*model(parameters, s).polynomial()) for s in (1, -1)]
+    return np.where(law > 0, *both)
+
+
+def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
+    """Balance of the Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0; −1 where a coefficient is not positive.
+
+    A coefficient that falls to zero takes the balance to −1, so that it is continuous. Where p_3 and p_1 vanish, as
+    without damping, that of p_2² − 4 p_4 p_0 instead.
+    """
+    terms = (p_3 * p_2 * p_1, -p_4 * p_1**2, -(p_3**2) * p_0)
+    damped = _balance(*terms)
+    negative = (np.real(p_3) <= 0) | (np.real(p_2) <= 0) | (np.real(p_1) <= 0)
+    damped = np.where(negative, -1.0, damped)
+    undamped = np.where(np.real(p_2) <= 0, -1.0, _balance(p_2**2, -4 * p_4 * p_0))
+    return np.where((p_3 == 0) & (p_1 == 0), undamped, damped)
+
+
+def drive_of(
+    sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, part: str = "rigid"
+):
+    """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
+    parameters = sheets.point(sheet, values, direction, speed, force).parameters
+    own = {} if part == "rigid" else sheets.own_parameters(values, part)
+    kind = RigidParameters if part == "rigid" else _SCALARS[part]
+    return kind(**{key: float(value) for key, value in {**parameters, **own}.items()})
+
+
+def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:
+    """Say which mechanisms occur in one drive without a slope of friction, decided by exact signs.
+
+    For the rigid drive by :func:`lsvib.steady_sliding.conditions.conditions`, with a support or contact by
+    :func:`lsvib.steady_sliding.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
+    """
+    rigid = drive_of(sheet, values, direction, speed, force)
+    found = conditions(rigid)
+    law = steady_law(rigid)
+    occurs = {
+        "negative_damping": found["negative_damping"]["hold"],
+        "kinematic_constraint": found["negative_inertia"]["hold"],
+        "falling_friction": False,
+    }
+    stable = not (occurs["negative_damping"] or occurs["kinematic_constraint"])
+    if sheet.support is not None:
+        supported = drive_of(sheet, values, direction, speed, force, "support")
+        kind = spectrum(supported, law)[0]
+        bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
+        unstable = kind in ("flutter", "divergence")
+        occurs["kinematic_constraint"] = kind == "kinematic"
+        fed = occurs["negative_damping"]
+        occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
+        occurs["negative_damping"] &= unstable or kind == "kinematic"
+    if sheet.contact is not None:
+        kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
+        occurs["thread_contact"] = stable and kind not in ("stable", "neutral")
+    return occurs

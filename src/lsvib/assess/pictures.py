@@ -1,0 +1,197 @@
+"""The pictures of the report, each as an SVG that is embedded in the page."""
+
+import base64
+import io
+import math
+from collections.abc import Callable
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from lsvib.assess.assessment import Assessment, Motion
+from lsvib.assess.chart import KINDS, Chart
+from lsvib.assess.uncertainty import BINS
+from lsvib.assess.words import CHANGES, MECHANISMS
+from lsvib.figures.drawing import style
+
+WIDTH = 3.7  # inch: on a phone one to one
+_COLOURS = {
+    "steady": "#E8F3EC",
+    "steady_until_pushed": "#F5EFC8",
+    "negative_damping": style.ORANGE,
+    "kinematic_constraint": style.VERMILION,
+    "mode_coupling": style.PURPLE,
+    "falling_friction": style.SKY,
+    "thread_contact": style.GREY,
+}
+_NAMES = {"steady": "steady", "steady_until_pushed": "steady until pushed"}
+_FACTORS = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))  # marks of the axis of margins, wide to narrow
+_MOST = 10.0  # factor beyond which a margin is only told
+_SMALL = 1e-4  # below it a thousandth of the usual unit reads better
+_NOTABLE = 0.5  # of the speed: a swing that comes so near to standstill that its line is drawn
+_SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
+
+
+def embedded(draw: Callable[..., Figure], *arguments: Any) -> str:
+    """Return what ``draw`` draws as a data URI of an SVG; equal drawings give equal text."""
+    with matplotlib.rc_context(_SETTINGS):
+        figure = style.styled(lambda _: draw(*arguments))(None)
+        stream = io.BytesIO()
+        with matplotlib.rc_context({**_SETTINGS, "font.family": "DejaVu Sans"}):
+            figure.savefig(stream, format="svg", metadata={"Date": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
+    """Regions over speed and force, boundary curves, and the operating window as a frame."""
+    figure = style.new_figure(WIDTH, 0.6 + 2.7 * len(charts))
+    axes = np.atleast_1d(figure.subplots(len(charts), 1))
+    colours = ListedColormap([_COLOURS[kind] for kind in KINDS])
+    norm = BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS))
+    values, seen = assessment.values, set()
+    lead = values["lead"] / (2 * math.pi)
+    for axis, chart in zip(axes, charts, strict=True):
+        speed = 1e3 * chart.speed
+        axis.pcolormesh(speed, chart.force, chart.kind, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+        seen |= set(np.unique(chart.kind).tolist())
+        for (label, force), dashes in zip(chart.boundaries.items(), ("-", "--", "-.", ":"), strict=False):
+            axis.plot(speed, force, dashes, color=style.BLACK, linewidth=0.9, label=label)
+        low, high = (1e3 * lead * values[f"speed_{end}"] for end in ("low", "high"))
+        bottom, height = values["force_low"], values["force_high"] - values["force_low"]
+        if high > low and height > 0:
+            axis.add_patch(
+                Rectangle((low, bottom), high - low, height, fill=False, edgecolor=style.BLUE, linewidth=1.6)
+            )
+        else:
+            axis.plot([low, high], [bottom, bottom + height], "o-", color=style.BLUE, linewidth=1.6)
+        axis.set(xlim=(0, speed[-1]), ylim=(chart.force[0], chart.force[-1]))
+        axis.set(xlabel="Speed of the load [mm/s]", ylabel="Force against outward travel [N]")
+        axis.set_title(f"{'Outward' if chart.direction > 0 else 'Back'}")
+        if chart.boundaries:
+            axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
+    handles = [Patch(color=_COLOURS[KINDS[k]], label=_name(KINDS[k])) for k in sorted(seen)]
+    handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=7)
+    return figure
+
+
+def margin_chart(assessment: Assessment, name: str) -> Figure:
+    """Factors on each quantity at which the verdict on one mechanism changes."""
+    one = assessment.mechanisms[name]
+    rows = [
+        (CHANGES[row.quantity], row.factor)
+        for row in one.margins
+        if row.factor is not None and 1 / _MOST <= row.factor <= _MOST
+    ]
+    figure = style.new_figure(WIDTH, 0.75 + 0.2 * max(len(rows), 1))
+    axis = figure.subplots()
+    for k, (_, factor) in enumerate(rows):
+        place, right = math.log10(factor), factor > 1
+        axis.barh(k, place, color=style.GREEN if one.occurs else style.VERMILION, height=0.65)
+        axis.annotate(
+            f"×{factor:.3g}", (place, k), (3 if right else -3, 0), textcoords="offset points",
+            ha="left" if right else "right", va="center", fontsize=6.5,
+        )  # fmt: skip
+    axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
+    axis.invert_yaxis()
+    axis.axvline(0, color=style.BLACK, linewidth=0.8)
+    span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.5 + 0.05
+    axis.set_xlim(-span, span)
+    choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in _FACTORS]
+    ticks = next((marks for marks in choices if len(marks) > 2), choices[-1])
+    axis.set_xticks([math.log10(factor) for factor in ticks], [f"×{factor:g}" for factor in ticks])
+    axis.set_xlabel(f"Factor at which it {'ends' if one.occurs else 'starts'}")
+    return figure
+
+
+def motion_chart(motion: Motion) -> Figure:
+    """Phase plane of the screw and time history of the load, of one motion."""
+    figure = style.new_figure(WIDTH, 4.6)
+    plane, history = figure.subplots(2, 1)
+    moved = motion.vibration
+    turn, twist = (1e6, "µrad") if np.abs(moved.angle).max() < _SMALL else (1e3, "mrad")
+    plane.plot(turn * moved.angle, moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
+    if np.ptp(moved.speed) > _NOTABLE * np.abs(moved.speed).max():
+        plane.axhline(0, color=style.GREY, linewidth=0.6)
+    plane.set(xlabel=f"Twist of the coupling from steady running [{twist}]", ylabel="Screw speed [rpm]")
+    plane.set_title("How the screw turns")
+    time = moved.time
+    unit, factor = ("ms", 1e3) if time[-1] < 1 else ("s", 1.0)
+    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < _SMALL else (1e3, "mm")
+    if np.abs(moved.deviation).max() < 1e-3 * _SMALL:
+        size, micro = 1e9, "nm"
+    history.plot(factor * time, size * moved.deviation, color=style.VERMILION, linewidth=0.9)
+    history.set(xlabel=f"Time [{unit}]", ylabel=f"Load off its steady path [{micro}]")
+    history.set_title("How the load moves")
+    return figure
+
+
+def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
+    """Change of the reserve of one mechanism per one per cent of each quantity."""
+    table = assessment.mechanisms[name].sensitivities
+    rows = sorted(((CHANGES[key], 0.01 * value) for key, value in table.items() if value), key=lambda row: -abs(row[1]))
+    figure = style.new_figure(WIDTH, 0.8 + 0.2 * max(len(rows), 1))
+    axis = figure.subplots()
+    axis.barh(range(len(rows)), [row[1] for row in rows], height=0.65,
+              color=[style.GREEN if row[1] > 0 else style.VERMILION for row in rows])  # fmt: skip
+    axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
+    axis.invert_yaxis()
+    axis.axvline(0, color=style.BLACK, linewidth=0.8)
+    axis.set_xlabel("Change of the reserve for 1 % more")
+    axis.ticklabel_format(axis="x", style="plain")
+    return figure
+
+
+def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
+    """How the reserve of each mechanism is spread over the samples."""
+    figure = style.new_figure(WIDTH, 2.5)
+    axis = figure.subplots()
+    for name in names:
+        counts = assessment.uncertainty.probability[name].counts
+        axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
+    axis.axvspan(-1, 0, color="#F7E3DA", zorder=0)
+    axis.set(xlim=(-1, 1), xlabel="Reserve: below zero it vibrates", ylabel="Share of all drives")
+    axis.legend(fontsize=7)
+    return figure
+
+
+def sobol_chart(assessment: Assessment, name: str) -> Figure:
+    """Shares of the spread of a reserve that the uncertain entries cause, alone and with all others."""
+    first, total = (table[name] for table in (assessment.uncertainty.first_order, assessment.uncertainty.total))
+    names = sorted(total, key=lambda key: -total[key])
+    figure = style.new_figure(WIDTH, 1.0 + 0.32 * len(names))
+    axis = figure.subplots()
+    places = np.arange(len(names))
+    axis.barh(places - 0.18, [first[key] for key in names], height=0.34, color=style.BLUE, label="alone")
+    axis.barh(places + 0.18, [total[key] for key in names], height=0.34, color=style.SKY, label="with the others")
+    axis.set_yticks(places, names, fontsize=7)
+    axis.invert_yaxis()
+    axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
+    axis.legend(fontsize=7)
+    return figure
+
+
+def locking_chart(assessment: Assessment) -> Figure:
+    """The friction at which a thread holds its load by itself, over lead and diameter, and the rule of thumb."""
+    figure = style.new_figure(WIDTH, 2.6)
+    axis = figure.subplots()
+    ratio = np.linspace(0.0, max(1.0, 1.3 * assessment.values["lead"] / assessment.values["pitch_diameter"]), 200)
+    axis.plot(ratio, ratio / math.pi, color=style.BLACK)
+    axis.fill_between(ratio, ratio / math.pi, 0.4, color="#E8F3EC", zorder=0)
+    axis.axvline(1 / 3, color=style.GREY, linestyle="--", linewidth=0.9, label="rule of thumb: lead < diameter / 3")
+    place = assessment.values["lead"] / assessment.values["pitch_diameter"]
+    axis.plot(place, assessment.square_friction, "o", color=style.BLUE, label="this drive")
+    axis.set(xlim=(0, ratio[-1]), ylim=(0, max(0.4, 1.2 * assessment.square_friction)))
+    axis.text(0.03, 0.9, "holds its load", transform=axis.transAxes, fontsize=7)
+    axis.text(0.97, 0.05, "can be driven back", transform=axis.transAxes, ha="right", fontsize=7)
+    axis.set(xlabel="Lead / pitch diameter", ylabel="Friction coefficient")
+    axis.legend(fontsize=6.5, loc="center right")
+    return figure
+
+
+def _name(kind: str) -> str:
+    return _NAMES[kind] if kind in _NAMES else MECHANISMS[kind][0].lower()

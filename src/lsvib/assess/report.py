@@ -1,0 +1,301 @@
+"""The report: the verdict on a drive in plain words, with pictures and numbers, for an engineer."""
+
+import math
+
+import yaml
+
+from lsvib.assess import page, pictures
+from lsvib.assess.assessment import Assessment, Mechanism, Motion
+from lsvib.assess.chart import Chart
+from lsvib.assess.drive import QUANTITIES, random_entries
+from lsvib.assess.numbers import change, percent, shown
+from lsvib.assess.page import Html
+from lsvib.assess.sections import data_sheet, left_out, method
+from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, SHORT, VERDICTS
+
+_TONES = {"vibrates": "bad", "may vibrate": "warn", "steady until pushed": "warn", "steady without reserve": "warn"}
+_ADVICE = 3  # changes that the summary names
+_MARGINS = 3  # causes whose margins are drawn
+_NEAR = 10.0  # factor within which a margin is worth a bar
+_UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
+
+
+def report(assessment: Assessment, charts: list[Chart]) -> str:
+    """Return the report on an assessment as the text of one HTML page, which needs no other file."""
+    name = assessment.sheet.name
+    parts = [
+        page.heading(f"Will it vibrate? {name}", 1),
+        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'good')}"),
+        page.paragraph(_summary(assessment)),
+        page.cards(_cards(assessment)),
+        *_mechanisms(assessment),
+        *_changes(assessment),
+        *_operating(assessment, charts),
+        *_motions(assessment),
+        *_uncertainty(assessment),
+        *_locking(assessment),
+        *data_sheet(assessment),
+        *left_out(),
+        *method(assessment),
+    ]
+    return page.page(f"{name}: will it vibrate?", parts)
+
+
+def shown_mechanisms(assessment: Assessment) -> list[str]:
+    """Return the names of the mechanisms proper, those that occur or are nearest first."""
+    own = [name for name in assessment.mechanisms if name != "push_needed"]
+    return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
+
+
+def _where(one: Mechanism | Motion, assessment: Assessment) -> str:
+    direction, speed, force = one.corner
+    lead = assessment.values["lead"] / (2 * math.pi)
+    way = "outward" if direction > 0 else "back"
+    return (
+        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {shown(force, 'N')} against "
+        "outward travel"
+    )
+
+
+def _summary(assessment: Assessment) -> str:
+    found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
+    occurring = [one for one in found if one.occurs]
+    if occurring:
+        one = occurring[0]
+        best = [row for row in one.margins if row.factor is not None][:_ADVICE]
+        changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
+        advice = f" The smallest single changes that end it: {changes}." if best else ""
+        return f"The cause is {SHORT[one.name]}, first {_where(one, assessment)}.{advice}"
+    near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
+    if not near:
+        return "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+    _, one, row = min(near, key=lambda entry: entry[0])
+    return (
+        f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
+        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}."
+    )
+
+
+def _cards(assessment: Assessment) -> list[tuple[str, str]]:
+    lowering = assessment.efficiency["lowering"]
+    cards = [
+        ("yes" if assessment.self_locking else "no", "self-locking: holds its load without the motor"),
+        (percent(assessment.efficiency["lifting"]), "efficiency when moving against the load"),
+        ("needs torque" if lowering is None else percent(lowering), "efficiency when the load drives the screw back"),
+        (percent(assessment.uncertainty.any.value), "probability that it vibrates somewhere in the window"),
+    ]
+    worst = assessment.worst.vibration
+    if worst.vibrates:
+        cards.append(
+            (shown(worst.frequency, "Hz"), "frequency in the worst case" + (", audible" if worst.audible else ""))
+        )
+        cards.append((shown(worst.amplitude, "m"), "swing of the load in the worst case, to either side"))
+    return cards
+
+
+def _mechanisms(assessment: Assessment) -> list[Html]:
+    rows = []
+    for name in (*shown_mechanisms(assessment), "push_needed"):
+        one, (title, meaning) = assessment.mechanisms[name], MECHANISMS[name]
+        low, high = one.interval
+        spread = "" if low == high else f" (95 % sure: {percent(low)} to {percent(high)})"
+        best = next((row for row in one.margins if row.factor is not None), None)
+        if best is None:
+            margin = "no single change brings it about" if not one.occurs else "no single change ends it"
+        else:
+            margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
+        where = _where(one, assessment) if one.occurs else ""
+        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(where) if where else ''}")
+        cause = Html(f"{page.text(title)}{page.small(meaning)}")
+        most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
+        rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
+    absent = []
+    if "mode_coupling" not in assessment.mechanisms:
+        absent.append("Mode coupling of the support was not examined: the data sheet gives no support.")
+    if "thread_contact" not in assessment.mechanisms:
+        absent.append("The thread contact is taken as rigid: the data sheet gives no stiffness of it.")
+    return [
+        page.heading("What can make it vibrate"),
+        page.paragraph(
+            "The reserve says how far each cause is from setting in: +1 means that nothing drives it, 0 is the brink, "
+            "below 0 it occurs. It is what keeps the drive steady less what drives the swing, over the sum of both."
+        ),
+        page.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
+        *(page.paragraph(sentence) for sentence in absent),
+    ]
+
+
+def _changes(assessment: Assessment) -> list[Html]:
+    names = [
+        name for name in shown_mechanisms(assessment)
+        if any(row.factor and 1 / _NEAR <= row.factor <= _NEAR for row in assessment.mechanisms[name].margins)
+    ]  # fmt: skip
+    if not names:
+        return []
+    first = names[0]
+    best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
+    text = (
+        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
+        f"{CHANGES[best[0]]}: 1 % more changes the reserve by {0.01 * best[1]:+.4f}."
+    )
+    return [
+        page.heading("How close it is, and what to change"),
+        page.paragraph(
+            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes. Bars "
+            "that would need more than a factor of ten either way are left out; the complete table is in "
+            "assessment.json."
+        ),
+        page.side_by_side(
+            *(
+                page.picture(
+                    pictures.embedded(pictures.margin_chart, assessment, name),
+                    f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
+                )
+                for name in names[:_MARGINS]
+            ),
+            page.picture(
+                pictures.embedded(pictures.sensitivity_chart, assessment, first),
+                f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
+            ),
+        ),
+        page.paragraph(text),
+    ]
+
+
+def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
+    weight = assessment.sheet.load.tilt != 0
+    note = " The weight of the load comes on top of the force shown." if weight else ""
+    return [
+        page.heading("Where it vibrates"),
+        page.picture(
+            pictures.embedded(pictures.operating_chart, charts, assessment),
+            "Operating chart at the middle values: what happens at each speed and force. The blue frame is the "
+            f"operating window; a force above zero opposes outward travel.{note}",
+        ),
+    ]
+
+
+def _motions(assessment: Assessment) -> list[Html]:
+    same = assessment.worst is assessment.nominal
+    parts = [page.heading("What the vibration is")]
+    motions = [("At the given values" if same else "At the middle values", assessment.nominal)]
+    if not same:
+        motions.append(("In the worst case within the uncertainties", assessment.worst))
+    for title, motion in motions:
+        parts += _motion(title, motion, assessment)
+    return parts
+
+
+def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
+    moved, (push, sentence) = motion.vibration, motion.push
+    start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
+    parts = [
+        page.heading(title, 3),
+        page.paragraph(f"The drive is {_where(motion, assessment)}, where it is most at risk."),
+    ]
+    if motion is assessment.worst and motion is not assessment.nominal:
+        spreads = assessment.sheet.spreads()
+        values = ", ".join(
+            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
+        )
+        parts.append(page.paragraph(f"The values of this case: {values}."))
+    ends = ATTRACTORS.get(moved.attractor, moved.attractor)
+    if moved.reason is not None:
+        parts.append(page.paragraph(f"Of the motion {start} this is known: {moved.reason}"))
+    elif not moved.vibrates:
+        parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it returns to {ends}."))
+    else:
+        low, high = moved.load_speed
+        heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
+        rows = [
+            ("What it is", ends),
+            ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
+            ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
+            ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
+            ("Largest contact force of the threads", shown(moved.peak_force, "N")),
+        ]
+        if moved.impulse:
+            rows.append(
+                ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
+            )
+        parts.append(page.table(["", start[0].upper() + start[1:]], rows))
+    lead = motion.values["lead"] / (2 * math.pi)
+    if push is not None and math.isfinite(push) and push > 0:
+        parts.append(
+            page.paragraph(
+                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
+                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
+            )
+        )
+    elif push is not None and math.isinf(push):
+        parts.append(page.paragraph(sentence))
+    if moved.time.size:
+        caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
+        parts.append(
+            page.picture(
+                pictures.embedded(pictures.motion_chart, motion), f"{caption}, {title.lower()}.".replace(" ,", ",")
+            )
+        )
+    if moved.scene and moved.time.size:
+        parts += [
+            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
+            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
+            page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
+        ]  # fmt: skip
+    return parts
+
+
+def _uncertainty(assessment: Assessment) -> list[Html]:
+    spread = assessment.uncertainty
+    if spread.samples == 1:
+        return [
+            page.heading("How sure this is"),
+            page.paragraph("The data sheet gives single values only, so nothing was sampled."),
+        ]
+    names = shown_mechanisms(assessment)
+    low, high = spread.any.interval
+    parts = [
+        page.heading("How sure this is"),
+        page.paragraph(
+            f"{spread.samples} drives were drawn from the given ranges and distributions. {percent(spread.any.value)} "
+            f"of them vibrate somewhere in the operating window (95 % sure: {percent(low)} to {percent(high)})."
+        ),
+    ]
+    charts = [
+        page.picture(
+            pictures.embedded(pictures.reserve_chart, assessment, names), "How the reserve is spread over these drives."
+        )
+    ]
+    name = next((name for name in names if name in spread.total), None)
+    if name is not None:
+        charts.append(
+            page.picture(
+                pictures.embedded(pictures.sobol_chart, assessment, name),
+                f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol "
+                "indices). The longest bar is what to measure first.",
+            )
+        )
+    return [*parts, page.side_by_side(*charts)]
+
+
+def _locking(assessment: Assessment) -> list[Html]:
+    lifting, lowering = assessment.efficiency["lifting"], assessment.efficiency["lowering"]
+    holds = (
+        "The thread is self-locking: friction alone holds the load, and the motor has to drive it down as well as up."
+        if assessment.self_locking
+        else "The thread is not self-locking: the load can drive the screw back, with an efficiency of "
+        f"{percent(lowering)}."
+    )
+    third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
+    rule = (
+        f"By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
+        f"{'self-locking' if third else 'back-drivable'}; the rule is right for friction above 0.106 only."
+    )
+    return [
+        page.heading("Efficiency and self-locking"),
+        page.paragraph(f"Against the load the thread works with an efficiency of {percent(lifting)}. {holds} {rule}"),
+        page.picture(
+            pictures.embedded(pictures.locking_chart, assessment),
+            "Friction at which a thread holds its load by itself.",
+        ),
+    ]

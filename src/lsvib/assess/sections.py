@@ -1,0 +1,99 @@
+"""The parts of the report that say what went in: the data sheet with its sources, the limits, and the method."""
+
+from lsvib.assess import page
+from lsvib.assess.assessment import Assessment
+from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.fields import Curve
+from lsvib.assess.numbers import shown
+from lsvib.assess.page import Html
+from lsvib.assess.spread import Spread
+from lsvib.assess.words import LEFT_OUT
+
+_KINDS = {"uniform": "anywhere in the range", "triangular": "triangular", "normal": "normal", "lognormal": "lognormal"}
+_TAKEN = {
+    "damping.rotational": "no rotational damping is given: none is taken, which is on the safe side",
+    "damping.translational": "no damping of the load's travel is given: none is taken; such damping can start negative "
+    "damping, so it is not always on the safe side",
+    "load.force": "no force on the load is given: none is taken besides its weight",
+    "screw.material": "no material of the screw is given: steel is taken",
+    "thread.half_angle": "no flank angle is given: a square thread is taken",
+}
+
+
+def data_sheet(assessment: Assessment) -> list[Html]:
+    """The entries as given, each with its source or marked as an assumption, and the quantities that follow."""
+    sheet, rows = assessment.sheet, []
+    for path, entry in sheet.entries():
+        if entry is None:
+            continue
+        rows.append((path.replace(".", ": ").replace("_", " "), _entry(entry), _origin(assessment, path)))
+    found = [(QUANTITIES[key][0], shown(value, QUANTITIES[key][1])) for key, value in assessment.values.items()]
+    return [
+        page.heading("The data sheet"),
+        page.table(["Entry", "Given", "Where it comes from"], rows),
+        *(
+            [page.paragraph("Assumed because it is not given:"), page.bullets(_missing(assessment))]
+            if _missing(assessment)
+            else []
+        ),
+        page.heading("What follows from it, at the middle values", 3),
+        page.table(["Quantity", "Value"], [(name[0].upper() + name[1:], value) for name, value in found]),
+    ]
+
+
+def _entry(entry: object) -> str:
+    if isinstance(entry, Spread):
+        return entry.text if entry.kind == "value" else f"{entry.text} ({_KINDS[entry.kind]})"
+    if isinstance(entry, Curve):
+        pairs = zip(entry.speeds, entry.coefficients, strict=True)
+        return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in pairs)
+    lead = getattr(entry, "lead", None)
+    if lead is not None:
+        return f"lead {shown(lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
+    return str(entry)
+
+
+def _origin(assessment: Assessment, path: str) -> Html:
+    part = path.partition(".")[0]
+    sheet = assessment.sheet
+    for key in (path, part):
+        if key in sheet.assumptions:
+            return Html(f'<span class="assumed">assumed</span> {page.text(sheet.assumptions[key])}')
+        if key in sheet.sources:
+            return page.text(sheet.sources[key])
+    return page.text("as given")
+
+
+def _missing(assessment: Assessment) -> list[str]:
+    given, sheet = assessment.sheet.paths(), assessment.sheet
+    needed = {path: sentence for path, sentence in _TAKEN.items() if path not in given}
+    if sheet.screw.inertia is not None or sheet.screw.density is not None:
+        needed.pop("screw.material", None)
+    if sheet.thread.size is not None:
+        needed.pop("thread.half_angle", None)
+    return [sentence[0].upper() + sentence[1:] + "." for sentence in needed.values()]
+
+
+def left_out() -> list[Html]:
+    """What the model does not know."""
+    return [page.heading("What this model leaves out"), page.bullets(LEFT_OUT)]
+
+
+def method(assessment: Assessment) -> list[Html]:
+    """How the numbers were found, in a few sentences."""
+    return [
+        page.heading("How it was computed"),
+        page.paragraph(
+            "The screw, its coupling and the load are a swing with friction in the threads (Vahid-Araghi and "
+            "Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8). Whether a cause "
+            "occurs is decided by exact signs of closed formulas; where there is none, by the equation of small "
+            "swings. Motions are computed exactly from one event (standstill, loss of contact, impact) to the next, "
+            "without time steps. Margins are found by root finding on those conditions."
+        ),
+        page.paragraph(
+            f"Samples: {assessment.uncertainty.samples} points of a scrambled Sobol sequence, seed "
+            f"{assessment.seed}. The intervals of probability are those of Clopper and Pearson at 95 %, as if the "
+            "samples were independent, which is on the safe side. All of the numbers are in assessment.json and, with "
+            "the chart and the motions, in assessment.nc."
+        ),
+    ]

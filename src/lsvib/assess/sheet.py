@@ -1,0 +1,244 @@
+"""The data sheet of a drive: one YAML file in the words and units of an engineer, checked as a whole."""
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lsvib.assess import fields
+from lsvib.assess.spread import Spread
+from lsvib.assess.units import NotQuantity, quantity
+from lsvib.drives.scene import read_yaml
+from lsvib.errors import InputError
+from lsvib.numbers import NotNumber, shown, whole
+
+DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}
+"""kg/m³, of the usual alloys, to one per cent."""
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def _starts(value: Any) -> int:
+    try:
+        count = whole(value)
+    except NotNumber as error:
+        raise NotQuantity(f"= {shown(value)} {error}") from None
+    if not 1 <= count <= 50:
+        raise NotQuantity(f"= {count} is outside the allowed range 1 <= value <= 50")
+    return count
+
+
+class Thread(_Part):
+    """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
+
+    size: fields.Size | None = None
+    lead: fields.Length | None = None
+    lead_angle: fields.LeadAngle | None = None
+    pitch: fields.Length | None = None
+    starts: Annotated[int, BeforeValidator(_starts)] = 1
+    nominal_diameter: fields.Length | None = None
+    pitch_diameter: fields.Length | None = None
+    half_angle: fields.HalfAngle | None = None
+
+    def problem(self) -> str | None:
+        """Return what does not fit together, or None."""
+        others = ("lead", "lead_angle", "pitch", "nominal_diameter", "pitch_diameter", "half_angle")
+        given = [key for key in others if getattr(self, key) is not None]
+        if self.size is not None:
+            return f"thread.size and thread.{given[0]} are both given; give one of them." if given else None
+        leads = [key for key in ("lead", "lead_angle") if key in given]
+        if len(leads) == 2:
+            return "thread.lead and thread.lead_angle are both given; give one of them."
+        if not leads and "pitch" not in given:
+            return "thread has no lead; give size, lead, lead_angle, or pitch and starts."
+        diameters = [key for key in ("nominal_diameter", "pitch_diameter") if key in given]
+        if len(diameters) != 1:
+            which = "are both given; give one of them" if diameters else "are both missing; give one of them"
+            return f"thread.nominal_diameter and thread.pitch_diameter {which}."
+        if diameters == ["nominal_diameter"] and not {"pitch", "lead"} & set(given):
+            return "thread.nominal_diameter needs thread.pitch or thread.lead, from which the pitch diameter follows."
+        return None
+
+
+class Screw(_Part):
+    """What turns: an inertia, or a cylinder; its mass is needed with a support only."""
+
+    inertia: fields.Inertia | None = None
+    length: fields.Length | None = None
+    diameter: fields.Length | None = None
+    material: str | None = None
+    density: fields.Density | None = None
+    mass: fields.Mass | None = None
+
+    def problem(self) -> str | None:
+        """Return what does not fit together, or None."""
+        if (self.inertia is None) == (self.length is None):
+            which = "are both given" if self.inertia is not None else "are both missing"
+            return f"screw.inertia and screw.length {which}; give one of them."
+        if self.material is not None and self.material not in DENSITIES:
+            return (
+                f"screw.material = {shown(self.material)} is not one of {', '.join(DENSITIES)}; or give screw.density."
+            )
+        if self.material is not None and self.density is not None:
+            return "screw.material and screw.density are both given; give one of them."
+        return None
+
+
+class Coupling(_Part):
+    """What joins motor and screw; with a gear the stiffness is that on the side of the motor."""
+
+    stiffness: fields.Torsion
+    gear_ratio: fields.Ratio | None = None
+    inertia: fields.MoreInertia | None = None
+
+
+class Load(_Part):
+    """What is moved, and what it is pushed with: a positive force opposes outward travel."""
+
+    mass: fields.Mass
+    force: fields.Force | None = None
+    orientation: Any = "horizontal"
+
+    def problem(self) -> str | None:
+        """Return what does not fit together, or None."""
+        if self.orientation in ("horizontal", "vertical"):
+            return None
+        try:
+            tilt = quantity(self.orientation, "rad")[0]
+        except NotQuantity as error:
+            return f"load.orientation {error}, horizontal or vertical."
+        if abs(tilt) > math.pi / 2:
+            return f"load.orientation = {self.orientation} is outside the allowed range -90 deg <= value <= 90 deg."
+        return None
+
+    @property
+    def tilt(self) -> float:
+        """Angle of the axis above the horizontal [rad]; outward is upward."""
+        words = {"horizontal": 0.0, "vertical": math.pi / 2}
+        return words[self.orientation] if self.orientation in words else quantity(self.orientation, "rad")[0]
+
+
+class Operation(_Part):
+    """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
+
+    speed: fields.Speed
+    direction: Literal["out", "back", "both"] = "both"
+
+
+class Friction(_Part):
+    """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed."""
+
+    coefficient: fields.Coefficient | None = None
+    efficiency: fields.Efficiency | None = None
+    curve: fields.FrictionCurve | None = None
+    slope: fields.Slope | None = None
+
+    def problem(self) -> str | None:
+        """Return what does not fit together, or None."""
+        keys = [key for key in ("coefficient", "efficiency", "curve") if getattr(self, key) is not None]
+        if len(keys) != 1:
+            which = f"has {' and '.join(keys)}" if keys else "has none of coefficient, efficiency, curve"
+            return f"friction {which}; give one of them."
+        if self.curve is not None and self.slope is not None:
+            return "friction.curve and friction.slope are both given; give one of them."
+        return None
+
+
+class Dampings(_Part):
+    """Viscous damping of the rotation of the screw, and of the travel of the load."""
+
+    rotational: fields.TurningDamping | None = None
+    translational: fields.Damping | None = None
+
+
+class Spring(_Part):
+    """A spring with a damper, of the thread contact or of the axial support."""
+
+    stiffness: fields.Stiffness
+    damping: fields.Damping | None = None
+
+
+class Sheet(_Part):
+    """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from."""
+
+    name: str = Field(min_length=1, max_length=200)
+    thread: Thread
+    screw: Screw
+    coupling: Coupling
+    load: Load
+    operation: Operation
+    friction: Friction
+    damping: Dampings = Dampings()
+    contact: Spring | None = None
+    support: Spring | None = None
+    sources: dict[str, str] = Field(default_factory=dict)
+    assumptions: dict[str, str] = Field(default_factory=dict)
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a sheet from names and values; raises ``InputError`` in one sentence."""
+        if isinstance(values, Mapping) and values.get("contact") == "rigid":
+            values = {key: value for key, value in values.items() if key != "contact"}
+        try:
+            sheet = cls.model_validate(dict(values))
+        except ValidationError as error:
+            raise InputError(_sentence(error)) from None
+        except RecursionError:
+            raise InputError("The data sheet is nested too deeply.") from None
+        for part in (sheet.thread, sheet.screw, sheet.load, sheet.friction):
+            if (problem := part.problem()) is not None:
+                raise InputError(problem)
+        if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
+            raise InputError("support needs screw.mass, or screw.length from which it follows.")
+        for table in ("sources", "assumptions"):
+            for path in getattr(sheet, table):
+                if path not in sheet.paths():
+                    raise InputError(f"{table} speaks of {shown(path)}, which the sheet does not give.")
+        return sheet
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read a sheet from a YAML file; raises ``InputError`` in one sentence."""
+        return cls.of(read_yaml(path))
+
+    def entries(self) -> Iterator[tuple[str, Any]]:
+        """Yield the entries that are given, such as (load.mass, spread)."""
+        for part, value in self:
+            if isinstance(value, _Part):
+                yield from ((f"{part}.{key}", entry) for key, entry in value if key in value.model_fields_set)
+
+    def paths(self) -> set[str]:
+        """Return the names of the entries that are given, and of the parts."""
+        found = {path for path, _ in self.entries()}
+        return found | {path.partition(".")[0] for path in found}
+
+    def spreads(self) -> dict[str, Spread]:
+        """Return the quantities that are given, by name."""
+        return {path: value for path, value in self.entries() if isinstance(value, Spread)}
+
+
+def _sentence(error: ValidationError) -> str:
+    """One sentence about the first complaint of pydantic, a misspelt key before a missing one."""
+    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
+    path, kind = ".".join(str(part) for part in first["loc"]), first["type"]
+    cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, NotQuantity):
+        return f"{path} {cause}."
+    if kind == "extra_forbidden":
+        part: Any = Sheet
+        for key in first["loc"][:-1]:
+            annotation = part.model_fields[str(key)].annotation
+            kinds = (annotation, *getattr(annotation, "__args__", ()))
+            part = next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))
+        return f"{path} is not a known key; the known keys are {', '.join(part.model_fields)}."
+    if kind == "missing":
+        return f"{path} is missing."
+    if kind == "literal_error":
+        return f"{path} = {shown(first['input'])} is not one of {first['ctx']['expected'].replace(chr(39), '')}."
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"{path} = {shown(first['input'])} does not hold names and values."
+    return f"{path} = {shown(first['input'])} is not acceptable: {first['msg']}."

@@ -1,0 +1,246 @@
+"""Probability of each mechanism over the uncertain entries of a sheet, by quasi-Monte Carlo; what causes the spread.
+
+The samples are points of one scrambled Sobol sequence, cut into blocks whose results do not depend on how many blocks
+are computed, by whom, or in which order; so a run can be spread over threads and machines, and taken up again.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.stats import binomtest, qmc, sobol_indices, uniform
+
+from lsvib.assess.drive import nominal_draw, quantities, random_entries
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.window import Worst, worst
+from lsvib.errors import InputError
+from lsvib.files import replacing
+
+BLOCK = 2**12  # samples: small enough for progress, large enough that NumPy's overhead does not count
+CONFIDENCE = 0.95
+BINS = np.linspace(-1.0, 1.0, 41)
+"""Edges of the classes of reserve that samples are counted in."""
+_EDGE = 1e-9  # of the unit interval: keeps quantiles off the ends
+_STARTS = 4  # of the search for the worst case
+
+
+@dataclass(frozen=True)
+class Probability:
+    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; ``counts`` by reserve."""
+
+    value: float
+    interval: tuple[float, float]
+    counts: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """What the samples say: ``samples``, ``probability`` by mechanism, ``any`` of them, and the worst ``share``s.
+
+    ``first_order`` and ``total``: Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
+    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism.
+    """
+
+    samples: int
+    probability: dict[str, Probability]
+    any: Probability
+    first_order: dict[str, dict[str, float]]
+    total: dict[str, dict[str, float]]
+    lowest: dict[str, NDArray[np.float64]]
+
+
+def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the entries of a sheet for points (d, n) of the unit cube, one coordinate to an uncertain entry."""
+    draw: dict[str, Any] = dict(nominal_draw(sheet))
+    spreads = sheet.spreads()
+    for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
+        draw[path] = spreads[path].quantile(np.clip(share, _EDGE, 1 - _EDGE))
+    return draw
+
+
+def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Worst]:
+    """Return the lowest reserve of each mechanism over the window for points (d, n) of the unit cube.
+
+    Raises ``InputError`` if the friction of one of them is so strong that the drive cannot move at all.
+    """
+    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
+    size = shares.shape[1]
+    found = {
+        name: Worst(np.broadcast_to(one.reserve, (size,)), np.broadcast_to(one.corner, (size,)))
+        for name, one in found.items()
+    }
+    if any(np.isnan(one.reserve).any() for one in found.values()):
+        raise InputError(
+            "friction reaches values at which the threads jam whatever the torque, coefficient >= cot(lead angle); "
+            "narrow friction or the lead of the thread."
+        )
+    return found
+
+
+def study(
+    sheet: Sheet,
+    samples: int,
+    seed: int,
+    threads: int = 1,
+    folder: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Uncertainty:
+    """Sample the uncertain entries of a sheet.
+
+    ``samples``: a power of two; ``seed``: of the scrambling; ``threads``: blocks at a time; ``folder``: where finished
+    blocks are kept, so that a run that was stopped goes on; ``progress(done, total)``: told of blocks. Raises
+    ``InputError`` in one sentence.
+    """
+    entries = random_entries(sheet)
+    blocks = range(max(1, samples // BLOCK)) if entries else range(1)
+    count = min(samples, BLOCK) if entries else 1
+    key = _key(sheet, samples, seed)
+    done = 0
+
+    def one(index: int) -> dict[str, Any]:
+        nonlocal done
+        result = _stored(folder, key, index)
+        if result is None:
+            result = _block(sheet, entries, count, seed, index)
+            _store(folder, key, index, result)
+        done += 1
+        if progress is not None:
+            progress(done, len(blocks))
+        return result
+
+    with ThreadPoolExecutor(threads) as pool:
+        results = list(pool.map(one, blocks))
+    total = count * len(blocks)
+    names = [name for name in results[0]["counts"] if name != "any"]
+    probability = {name: _probability(results, name, total, bool(entries)) for name in (*names, "any")}
+    lowest = {
+        name: np.array(min((result["lowest"][name] for result in results), key=lambda low: low[0])[1]) for name in names
+    }
+    first, whole = _indices(sheet, entries, min(samples, BLOCK), seed) if entries else ({}, {})
+    return Uncertainty(total, {name: probability[name] for name in names}, probability["any"], first, whole, lowest)
+
+
+def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: int, parts: int) -> int:
+    """Compute and keep every ``parts``-th block from the ``part``-th (1, 2, …) on, for :func:`study`.
+
+    Returns the number of these blocks.
+    """
+    entries = random_entries(sheet)
+    blocks = range(part - 1, max(1, samples // BLOCK), parts) if entries else range(0)
+    key = _key(sheet, samples, seed)
+    for index in blocks:
+        if _stored(folder, key, index) is None:
+            _store(folder, key, index, _block(sheet, entries, min(samples, BLOCK), seed, index))
+    return len(blocks)
+
+
+def _block(sheet: Sheet, entries: Sequence[str], count: int, seed: int, index: int) -> dict[str, Any]:
+    """Counts of occurrence over one block by mechanism and in classes of reserve; lowest reserve with its place."""
+    if entries:
+        sequence = qmc.Sobol(len(entries), scramble=True, rng=seed)
+        if index:
+            sequence.fast_forward(index * count)
+        shares = sequence.random(count).T
+    else:
+        shares = np.zeros((0, 1))
+    found = evaluated(sheet, shares) if entries else worst(sheet, quantities(sheet, nominal_draw(sheet)))
+    occurs = {name: one.reserve < 0 for name, one in found.items()}
+    anything = np.any([flags for name, flags in occurs.items() if name != "push_needed"], axis=0)
+    counts = {name: int(np.count_nonzero(flags)) for name, flags in {**occurs, "any": anything}.items()}
+    classes = {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0].tolist() for name, one in found.items()}
+    lowest = {}
+    for name, one in found.items():
+        at = int(np.argmin(one.reserve))
+        lowest[name] = [float(one.reserve[at]), shares[:, at].tolist()]
+    return {"counts": counts, "classes": classes, "lowest": lowest}
+
+
+def _probability(results: list[dict[str, Any]], name: str, total: int, random: bool) -> Probability:
+    """A share with the interval of Clopper and Pearson, as if the samples were independent.
+
+    Points of a scrambled Sobol sequence scatter less than independent ones, so the interval is on the safe side. A
+    sheet with nothing uncertain has a probability of exactly 0 or 1.
+    """
+    hits = sum(result["counts"][name] for result in results)
+    classes = np.sum([result["classes"][name] for result in results], axis=0) if name in results[0]["classes"] else []
+    share = hits / total
+    if not random:
+        return Probability(share, (share, share), np.asarray(classes))
+    ends = binomtest(hits, total).proportion_ci(CONFIDENCE, "exact")
+    return Probability(share, (float(ends.low), float(ends.high)), np.asarray(classes))
+
+
+def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tuple[dict, dict]:
+    """Sobol indices of the reserve of each mechanism that varies, first order and total."""
+    names = [n for n, one in evaluated(sheet, np.full((len(entries), 1), 0.5)).items() if n != "push_needed"]
+
+    def reserve(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        found = evaluated(sheet, shares)
+        return np.stack([found[name].reserve for name in names])
+
+    trial = reserve(qmc.Sobol(len(entries), scramble=True, rng=seed).random(64).T)
+    varied = [k for k, row in enumerate(trial) if np.ptp(row) > 0]
+    if not varied:
+        return {}, {}
+    result = sobol_indices(func=lambda x: reserve(x)[varied], n=count, dists=[uniform()] * len(entries), rng=seed)
+    first, total = (np.reshape(part, (len(varied), len(entries))) for part in (result.first_order, result.total_order))
+    tables = []
+    for part in (first, total):
+        tables.append(
+            {names[k]: dict(zip(entries, map(float, row), strict=True)) for k, row in zip(varied, part, strict=True)}
+        )
+    return tables[0], tables[1]
+
+
+def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the place (d) of the unit cube where the reserve of a mechanism is lowest, by search from a sample.
+
+    Each entry is first tried at both of its ends, then all are moved together by the method of Nelder and Mead.
+    """
+    best = np.array(start, dtype=float)
+    if not best.size:
+        return best
+
+    def reserve(shares: NDArray[np.float64]) -> float:
+        return float(evaluated(sheet, np.clip(shares, 0.0, 1.0)[:, None])[name].reserve[0])
+
+    for _ in range(_STARTS):
+        before = best.copy()
+        for k in range(best.size):
+            rows = [np.concatenate([best[:k], [end], best[k + 1 :]]) for end in (best[k], 0.0, 1.0)]
+            best = min(rows, key=reserve)
+        if np.array_equal(before, best):
+            break
+    found = minimize(reserve, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * best.size, options={"maxfev": 400})
+    return found.x if found.fun < reserve(best) else best
+
+
+def _key(sheet: Sheet, samples: int, seed: int) -> str:
+    """A name for what the blocks are made of."""
+    text = json.dumps([repr(sorted(sheet.entries(), key=lambda pair: pair[0])), samples, seed])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _stored(folder: Path | None, key: str, index: int) -> dict[str, Any] | None:
+    if folder is None:
+        return None
+    try:
+        return json.loads((folder / f"{key}_{index}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):  # not there, or cut off
+        return None
+
+
+def _store(folder: Path | None, key: str, index: int, result: dict[str, Any]) -> None:
+    if folder is None:
+        return
+    os.makedirs(folder, exist_ok=True)
+    with replacing(folder / f"{key}_{index}.json") as part:
+        part.write_text(json.dumps(result), encoding="utf-8")

@@ -1,0 +1,196 @@
+"""The motion of one drive at one point of operation: what the vibration is, and how large a push it takes."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.sheet import Sheet
+from lsvib.basins.exact_basin import basin
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.cycles.impulses import event_impulses
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import Model, find_model
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import EngineError, InputError
+
+AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears
+_NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
+_PERIODS = 6  # shown of a cycle
+_GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is shown starts, and what it has to reach
+_DOUBLINGS = 6  # of the time shown; slower growth is shown in part
+_SAMPLES = 1200
+_STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
+_EVENTS = 20_000  # after which a motion counts as unresolved: a fraction of a second of work
+_FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
+_MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Where a motion ends that starts next to steady sliding.
+
+    ``model``: of the package; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
+    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``peak_force``: the
+    largest contact force between impacts [N], ``impulse``: the largest impulse of an impact [N s] (0 without).
+    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
+    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its start. ``reason``: why nothing is
+    known, if so.
+    """
+
+    model: str
+    attractor: str
+    frequency: float | None = None
+    amplitude: float | None = None
+    load_speed: tuple[float, float] | None = None
+    peak_force: float | None = None
+    impulse: float | None = None
+    scene: dict[str, Any] = field(default_factory=dict)
+    time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    speed: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    angle: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    reason: str | None = None
+
+    @property
+    def vibrates(self) -> bool:
+        """Whether the motion ends in a cycle."""
+        return self.frequency is not None
+
+    @property
+    def audible(self) -> bool:
+        """Whether its frequency lies within what people hear; the harmonics of a lower one may be heard as knocks."""
+        return self.frequency is not None and AUDIBLE[0] <= self.frequency <= AUDIBLE[1]
+
+
+def vibration(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str = "rigid", push: float = _NUDGE
+) -> Vibration:
+    """Follow the motion of a drive from near steady sliding, u = 0, w = ``push`` Ω, to where it ends.
+
+    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed: a slope
+    is not part of the motion.
+    """
+    model = _MODELS[part]
+    try:
+        drive = drive_of(sheet, values, *corner, part)
+        kind = find_model(model)
+        start = {"u": 0.0, "w": push * drive.input_speed}
+        options = tuple(kind.options) + tuple(term for term in kind.terms if getattr(drive, term) != 0)
+        automaton = kind.build(drive, options, "contact_sign")
+        state = kind.initial_state(drive, start)
+        end = steady_state(automaton, state, max_events=_EVENTS)
+    except (InputError, EngineError) as error:
+        return Vibration(model, "unknown", reason=str(error))
+    words = end.label.name.lower().replace("_", " ")
+    try:
+        start, span, times, states = _shown(drive, kind, automaton, start, end)
+    except EngineError as error:
+        return Vibration(model, words, reason=str(error))
+    scene = {"model": model, "drive": drive.model_dump(), "initial": start, "t_end": span, "samples": _SAMPLES + 1}
+    row = _load_row(drive, automaton.states)
+    shown = {
+        "scene": scene,
+        "time": times,
+        "deviation": states @ row,
+        "speed": states[:, 1] + drive.input_speed,
+        "angle": states[:, 0],
+    }
+    if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
+        reason = None if end.label == Attractor.STEADY_SLIDING else f"the motion ends in {words}"
+        return Vibration(model, words, reason=reason, **shown)
+    return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **shown)
+
+
+def _shown(
+    drive: RigidParameters, kind: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
+    """Start, duration [s], times and states of a motion to be looked at.
+
+    A motion that ends in a cycle starts from a part of its speed, so that its growth takes little time, and goes on for
+    some periods after it has nearly the size of the cycle; any other starts as given and goes on for some swings.
+    """
+    swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
+    span, size = 2 * _PERIODS * swing, 0.0
+    if end.orbit is not None:
+        span = _PERIODS * end.period
+        row = np.eye(1, len(automaton.states) + 1, 1)[0]  # w
+        size = max(map(abs, orbit_extremes(end.orbit, row)))
+        start = {**start, "w": math.copysign(max(abs(start["w"]), _GROWN * size), start["w"])}
+    for _ in range(_DOUBLINGS):
+        motion = follow(automaton, kind.initial_state(drive, start), span)
+        times = np.linspace(0.0, span, _SAMPLES + 1)
+        states, _ = motion.at(times)
+        if np.abs(states[times > 0.5 * span, 1]).max() >= _NEARLY * size:
+            break
+        span *= 2
+    return start, span, times, states
+
+
+def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.float64]:
+    """Displacement of the load from steady travel [m] as a row over the state."""
+    row = np.zeros(len(states))
+    row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
+    if len(states) > 2:
+        row[2] = 1.0  # shift of the screw, or mismatch of the threads [m]
+    return row
+
+
+def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+    automaton = orbit.automaton
+    low, high = orbit_extremes(orbit, np.append(row, 0.0))
+    rates = np.zeros(row.size + 1)
+    rates[1], rates[-1] = row[0], row[0] * drive.input_speed
+    if row.size > 2:
+        rates[3] = 1.0
+    impulses = np.abs(event_impulses(drive, orbit).normal)
+    slowest, fastest = orbit_extremes(orbit, rates)
+    if abs(slowest) < _STANDSTILL * abs(fastest):
+        slowest = 0.0
+    elif abs(fastest) < _STANDSTILL * abs(slowest):
+        fastest = 0.0
+    return {
+        "frequency": 1 / orbit.end_time,
+        "amplitude": 0.5 * (high - low),
+        "load_speed": (slowest, fastest),
+        "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
+        "impulse": float(impulses.max(initial=0.0)),
+    }
+
+
+def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
+    """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
+
+    By the boundary of the region of attraction of the rigid drive (:mod:`lsvib.basins.exact_basin`), in closed form,
+    and bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
+    unstable, None if it is not known; and a sentence.
+    """
+    try:
+        region = basin(drive_of(sheet, values, *corner))
+    except InputError as error:
+        text = str(error)
+        return (0.0 if "attracts nothing" in text else None), text
+    except EngineError as error:
+        return None, str(error)
+    if not region.curves:
+        return math.inf, "Steady motion comes back after any push."
+    speed = abs(region.drive.input_speed)
+    sizes = np.geomspace(1e-6, _FARTHEST, 401) * speed
+    found = math.inf
+    for sign in (1, -1):
+        lost = next((k for k, size in enumerate(sizes) if not region.contains((0.0, sign * size))), None)
+        if lost is None:
+            continue
+        below, above = (0.0 if lost == 0 else sizes[lost - 1]), sizes[lost]
+        for _ in range(60):  # a factor of 1.06, to the last bits
+            middle = 0.5 * (below + above)
+            below, above = (middle, above) if region.contains((0.0, sign * middle)) else (below, middle)
+        found = min(found, float(above))
+    if math.isinf(found):
+        return found, "Steady motion comes back after any push of the screw's speed."
+    return found, "A larger sudden change of the screw's speed ends in vibration that goes on."

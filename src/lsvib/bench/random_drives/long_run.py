@@ -1,0 +1,147 @@
+"""What becomes of a motion of a drive with four states in the end, judged by a long run of strides.
+
+It shares nothing with the engine: Newton's laws are those of the references, the method is that of
+:mod:`lsvib.bench.second_opinions.strides`. The motion
+
+* *settles* if it has come to a mode whose own rates, found with many digits, leave all its conditions positive for
+  ever: each is bounded by its value at the mode's equilibrium less the amplitudes of all parts. Then it is steady
+  sliding where all parts die away, and a neutral family where one goes on for ever;
+* *cycles* if the same events have come back many times, with states that repeat to rounding, or that come closer to
+  each other by the same factor from turn to turn, so that the rest of the way is small;
+* else it is *unknown*: a motion that drifts slowly, is chaotic, or was followed for too short a time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from mpmath import mp
+
+from lsvib.bench.random_drives import linear_judge
+from lsvib.bench.reference.rigid_digits import RigidTrueDrive
+from lsvib.bench.second_opinions import strides
+from lsvib.bench.second_opinions.endings import AMBIGUOUS, LATE, TIME_REACHED
+from lsvib.bench.second_opinions.stride_constants import ABSENT, Ladders, ladders
+from lsvib.bench.sweeps.wide_drives import WideDrive
+
+_EVENTS, _STRIDES = 20_000, 200_000  # of a run
+_LONG = 1000.0  # of the slowest time near steady sliding, in which a damped motion dies away
+_LONGEST = 1e13  # of the fastest time: as many rungs of the ladder as fit a double
+_DIGITS = 60
+_NONE = 1e-25  # of the largest rate: a real part below it is the rounding of pairs of doubles
+_GONE = 1e-14  # of the sum of its terms: a part that is rounding
+_PERIODS = 64  # events in the longest pattern
+_TIMES = 12  # it must have come back
+_REPEATS = 1e-12  # of the size of the motion
+_FASTER = 0.97  # by which factor, at most, a slow motion comes closer in one turn
+_NEAR = 1e-2  # of the size of the motion: the way that is left
+
+
+class Fate(NamedTuple):
+    """Name of the attractor as in ``lsvib.cycles.attractors.Attractor``, or ``unknown``; why."""
+
+    name: str
+    reason: str
+
+
+def constants_of(wide: WideDrive) -> tuple[Ladders, float]:
+    """Constants of a drive for motions that last for long, and how long [s]."""
+    rates = linear_judge.rates(wide)
+    sizes = [max(abs(float(mp.re(x))), 1e-300) for x in rates] + [abs(float(mp.im(x))) for x in rates if mp.im(x)]
+    fastest = max(abs(complex(x)) for x in rates)
+    longest = min(_LONG / min(sizes), _LONGEST / fastest)
+    slide, bearing = ("slide_friction" in wide.physics, "bearing_friction" in wide.physics)
+    return ladders(wide.model, dict(wide.drive), slide, bearing, longest), longest
+
+
+def fate(wide: WideDrive, k: int, c: Ladders, longest: float) -> Fate:
+    """Follow motion ``k`` of a drive for long."""
+    # The mismatch of threads counts from N = 0; in the Painlevé region steady sliding under law +1 is no motion.
+    if wide.model != "threads" and not c.paradox and not wide.starts[k].any():
+        return Fate("steady_sliding", "in equilibrium")
+    times, states = np.empty(_EVENTS), np.empty((_EVENTS, 4))
+    before, after, fired = (np.empty(_EVENTS, dtype=np.int64) for _ in range(3))
+    end, size = np.empty(4), np.empty(4)
+    status, count, mode = strides.follow(
+        c, wide.starts[k], longest, _STRIDES, times, before, after, fired, states, end, size
+    )
+    if status == AMBIGUOUS:
+        return Fate("unknown", "a condition that cannot be told")
+    settled = _settled(c, mode, end) if status in (TIME_REACHED, LATE) else None
+    if settled is not None:
+        return settled
+    return _recurring(wide, c, after[:count], fired[:count], states[:count])
+
+
+def _settled(c: Ladders, mode: int, state: np.ndarray) -> Fate | None:
+    """Whether a mode is never left again from a state on."""
+    if c.direction[mode] == 0 or (c.has_second and c.second[mode] == 0):
+        return None
+    with mp.workdps(_DIGITS):
+        field = mp.matrix(4, 5)
+        for i in range(4):
+            for j in range(5):
+                field[i, j] = mp.mpf(float(c.fields[mode, i, j, 0])) + mp.mpf(float(c.fields[mode, i, j, 1]))
+        matrix, push = field[:, :4], field[:, 4]
+        try:
+            place = mp.lu_solve(matrix, -push)
+            rates, right = mp.eig(matrix)
+            parts = mp.lu_solve(right, mp.matrix([mp.mpf(float(x)) for x in state]) - place)
+        except (ZeroDivisionError, ArithmeticError):
+            return None
+        largest = max(abs(x) for x in rates)
+        lasts = False
+        for rate, part in zip(rates, parts, strict=True):
+            if mp.re(rate) > _NONE * largest:
+                return None
+            lasts |= bool(mp.re(rate) > -_NONE * largest and abs(part) > 0)
+        for r in range(c.kinds.shape[1]):
+            if c.kinds[mode, r] == ABSENT:
+                continue
+            row = [mp.mpf(float(x[0])) + mp.mpf(float(x[1])) for x in c.rows[mode, r, 0]]
+            value = row[4] + sum(row[i] * place[i] for i in range(4))
+            swing = sum(abs(sum(row[i] * right[i, j] for i in range(4)) * parts[j]) for j in range(4))
+            if not value > swing:
+                return None
+    return Fate("neutral_family" if lasts else "steady_sliding", "no further event")
+
+
+def _recurring(wide: WideDrive, c: Ladders, after: np.ndarray, fired: np.ndarray, states: np.ndarray) -> Fate:
+    period = _pattern(after, fired)
+    if period is None:
+        return Fate("unknown", "no pattern of events")
+    last = states[::-1][: period * _TIMES]
+    size = np.maximum(np.abs(last).max(axis=0), np.finfo(float).tiny)
+    turns = last[::period]
+    steps = np.abs(np.diff(turns, axis=0) / size).max(axis=1)  # the latest first
+    if steps[0] > _REPEATS:
+        earlier = states[::-1][period : period * (_TIMES + 1)][::period]
+        factors = steps[:-1] / np.maximum(steps[1:], np.finfo(float).tiny)
+        if len(earlier) < _TIMES or not (factors < _FASTER).all():
+            return Fate("unknown", "a slow drift")
+        factor = factors.max()
+        if steps[0] * factor / (1 - factor) > _NEAR:
+            return Fate("unknown", "far from where it comes closer to")
+    elif np.abs((turns[0] - turns[-1]) / size).max() > _TIMES / 2 * max(steps[0], np.finfo(float).eps):
+        return Fate("unknown", "a slow drift")
+    return Fate(_name(wide, c, after[-period:], fired[-period:]), "a pattern that repeats")
+
+
+def _pattern(after: np.ndarray, fired: np.ndarray) -> int | None:
+    """Number of events after which they have come back many times at the end; None if they do not."""
+    events = after * 16 + fired
+    for period in range(1, min(_PERIODS, events.size // (_TIMES + 1)) + 1):
+        last = events[-(_TIMES + 1) * period :]
+        if (last[period:] == last[:-period]).all():
+            return period
+    return None
+
+
+def _name(wide: WideDrive, c: Ladders, after: np.ndarray, fired: np.ndarray) -> str:
+    if wide.model == "threads":
+        under_plus = (c.direction[after] * c.contact[after] > 0).any()
+        sprags = under_plus and RigidTrueDrive(dict(wide.drive), _DIGITS).painleve
+    else:
+        sprags = (fired == strides.SEIZURE).any()
+    if sprags:
+        return "sprag_slip_cycle"
+    return "stick_slip_cycle" if (c.direction[after] == 0).any() else "other_cycle"

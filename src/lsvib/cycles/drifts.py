@@ -1,0 +1,268 @@
+"""Where a motion with more than two states goes whose returns hardly move: leaps, by returns or by amplitudes.
+
+A drive with little damping may need 10⁹ events before it settles. Two kinds of leaps shorten that.
+
+* By returns: while returns to a section have the same events, the return map P is smooth. With its derivative P′ at y
+  and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ, exactly if P is linear. L is
+  doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
+* By amplitudes: where a second oscillation, of a frequency of its own, keeps returns from being alike, the amplitudes
+  of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. The
+  amplitudes are then extrapolated in the same way and the phases are left.
+
+After each leap the motion is followed until what was only extrapolated has died away, before the next step is measured.
+This is numerical certainty, not a proof: what a narrow attractor would hold in between is leapt over.
+
+A motion without any trend over many events, that comes to no cycle, *recurs*: it is quasi-periodic or chaotic.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels.flow_planar import ALPHA, BETA
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import Motion, follow
+
+_CALL = 10  # events that take as long as one call of the engine from Python
+_RETURNS = 8  # followed before a step is measured
+_ALIKE = 3  # of them, the last ones, with the same events
+_LONGEST = 4000  # events in a return
+_CHANGE = 0.2  # part of the way by which a leap may be wrong, and part by which a trend may change in one
+_PART = 0.3  # of its logarithm by which an amplitude may change in a leap
+_WAY = 2.0  # sizes of the motion that a leap may be long: once across a swing
+_FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
+_FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5  # of a leap, by which it is longer than one return; one costs sixteen
+_FEWER = 2  # doublings after a leap that was too long
+_STILL = 1e-12  # step, in sizes of the motion, that is not leapt: a cycle may touch a guard
+_MOST_LEAPS = 30  # in a row, before it is asked whether the motion has come near a cycle
+_BETWEEN = 500  # events after leaps by returns
+_FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
+_STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
+_NO_TREND = 3e-3  # of an amplitude, in a window, that is none, at most;
+_TREND_NOISE = 3.0  # and in units of its own spread
+_LEAST = -2.0  # logarithm of what is left, at least, of an amplitude that falls faster than another
+_BLANKS = 2  # windows without a trend in a row, after which a motion recurs
+_QUARTERS = 4  # of a window, which a leap must be longer than
+
+
+class Recurrence(NamedTuple):
+    """A motion without trend: its last state (n)."""
+
+    state: np.ndarray
+
+
+Ended = TypeVar("Ended")
+
+
+def pursue(
+    motion: Motion, work: int, ended: Callable[[Motion], Ended | None]
+) -> tuple[Ended | Recurrence | None, bool]:
+    """Follow and extrapolate a motion until ``ended`` says where it is, None if ``work`` does not suffice; any leaps?
+
+    Arguments: a part of the motion, at whose end it goes on; work [events], a call of the engine counting as some;
+    ``ended`` is asked about parts of the motion. Raises ``EngineError`` where the engine does.
+    """
+    automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
+    while work > 0:
+        found = ended(motion)
+        if found is not None:
+            return found, leapt
+        leap = _by_returns(motion)
+        work -= leap.work
+        leapt |= leap.moved
+        if leap.moved:
+            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN)
+            work -= _BETWEEN
+            continue
+        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window)
+        work -= window + _CALL
+        trend = _trend(motion) if motion.time.size == window else None
+        if trend is None:
+            window = min(2 * window, _LAST_WINDOW)
+        elif trend.consistent:
+            state, mode = _extrapolated(automaton, motion, trend)
+            leapt = True
+            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window), 0
+            work -= window + _CALL
+        elif trend.none and window == _LAST_WINDOW:
+            blank += 1
+            if blank == _BLANKS:
+                return Recurrence(motion.end_state), leapt
+        else:
+            window, blank = min(2 * window, _LAST_WINDOW), 0
+    return None, leapt
+
+
+class _Leap(NamedTuple):
+    """Where leaps by returns have led: state (n) and mode, whether they have led anywhere, and the work."""
+
+    state: np.ndarray
+    mode: int
+    moved: bool
+    work: int
+
+
+def _by_returns(motion: Motion) -> _Leap:
+    """Leap along the section of a motion's rarest events as far as that goes."""
+    key = section_key(motion)
+    here, mode, work, moved, last, doublings = motion.end_state, motion.end_mode, 0, False, None, _FIRST_DOUBLINGS
+    if key is None:
+        return _Leap(here, mode, moved, work)
+    seen = (motion.kind == key[0]) & (motion.mode == key[1])
+    place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
+    size, pattern = np.zeros_like(place), None
+    for _ in range(_MOST_LEAPS):
+        states, patterns, sizes, events = _returns(motion.automaton, key, place)
+        work += events
+        alike = len(states) > _RETURNS and all(one == (pattern or patterns[-1]) for one in patterns[-_ALIKE:])
+        if not (alike and (last is None or last.foresaw(states, doublings))):
+            doublings -= _FEWER
+            if last is None or doublings < _LEAST_DOUBLINGS:
+                break
+            place = last.after(doublings)
+            continue
+        here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
+        size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
+        scale = np.where(size == 0, 1.0, size)  # zero at every event: any scale does
+        section = ReturnSection(motion.automaton, key, here, scale, 1, longest)
+        work += 2 * section.dimension * (events // _RETURNS)
+        last = _Linear.at(section, states)
+        doublings = last.most(doublings + 1)
+        if doublings < _LEAST_DOUBLINGS:
+            break
+        place = last.after(doublings)
+    return _Leap(here, mode, moved, work)
+
+
+class _Linear(NamedTuple):
+    """The return map near a place: its derivative (d, d) on a section, and the last step (d) there.
+
+    Where the map has no derivative, because a motion beside does not come back, it is taken to shift all places alike.
+    """
+
+    section: ReturnSection
+    slopes: np.ndarray
+    step: np.ndarray
+
+    @classmethod
+    def at(cls, section: ReturnSection, states: list[np.ndarray]) -> "_Linear":
+        """Linearise at the last state, the origin of ``section``."""
+        slopes = section.jacobian(np.zeros(section.dimension))
+        if not np.isfinite(slopes).all():
+            slopes = np.eye(section.dimension)
+        return cls(section, slopes, slopes @ -section.place(states[-2]))
+
+    def _ahead(self, doublings: int) -> tuple[np.ndarray, np.ndarray]:
+        """Way (d) of 2^doublings returns, and the step (d) that follows them."""
+        total, power = np.eye(len(self.slopes)), self.slopes
+        with np.errstate(over="ignore", invalid="ignore"):  # a way that is too long, or not a number, is not gone
+            for _ in range(doublings):
+                total, power = total + power @ total, power @ power
+            return total @ self.step, power @ self.step
+
+    def _length(self, place: np.ndarray) -> float:
+        """Size of a step (d) on the section, in sizes of the motion."""
+        return float((np.abs(self.section.directions) @ np.abs(place) / self.section.size).max(initial=0.0))
+
+    def most(self, doublings: int) -> int:
+        """How often returns may be doubled, up to so many times, before the way is too long; 0 for no step."""
+        if not self._length(self.step) > _STILL:
+            return 0
+        while doublings > 0 and not self._length(self._ahead(doublings)[0]) <= _WAY:
+            doublings -= 1
+        return doublings
+
+    def after(self, doublings: int) -> np.ndarray:
+        """Return the state (n) 2^doublings returns later."""
+        return self.section.state(self._ahead(doublings)[0])
+
+    def foresaw(self, states: list[np.ndarray], doublings: int) -> bool:
+        """Whether the steps after a leap tell that it went, but for a part of its way, where the motion goes.
+
+        A step that is off by ε along an eigenvector of P′ of multiplier λ tells a place that is off by ε / (1 − λ), but
+        not by more than ε times the number of returns.
+        """
+        way, step = self._ahead(doublings)
+        expected = np.linalg.matrix_power(self.slopes, _RETURNS - 1) @ step
+        gap = self.section.place(states[-1]) - self.section.place(states[-2]) - expected
+        values, vectors = np.linalg.eig(self.slopes)
+        try:
+            parts = np.linalg.solve(vectors, gap)
+        except np.linalg.LinAlgError:
+            return False
+        parts = parts / np.maximum(np.abs(1 - values), 0.5**doublings)
+        return self._length(np.abs(vectors * parts).sum(axis=1)) <= _CHANGE * self._length(way)
+
+
+def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):
+    """Follow some returns: the states (n) at them, the modes of each and the sizes (n) on it, and the work."""
+    states, patterns, sizes, work = [state], [], [], 0
+    for _ in range(_RETURNS):
+        motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST)
+        work += motion.time.size + _CALL
+        if motion.status != Status.STOP_EVENT:
+            break
+        states.append(motion.end_state)
+        patterns.append(motion.mode.tobytes())
+        sizes.append(np.abs(motion.after).max(axis=0))
+    return states, patterns, sizes, work
+
+
+class _Trend(NamedTuple):
+    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next."""
+
+    mode: int
+    step: np.ndarray
+    bend: np.ndarray
+    consistent: bool
+    none: bool
+
+
+def _trend(motion: Motion) -> _Trend | None:
+    """Trend of the amplitudes of the oscillators of a mode; None if the mode has none or one of them is zero."""
+    flow = motion.automaton.tables.flow
+    if not isinstance(flow, ModalFlow):
+        return None
+    modes, _, _, durations = motion.arcs()
+    home = int(np.argmax(np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs))))
+    rows = flow.oscillators[home, : flow.pairs[home]]
+    turning = np.flatnonzero(rows[:, BETA] > 0)
+    if turning.size == 0:
+        return None
+    states = np.column_stack([motion.after, np.ones(motion.time.size)])
+    modal = states @ flow.to_modal[home].T
+    place, rate = modal[:, 2 * turning], modal[:, 2 * turning + 1]
+    across = (rate + rows[turning, ALPHA] * place) / rows[turning, BETA]
+    squares = place * place + across * across
+    if not (squares > 0).all():
+        return None
+    quarters = np.array([np.log(part).mean(axis=0) / 2 for part in np.array_split(squares, _QUARTERS)])
+    steps = np.diff(quarters, axis=0)
+    step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
+    leading = int(np.argmax(np.abs(step)))
+    full = np.zeros(flow.pairs[home])
+    bend = full.copy()
+    steady = spread <= _STEADY * np.abs(step)
+    full[turning] = np.where(steady, step, 0.0)
+    bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
+    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
+    return _Trend(home, full, bend, bool(steady[leading]) and not none, none)
+
+
+def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend) -> tuple[np.ndarray, int | None]:
+    """State after a leap along a trend, whose mode the state says; the motion's last state if the leap is not worth."""
+    moving = trend.step != 0
+    sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
+    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), _CHANGE * (sizes / (bends + _STILL)).min())
+    if leap <= _QUARTERS:
+        return motion.end_state, motion.end_mode
+    flow, home = automaton.tables.flow, trend.mode
+    modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
+    factors = np.exp(np.clip(leap * trend.step + 0.5 * leap * (leap + 1) * trend.bend, _LEAST, _PART))
+    modal[: 2 * factors.size] *= np.repeat(factors, 2)
+    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1], None

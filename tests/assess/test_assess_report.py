@@ -1,0 +1,160 @@
+"""From file to report by the command: the files, what they hold, and that equal runs give equal files."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("pint")
+pytest.importorskip("scipy")
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from lsvib.assess.compare import compare
+from lsvib.assess.numbers import change, percent, shown
+from lsvib.assess.run import assess_file, sample_share
+from lsvib.assess.sheet import Sheet
+from lsvib.data.simulation import simulate
+from lsvib.errors import InputError
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def seat(tmp_path_factory):
+    """The report on the powered seat."""
+    out = tmp_path_factory.mktemp("seat")
+    return out, assess_file(EXAMPLES / "powered_seat.yaml", out, samples=1024)
+
+
+def test_the_json_file_has_the_verdict(seat):
+    """The keys that other programs rely on."""
+    out, result = seat
+    stored = json.loads((out / "assessment.json").read_text(encoding="utf-8"))
+    assert stored == json.loads(json.dumps(result))
+    assert {"verdict", "mechanisms", "efficiency", "self_locking"} <= set(stored)
+    assert stored["verdict"] == "vibrates"
+    assert stored["self_locking"] is True
+    for one in stored["mechanisms"].values():
+        assert {"occurs", "margin", "probability", "interval"} <= set(one)
+        assert one["interval"][0] <= one["probability"] <= one["interval"][1]
+
+
+def test_the_page_needs_no_other_file(seat):
+    """No script, no address that is fetched, every picture inside, all sections there."""
+    page = (seat[0] / "index.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    assert not re.findall(r'(?:src|href)="(?!data:)', page)
+    assert page.count("<img ") >= 6
+    assert page.count('alt="') == page.count("<img ")
+    for title in ("What can make it vibrate", "Where it vibrates", "What this model leaves out", "The data sheet"):
+        assert title in page
+    assert "assumed" in page
+    assert "nan" not in re.sub(r"base64,[^\"]*", "", page).lower().replace("resonan", "")
+
+
+def test_every_cause_has_its_plain_meaning_beside_it(seat):
+    """No term of the theory without words."""
+    page = re.sub(r"base64,[^\"]*", "", (seat[0] / "index.html").read_text(encoding="utf-8"))
+    for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "fed instead of braked")):
+        assert page.index(meaning) - page.index(f">{term}") < 400
+    for foreign in ("Painlevé", "eigenvalue", "Hurwitz", "Γ", "ξ"):
+        assert foreign not in page
+
+
+def test_the_dataset_holds_chart_margins_and_motions(seat):
+    """Read by xarray, with units."""
+    with xr.open_dataset(seat[0] / "assessment.nc") as data:
+        assert data.attrs["verdict"].startswith("vibrates")
+        assert set(data["chart"].dims) == {"direction", "force", "speed"}
+        assert data["worst_deviation"].attrs["units"] == "m"
+        assert float(data["probability"].max()) <= 1
+        assert int(data["reserve_counts"].isel(mechanism=0).sum()) == 1024
+
+
+def test_the_worst_case_is_a_motion_that_can_be_run(seat):
+    """The scene of the worst case, run as such, is the motion of the dataset and does not settle."""
+    out, result = seat
+    worst = result["worst_case"]
+    motion = simulate(worst["scene"])
+    with xr.open_dataset(out / "assessment.nc") as data:
+        stored = data["worst_angle"].to_numpy()
+    assert worst["vibrates"]
+    assert np.allclose(motion["angle_deviation"].to_numpy(), stored, rtol=0, atol=1e-12)
+    assert np.ptp(stored[-200:]) > 0.5 * np.ptp(stored)
+
+
+def test_equal_runs_give_equal_files(seat, tmp_path):
+    """The same page and verdict, letter by letter."""
+    assess_file(EXAMPLES / "powered_seat.yaml", tmp_path, samples=1024)
+    for name in ("index.html", "assessment.json"):
+        assert (tmp_path / name).read_bytes() == (seat[0] / name).read_bytes()
+
+
+def test_shares_of_samples_are_computed_ahead(tmp_path):
+    """Two shares, then the report, which takes them up and leaves nothing behind."""
+    sheet = EXAMPLES / "linear_actuator.yaml"
+    assert sample_share(sheet, tmp_path / "a", 16384, 1, "1/2") == 2
+    assert sample_share(sheet, tmp_path / "a", 16384, 1, "2/2") == 2
+    kept = sorted((tmp_path / "a" / ".samples").iterdir())
+    assert len(kept) == 4
+    ahead = assess_file(sheet, tmp_path / "a", samples=16384)
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
+        "assessment.json",
+        "assessment.nc",
+        "index.html",
+    ]
+    assert ahead == assess_file(sheet, tmp_path / "b", samples=16384)
+
+
+def test_drives_are_compared_in_one_table(seat, tmp_path):
+    """The most likely to vibrate first, each with a link to its report; a damaged file is refused."""
+    for name in ("chapter", "linear_actuator"):
+        assess_file(EXAMPLES / f"{name}.yaml", tmp_path / name, samples=64)
+    verdicts = [tmp_path / name / "assessment.json" for name in ("linear_actuator", "chapter")]
+    compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")
+    table = json.loads((tmp_path / "comparison.json").read_text(encoding="utf-8"))
+    assert [row["report"] for row in table] == ["chapter/index.html", "linear_actuator/index.html"]
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.index('href="chapter/index.html"') < page.index('href="linear_actuator/index.html"')
+    verdicts[0].write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="not a readable assessment"):
+        compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
+    """Nothing in the examples comes from nowhere."""
+    sheet = Sheet.read(path)
+    told = {*sheet.sources, *sheet.assumptions}
+    for entry in yaml.safe_load(path.read_text(encoding="utf-8")):
+        if entry in ("name", "sources", "assumptions"):
+            continue
+        for name, _ in sheet.entries():
+            if name.startswith(f"{entry}."):
+                assert {name, entry} & told, name
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (shown(0.0, "N"), "0 N"),
+        (shown(1234.5, "N"), "1.23 kN"),
+        (shown(-0.0121, "m"), "−12.1 mm"),
+        (shown(0.9999, "m"), "1 m"),
+        (shown(2.3e-6, "kg m2"), "2.3 × 10⁻⁶ kg m²"),
+        (shown(40.0, "rad s-1"), "382 rpm"),
+        (shown(None, "N"), "–"),
+        (percent(0.99951), "99.95 %"),
+        (percent(0.123), "12.3 %"),
+        (change(0.8), "20 % smaller"),
+        (change(1.25), "25 % larger"),
+        (change(6.7), "6.7 times as large"),
+    ],
+)
+def test_numbers_read_well(text, expected):
+    """Prefixes, signs and powers as people write them."""
+    assert text == expected

@@ -1,0 +1,94 @@
+"""Motions with four states that hardly move from turn to turn: leaps end where the motion itself goes.
+
+The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter's; each was once left open, or wrong.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.bench.random_drives.judges import BAD, stages
+from lsvib.bench.random_drives.long_run import constants_of, fate
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.registry import find_model
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import follow
+
+CYCLES = (Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE)
+
+
+def scene(model: str, seed: int, index: int, start: int):
+    """Automaton and start of a motion of a random drive."""
+    wide = wide_drive(model, seed, index, 4)
+    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+
+
+def followed(automaton, state, events: int):
+    """Follow a motion event by event; its last part."""
+    mode = None
+    for _ in range(events // 20_000):
+        motion = follow(automaton, state, math.inf, mode=mode, max_events=20_000)
+        if motion.status == Status.SETTLED:
+            break
+        state, mode = motion.end_state, motion.end_mode
+    return motion
+
+
+@pytest.mark.parametrize(("model", "index", "start"), [("support", 1, 1), ("support", 59, 1), ("nut", 22, 0)])
+def test_what_settles_after_many_events_is_told_by_fewer(model, index, start):
+    automaton, state = scene(model, 7, index, start)
+    assert followed(automaton, state, 1_000_000).status == Status.SETTLED
+    assert steady_state(automaton, state, max_events=60_000).label == Attractor.STEADY_SLIDING
+
+
+def test_a_cycle_with_a_multiplier_of_nearly_one():
+    """A fast cycle of slip whose coupling relaxes in 10⁷ of its turns: 1 − λ is the slow rate times the period."""
+    automaton, state = scene("support", 7, 16, 0)
+    cycle = steady_state(automaton, state)
+    assert cycle.label == Attractor.OTHER_CYCLE
+    flow, mode = automaton.tables.flow, cycle.orbit.arcs()[0][0]
+    slow = flow.rates[mode, : flow.singles[mode]].max()
+    assert 1 - cycle.multiplier == pytest.approx(-slow * cycle.period, rel=0.01)
+
+
+def test_a_decay_without_end_is_no_cycle():
+    """With R = 0 nothing has a size: contact reversals go on for ever, and the motion shrinks by 1.4e-4 in a turn."""
+    automaton, state = scene("support", 7, 33, 1)
+    assert steady_state(automaton, state, max_events=60_000).label not in CYCLES
+    sizes = [np.abs(followed(automaton, state, events).after[-1000:]).max(axis=0) for events in (20_000, 200_000)]
+    assert (sizes[1] < 0.9 * sizes[0]).all()
+
+
+def test_steady_sliding_on_the_surface_of_no_force():
+    """Axial force and friction of the slide balance, so that N = 0 in steady sliding; the motion starts there."""
+    automaton, state = scene("support", 7, 46, 2)
+    assert not state.any()
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_little_damping_is_damping():
+    """A damping of less than a double's digits of the rate: other than none, it ends every oscillation."""
+    automaton, state = scene("nut", 21, 25, 1)
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_steady_sliding_under_law_plus_is_no_motion_in_the_painleve_region():
+    wide = wide_drive("support", 41, 15, 2)
+    assert not wide.starts[1].any()
+    assert fate(wide, 1, *constants_of(wide)).name != "steady_sliding"
+    automaton, state = scene("support", 41, 15, 1)
+    assert steady_state(automaton, state, max_events=20_000).label != Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(("model", "index"), [("support", 24), ("nut", 28)])
+def test_attractors_and_labels_against_long_runs(model, index):
+    wide = wide_drive(model, 7, index, 2)
+    found = []
+    for _, ask in stages(wide, ("attractor", "label")):
+        findings = ask()
+        found += findings() if callable(findings) else findings
+    assert len(found) == 4
+    assert not [finding for finding in found if finding.verdict in BAD]
+    assert [finding for finding in found if finding.verdict == "right"]
