@@ -61,9 +61,10 @@ def _after(event):
 
 def agree(found, reference):
     size = np.abs(reference).max(axis=1, keepdims=True) + 1e-300
-    return np.abs(found - reference).max() <= 1e-9 * np.abs(reference).max() and (
-        np.abs(found - reference) <= 1e-7 * size
-    ).all()
+    return (
+        np.abs(found - reference).max() <= 1e-9 * np.abs(reference).max()
+        and (np.abs(found - reference) <= 1e-7 * size).all()
+    )
 
 
 @pytest.mark.parametrize("seed", range(40))

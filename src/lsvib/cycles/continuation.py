@@ -7,7 +7,8 @@ method and the tangent, but is no part of the residual F, nor of the condition o
 part in p: that zero is found along the branch, and as p is stationary there its value is exact to rounding.
 
 The motion decides on its own events, so that the itinerary may change from point to point; such changes are located by
-halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the branch ends.
+halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the branch
+ends. Where an event appears the branch has a kink: there the step, not the tangent before it, tells the direction.
 """
 
 import math
@@ -27,7 +28,7 @@ from lsvib.engine.kernels.status import GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, InputError
 
-_FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-8  # steps, in widths of the range and sizes of the motion
+_FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion
 _GROWS = 1.5
 _NEWTON = 30  # steps; where the derivative jumps as an event appears they converge slowly at first
 _PARTS = 1.0  # a step of Newton's method as long as the motion itself has lost the branch
@@ -76,7 +77,7 @@ class CycleBranch:
 
 
 class MovingSection:
-    """A section of return whose surfaces move with the parameter; y are its free coordinates, in sizes of the motion."""
+    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion."""
 
     def __init__(self, cycle: Cycle) -> None:
         section = cycle.section
@@ -119,6 +120,7 @@ class MovingSection:
         return section, motion
 
 
+_VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is about to vanish
 _MET = 1e-12  # a surface whose value is below this part of its terms is met by the state of the section
 
 
@@ -155,11 +157,6 @@ class _Curve:
     def value(self, z: np.ndarray) -> float:
         return self.low + self.width * float(z[-1])
 
-    def gap(self, z: np.ndarray) -> np.ndarray | None:
-        """F at z; None if the motion does not come back, or there is no such drive."""
-        found = self.at(z)
-        return None if found is None else self.section.place(found[2].end_state) - z[:-1]
-
     def at(self, z: np.ndarray) -> tuple[RigidParameters, ReturnSection, Motion] | None:
         try:
             drive, automaton = self.build(self.value(z))
@@ -179,27 +176,30 @@ class _Curve:
         if last is not None:
             found = np.column_stack([inner, last])
             return found if np.isfinite(found).all() else None
-        step = np.eye(d + 1)[-1] * _PARAMETER_STEP
-        ahead, behind = self.gap(z + step), self.gap(z - step)
-        here = self.gap(z)
-        if ahead is not None and behind is not None:
-            slope = (ahead - behind) / (2 * _PARAMETER_STEP)
-        elif here is not None and (ahead is not None or behind is not None):
-            slope = (ahead - here if ahead is not None else here - behind) / _PARAMETER_STEP
-        else:
+        step, here = np.eye(d + 1)[-1] * _PARAMETER_STEP, self.section.place(motion.end_state)
+        beside = {0.0: here}
+        for sign in (1.0, -1.0):
+            found = self.at(z + sign * step)
+            if found is not None and _events(found[2]) == _events(motion):  # else the difference is that of a kink
+                beside[sign] = self.section.place(found[2].end_state)
+        if len(beside) == 1:
             return None
-        found = np.column_stack([inner, slope])
+        first, last = min(beside), max(beside)
+        found = np.column_stack([inner, (beside[last] - beside[first]) / ((last - first) * _PARAMETER_STEP)])
         return found if np.isfinite(found).all() else None
 
     def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> _Solved | None:
         """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
         z, slopes, last, length = guess.copy(), None, math.inf, math.inf
+        events: tuple = ()
         for _ in range(_NEWTON):
             found = self.at(z)
             if found is None:
                 return None
             gap = self.section.place(found[2].end_state) - z[:-1]
-            slopes = self.slopes(z, found[2], None if slopes is None else slopes[:, -1])
+            same = slopes is not None and events == _events(found[2])
+            slopes = self.slopes(z, found[2], slopes[:, -1] if same else None)
+            events = _events(found[2])
             step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
             if step is None:
                 return None
@@ -210,7 +210,7 @@ class _Curve:
                 return None
             z, last = z + step, length
         found = self.at(z)
-        slopes = None if found is None or not length <= _CONVERGED else self.slopes(z, found[2])
+        slopes = None if found is None or not length <= _CONVERGED else self.slopes(z, found[2], slopes[:, -1])
         if slopes is None:
             return None
         drive, section, motion = found
@@ -223,6 +223,12 @@ class _Curve:
             ahead = -ahead
         cycle = Cycle(drive, motion, residual, values, error, "continuation", section)
         return _Solved(z, cycle, ahead)
+
+
+def _events(motion: Motion) -> tuple[list[int], list[int]]:
+    """Kinds of a motion's events and codes of the modes that they enter, without touches."""
+    own = motion.kind != GRAZE_KIND
+    return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
 
 
 def _bordered(slopes: np.ndarray, tangent: np.ndarray, gap: np.ndarray, off: float) -> np.ndarray | None:
@@ -273,7 +279,9 @@ def _followed(
     while len(points) < most:
         there, curve, here, taken = _next(curve, here, step, low, width)
         if there is None:
-            changes.append(Change("end", curve.value(here.z), "no cycle continues this one", along))
+            small = here.cycle.amplitude < _VANISHED * cycle.amplitude
+            what = "it shrinks to nothing" if small else "no cycle continues this one"
+            changes.append(Change("end", curve.value(here.z), what, along))
             break
         value = curve.value(there.z)
         if not low <= value <= high:
@@ -304,7 +312,7 @@ def _first(curve: _Curve, cycle: Cycle, start: float, direction: float) -> _Solv
 
 
 def _next(curve: _Curve, here: _Solved, step: float, low: float, width: float):
-    """The next point, on this section or another of the cycle's; also the curve, the last point on it, the step taken."""
+    """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
     there, taken = _stepped(curve, here, step)
     if there is not None:
         return there, curve, here, taken
@@ -324,8 +332,12 @@ def _next(curve: _Curve, here: _Solved, step: float, low: float, width: float):
 def _stepped(curve: _Curve, here: _Solved, step: float) -> tuple[_Solved | None, float]:
     while step >= _SMALLEST:
         there = curve.corrected(here.z + step * here.tangent, here.tangent)
-        if there is not None and there.tangent @ here.tangent >= _TURN:
-            return there, step
+        if there is not None:
+            turned = there.tangent @ (there.z - here.z) < 0  # across a kink the tangents tell no direction
+            there = replace(there, tangent=-there.tangent) if turned else there
+            kink = _events(there.cycle.orbit) != _events(here.cycle.orbit)
+            if there.tangent @ here.tangent >= (-1.0 if kink else _TURN):
+                return there, step
         step *= 0.5
     return None, 0.0
 
@@ -376,7 +388,9 @@ def _outside(cycle: Cycle) -> int:
     return int(np.sum(np.abs(cycle.multipliers) > 1))
 
 
-def _zero(curve: _Curve, here: _Solved, step: float, function: Callable[[_Solved], float]) -> tuple[float, _Solved | None]:
+def _zero(
+    curve: _Curve, here: _Solved, step: float, function: Callable[[_Solved], float]
+) -> tuple[float, _Solved | None]:
     """Where a function changes sign within a step along the tangent: the secant method, kept in its bracket."""
     low, high, at_low, point = 0.0, step, function(here), None
     end = curve.corrected(here.z + step * here.tangent, here.tangent)
@@ -424,5 +438,5 @@ def _at_value(curve: _Curve, here: _Solved, there: _Solved, value: float) -> _So
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])
     guess = here.z + part * (there.z - here.z)
     guess[-1] = target
-    across = np.eye(guess.size)[-1]
+    across = np.eye(guess.size)[-1] * math.copysign(1.0, here.tangent[-1])
     return curve.corrected(guess, across)

@@ -4,8 +4,8 @@ A section is the set of states with which an event of one kind ends (:mod:`lsvib
 of it is followed from event to event in closed form, and its derivative P′ is the exact product of
 :mod:`lsvib.cycles.variational`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
 
-Floquet multipliers: the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error has
-three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
+Floquet multipliers: the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
+has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
 eigenvalue; what the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former.
 """
 
@@ -130,6 +130,10 @@ class Cycle:
         """Impulses of each event of the period; zero but for seizures."""
         return event_impulses(self.drive, self.orbit)
 
+    def to_json_multipliers(self) -> list[float | list[float]]:
+        """Return the multipliers: numbers, or real and imaginary parts."""
+        return [_number(value) for value in self.multipliers]
+
     def to_json(self) -> dict[str, Any]:
         """Return what :class:`Cycle` says, as plain numbers and names."""
         impulses, taken = self.impulses, self.work
@@ -139,7 +143,7 @@ class Cycle:
             "stability": "attracting" if self.attracting else "repelling" if self.repelling else "neutral",
             "period": self.period,
             "amplitude": self.amplitude,
-            "multipliers": [_number(value) for value in self.multipliers],
+            "multipliers": self.to_json_multipliers(),
             "multiplier_error": self.multiplier_error,
             "state": [float(x) for x in self.state],
             "residual": self.residual,

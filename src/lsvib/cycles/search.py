@@ -21,6 +21,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import flow_planar
 from lsvib.errors import EngineError
 
 _DECADES = (-4.0, 3.0)  # of the distance along a line, in sizes of a swing of the screw
@@ -52,7 +53,8 @@ def starts(drive: RigidParameters) -> list[tuple[float, float]]:
     """Starts (u [rad], w [rad/s]): next to steady sliding, at standstill, and far out on both sides."""
     u, w = swing(drive)
     still = -drive.input_speed
-    return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), (0.0, still), (-0.5 * u, still), (0.5 * u, still), (10 * u, w), (-10 * u, -w)]  # fmt: skip
+    standing = [(part * u, still) for part in (0.0, -0.5, 0.5)]
+    return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
 
 
 def search(
@@ -145,7 +147,7 @@ def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int],
 
 def _patience(automaton: Automaton) -> float:
     """Time [s] that a return is waited for."""
-    scales = automaton.tables.flow[:, 9]
+    scales = automaton.tables.flow[:, flow_planar.TIME_SCALE]
     return _SWINGS * float(scales.max())
 
 
@@ -185,9 +187,8 @@ def _within(drive: RigidParameters, section: ReturnSection, low: float, high: fl
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         try:
-            there = ReturnSection(
-                section.automaton, section.key, section.state(np.array([middle])), section.size, 1, _patience(section.automaton)
-            )  # fmt: skip
+            state, patience = section.state(np.array([middle])), _patience(section.automaton)
+            there = ReturnSection(section.automaton, section.key, state, section.size, 1, patience)
             cycle = cycle_on(drive, there, "return map")
         except EngineError:
             cycle = None

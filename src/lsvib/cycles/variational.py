@@ -27,7 +27,7 @@ _TERMS = 8.0  # roundings in a term of a product of two matrices with up to five
 
 @dataclass(frozen=True)
 class Derivative:
-    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one, and a bound of its ``rounding`` (n, n)."""
+    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one; a bound (n, n) of its ``rounding``."""
 
     matrix: np.ndarray
     rounding: np.ndarray
@@ -38,9 +38,7 @@ def inner_coordinates(automaton: Automaton, mode: int) -> tuple[np.ndarray, np.n
     flow, n = automaton.tables.flow, len(automaton.states)
     if isinstance(flow, np.ndarray):
         return np.eye(n + 1), np.eye(n + 1)
-    into, out = (
-        (flow.to_blocks, flow.from_blocks) if isinstance(flow, BlockFlow) else (flow.to_modal, flow.from_modal)
-    )
+    into, out = (flow.to_blocks, flow.from_blocks) if isinstance(flow, BlockFlow) else (flow.to_modal, flow.from_modal)
     q = into.shape[1] if isinstance(flow, BlockFlow) else int(2 * flow.pairs[mode] + flow.singles[mode])
     unit = np.eye(max(n, q) + 1)
     columns = np.concatenate([out[mode][:, :q], out[mode][:, -1:]], axis=1)

@@ -1,20 +1,26 @@
 """All cycles of a drive, with what is proved about them: exact boundaries of basins, attractors, and return maps."""
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from lsvib import numbers
 from lsvib.basins.exact_basin import Basin, Boundary, basin
-from lsvib.cycles.attractors import SteadyState
+from lsvib.cycles.attractors import Attractor, SteadyState
+from lsvib.cycles.continuation import CycleBranch, follow_cycle
 from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.search import Seed, search, starts
-from lsvib.drives.parameters import RigidParameters
+from lsvib.data.attributes import attributes, flags
+from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.errors import LsvibError
+from lsvib.errors import InputError, LsvibError
 
 
 @dataclass(frozen=True)
@@ -71,3 +77,114 @@ def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
     arcs = [piece for piece in found.curves[0] if hasattr(piece, "mode")]
     mode = automaton.codes.tolist().index(codes[arcs[0].mode])
     return [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
+
+
+_MOST_POINTS = 100_000
+
+
+def followed(
+    drive: RigidParameters, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
+) -> CycleBranch:
+    """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
+
+    Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
+    """
+    kind = type(drive)
+    if cycle.drive != drive:
+        raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
+    if not isinstance(parameter, str) or parameter not in kind.model_fields:
+        raise InputError(
+            f"{numbers.shown(parameter)} is not a known key; the known keys are {', '.join(kind.model_fields)}."
+        )
+    try:
+        low, high = (numbers.number(value) for value in span)
+        most = numbers.whole(points)
+    except (numbers.NotNumber, TypeError, ValueError):
+        raise InputError(
+            f"span = {numbers.shown(span)} and points = {numbers.shown(points)} are not two numbers and a whole one."
+        ) from None
+    here = float(getattr(drive, parameter))
+    if not low < high or not low <= here <= high:
+        raise InputError(
+            f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
+        )
+    if not 2 <= most <= _MOST_POINTS:
+        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= {_MOST_POINTS}.")
+    for end in (low, high):
+        drive.replace(**{parameter: end})
+
+    def made(value: float) -> tuple[RigidParameters, Automaton]:
+        there = drive.replace(**{parameter: value})
+        return there, build(there)
+
+    return follow_cycle(cycle, made, parameter, (low, high), most)
+
+
+def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
+    """Return a branch of cycles as a dataset along ``point``, with its changes along ``change``."""
+    about = described(type(drive), branch.parameter)
+    cycles = [point.cycle for point in branch.points]
+    count = max(cycle.multipliers.size for cycle in cycles)
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
+    columns = {
+        branch.parameter: ([p.value for p in branch.points], attributes(about["unit"], about["long_name"])),
+        "along": ([p.along for p in branch.points], attributes("1", "length of the branch from its start")),
+        "attractor": (
+            np.array([int(cycle.label) for cycle in cycles], dtype=np.int8),
+            attributes("1", "kind of cycle", **flags(Attractor)),
+        ),
+        "attracting": (
+            np.array([cycle.attracting for cycle in cycles], dtype=np.int8),
+            attributes("1", "whether the cycle attracts: 1, or 0"),
+        ),
+        "period": ([cycle.period for cycle in cycles], attributes("s", "period of the cycle", "$T$")),
+        "amplitude": ([cycle.amplitude for cycle in cycles], attributes("rad", "amplitude, half its peak-to-peak")),
+        "multiplier_error": ([c.multiplier_error for c in cycles], attributes("1", "bound of the multipliers' errors")),
+        "period_residual": ([cycle.residual for cycle in cycles], attributes("1", "change of the state over a period")),
+        "itinerary": ([_words(cycle) for cycle in cycles], attributes("1", "events of a period")),
+    }
+    data: dict[str, Any] = {name: ("point", np.array(values), attrs) for name, (values, attrs) in columns.items()}
+    for part, name in (("real", "multiplier_real_part"), ("imag", "multiplier_imaginary_part")):
+        long_name = f"{'real' if part == 'real' else 'imaginary'} part of the Floquet multipliers"
+        data[name] = (("point", "multiplier_number"), getattr(multipliers, part), attributes("1", long_name))
+    data["change_kind"] = ("change", np.array([c.kind for c in branch.changes]), attributes("1", "kind of change"))
+    data["change_what"] = ("change", np.array([c.what for c in branch.changes]), attributes("1", "what changes"))
+    data["change_value"] = (
+        "change",
+        np.array([c.value for c in branch.changes]),
+        attributes(about["unit"], f"{about['long_name']} at the change"),
+    )
+    return xr.Dataset(
+        data,
+        attrs={
+            "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+            "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+            "references": "doi:10.1007/978-1-4419-1752-2_8",
+            "model": drive.model,
+            "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
+        },
+    )
+
+
+def branch_json(branch: CycleBranch) -> dict[str, Any]:
+    """Return a branch as plain numbers and names."""
+    return {
+        "parameter": branch.parameter,
+        "points": [
+            {
+                "value": point.value,
+                "label": point.cycle.label.name.lower(),
+                "attracting": point.cycle.attracting,
+                "period": point.cycle.period,
+                "amplitude": point.cycle.amplitude,
+                "multipliers": point.cycle.to_json_multipliers(),
+                "residual": point.cycle.residual,
+            }
+            for point in branch.points
+        ],
+        "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
+    }
+
+
+def _words(cycle: Cycle) -> str:
+    return ", ".join(f"{kind} into {mode}" for kind, mode in cycle.itinerary)
