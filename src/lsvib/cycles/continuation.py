@@ -316,16 +316,20 @@ def _next(curve: _Curve, here: _Solved, step: float, low: float, width: float):
     there, taken = _stepped(curve, here, step)
     if there is not None:
         return there, curve, here, taken
+    places = [(curve, here)]
     for cycle in _other_sections(here.cycle):
         other = _Curve(curve.build, MovingSection(cycle), low, width)
         again = _first(other, cycle, curve.value(here.z), 1.0)
-        if again is None:
-            continue
-        if again.tangent[-1] * here.tangent[-1] < 0:
-            again = replace(again, tangent=-again.tangent)
-        there, taken = _stepped(other, again, step)
-        if there is not None:
-            return there, other, again, taken
+        if again is not None:
+            turned = again.tangent[-1] * here.tangent[-1] < 0
+            places.append((other, replace(again, tangent=-again.tangent) if turned else again))
+    for other, again in places:
+        # Beyond a kink the branch may turn by more than a right angle, though the parameter goes on: step along it.
+        along = np.eye(again.z.size)[-1] * math.copysign(1.0, again.tangent[-1])
+        for start in (again, replace(again, tangent=along)):
+            there, taken = _stepped(other, start, step)
+            if there is not None:
+                return there, other, start, taken
     return None, curve, here, 0.0
 
 
