@@ -2,10 +2,10 @@
 
 Every cycle without rest of a drive with two states meets Q = 0 or θ′ = 0, because within a mode only steady sliding
 lasts; with rest it is superstable, hence reached from starts. So the return maps of these two lines are searched for
-P(y) = y: their displacement P(y) − y is sampled in both directions over seven decades; between neighbours with the same
-events a change of sign is a cycle, and an extremum that comes close to zero is narrowed down first, since two cycles
-that are about to meet lie on either side of it. Found cycles are then solved by Newton's method. A search is no proof:
-a cycle that appears and disappears between two samples away from such an extremum stays unseen.
+P(y) = y: their displacement P(y) − y is sampled in both directions over seven decades, and closer and closer towards
+the places beyond which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero
+is narrowed down first, since two cycles that are about to meet lie on either side of it. Cycles are then solved by
+Newton's method. A search is no proof: what a map does between two samples without an extremum that shows stays unseen.
 """
 
 import math
@@ -29,6 +29,7 @@ _SAMPLES = 160  # in each direction: a tenth from one to the next
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _NARROW = 60  # steps of the golden section: 1e-12 of the bracket
 _HALVINGS = 60  # of a bracket, if Newton's method leaves it
+_CLOSER = np.append(0.7 ** np.arange(1, 40), 0.0)  # of the distance to an end, down to a millionth: there maps bend
 _SAME = 1e-7  # relative: cycles that differ by less, and are of one stability, are one
 _SWINGS = 200.0  # turns of the slowest oscillator that a return may take
 
@@ -124,25 +125,37 @@ def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int],
     if section.dimension != 1:
         return
     steps = np.logspace(*_DECADES, _SAMPLES)
-    places = np.concatenate([-steps[::-1], [0.0], steps])
+    coarse = np.concatenate([-steps[::-1], [0.0], steps])
+    places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
     gaps = [_gap(section, y) for y in places]
     brackets = []
     for k in range(len(places) - 1):
-        (left, before), (right, after) = gaps[k], gaps[k + 1]
-        if before is not None and before == after and left * right <= 0:
+        here, after = gaps[k], gaps[k + 1]
+        if here * after <= 0:
             brackets.append((places[k], places[k + 1]))
-        if k == 0 or not before == after == gaps[k - 1][1] or before is None:
-            continue
-        here = abs(left)
-        one_side = gaps[k - 1][0] * left > 0 and left * right > 0
-        if one_side and here <= min(abs(gaps[k - 1][0]), abs(right)):
-            nearest = _extremum(section, places[k - 1], places[k + 1], math.copysign(1.0, left))
-            if _gap(section, nearest)[0] * left <= 0:
+        elif k > 0 and gaps[k - 1] * here > 0 and here * after > 0 and abs(here) <= min(abs(gaps[k - 1]), abs(after)):
+            nearest = _extremum(section, places[k - 1], places[k + 1], math.copysign(1.0, here))
+            if _gap(section, nearest) * here <= 0:
                 brackets += [(places[k - 1], nearest), (nearest, places[k + 1])]
     for low, high in brackets:
         cycle = _within(drive, section, low, high)
         if cycle is not None:
             yield cycle
+
+
+def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> np.ndarray:
+    """The places, and more of them towards each end of a stretch from which motions come back."""
+    more = [places]
+    for k in range(len(places) - 1):
+        if math.isfinite(gaps[k]) == math.isfinite(gaps[k + 1]):
+            continue
+        inside, outside = (places[k], places[k + 1]) if math.isfinite(gaps[k]) else (places[k + 1], places[k])
+        first = inside
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
+        more.append(inside + (first - inside) * _CLOSER)
+    return np.unique(np.concatenate(more))
 
 
 def _patience(automaton: Automaton) -> float:
@@ -151,17 +164,16 @@ def _patience(automaton: Automaton) -> float:
     return _SWINGS * float(scales.max())
 
 
-def _gap(section: ReturnSection, place: float) -> tuple[float, object]:
-    """P(y) − y, and the events of the return; nan and None if there is none."""
-    excess, events = section.outcome(np.array([place]))
-    return float(excess[0]), events
+def _gap(section: ReturnSection, place: float) -> float:
+    """P(y) − y; nan if there is no return."""
+    return float(section.excess(np.array([place]))[0])
 
 
 def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> float:
     """Where ``sign`` × (P(y) − y) is smallest between two places, by the golden section; stops where it is negative."""
 
     def height(place: float) -> float:
-        value = sign * _gap(section, place)[0]
+        value = sign * _gap(section, place)
         return value if math.isfinite(value) else math.inf
 
     left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
@@ -182,7 +194,7 @@ def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> f
 
 def _within(drive: RigidParameters, section: ReturnSection, low: float, high: float) -> Cycle | None:
     """The cycle in a bracket, where P(y) − y changes sign: Newton's method, from halves of the bracket if need be."""
-    first = _gap(section, low)[0]
+    first = _gap(section, low)
     width = high - low
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
@@ -196,7 +208,7 @@ def _within(drive: RigidParameters, section: ReturnSection, low: float, high: fl
             place = float(section.place(cycle.state)[0])
             if low - 1e-9 * width <= place <= high + 1e-9 * width:
                 return cycle
-        here = _gap(section, middle)[0]
+        here = _gap(section, middle)
         if not math.isfinite(here):
             return None
         low, high = (middle, high) if here * first > 0 else (low, middle)
