@@ -1,4 +1,4 @@
-"""The ways to map a region of attraction that are compared: this engine in double and single precision, and rivals."""
+"""The ways to map a region of attraction that are compared: this engine and its rivals."""
 
 import math
 from collections.abc import Callable
@@ -9,14 +9,13 @@ import numpy as np
 
 from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
-from lsvib.basins.mapper import Mapper
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.bench.maps import map_kernels
-from lsvib.bench.maps.single_precision import in_single, twin
 from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.cycles.attractors import Attractor
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 
 _HORIZON = 1.0  # [s] after which a rival's motion is unresolved
 _BUDGET = 100_000  # events of a motion
@@ -37,30 +36,21 @@ class Rule(IntEnum):
 
 @dataclass(frozen=True)
 class MapMethod:
-    """A way to map: ``prepare`` makes the function that is timed; ``dtype`` of the starts."""
+    """A way to map: ``prepare`` makes the function that is timed."""
 
     label: str
     rule: Rule
-    prepare: Callable[[Mapper], Label]
-    dtype: type = np.float64
+    prepare: Callable[[PlanarMapper], Label]
 
 
-def _engine(mapper: Mapper) -> Label:
-    return _mapped(labelling.map_labels, mapper.automaton.tables, mapper.sections.known)
-
-
-def _single(mapper: Mapper) -> Label:
-    tables, known = in_single(mapper.automaton.tables), in_single(mapper.sections.known)
-    return _mapped(twin("labelling").map_labels, tables, known)
-
-
-def _mapped(kernel, tables, known) -> Label:
+def _engine(mapper: PlanarMapper) -> Label:
+    tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
-    return lambda x, y, labels: kernel(tables, known, x, y, 0, _BUDGET, labels, none)
+    return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
-def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _stepped(step: float, seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels by steps of one length."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -71,8 +61,8 @@ def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _followed(seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _followed(seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels event by event, without proofs."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -83,11 +73,11 @@ def _followed(seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _tables(mapper: Mapper):
+def _tables(mapper: PlanarMapper):
     return mapper.automaton.tables, mapper.sections.known, np.array(mapper.automaton.sprag_kinds, dtype=np.int64)
 
 
-def _lsoda(mapper: Mapper) -> Label:
+def _lsoda(mapper: PlanarMapper) -> Label:
     """scipy's LSODA with events; a motion that stays in a damped mode is followed until its ellipse is trapped."""
     find_method("lsoda").require()
     from lsvib.bench.rivals.methods.scipy_events import integrator
@@ -137,13 +127,12 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
     if not reach > 0.0:
         return math.inf
     row = tables.flow[mode]
-    rate = 2.0 * row[flow_planar.ALPHA] - abs(kappa2 - row[flow_planar.BETA] ** 2) / math.sqrt(kappa2)
+    rate = 2.0 * row[columns.ALPHA] - abs(kappa2 - row[columns.BETA] ** 2) / math.sqrt(kappa2)
     return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 
 METHODS: dict[str, MapMethod] = {
     "engine": MapMethod("lsvib", Rule.PROOF, _engine),
-    "single": MapMethod("lsvib, float32", Rule.PROOF, _single, np.float32),
     "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _followed(3)),
     "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _stepped(1e-4, 0)),
     "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _stepped(1e-5, 0)),
