@@ -19,8 +19,8 @@ from lsvib.cycles.variational import inner_coordinates, propagator
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
 _SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
@@ -83,7 +83,7 @@ def _fastest(automaton: Automaton, mode: int) -> float:
         rows, singles = flow[mode][None], np.zeros(0)
     else:
         rows, singles = flow.oscillators[mode, : flow.pairs[mode]], flow.rates[mode, : flow.singles[mode]]
-    pairs = np.hypot(rows[:, flow_planar.ALPHA], rows[:, flow_planar.BETA]) + rows[:, flow_planar.DELTA]
+    pairs = np.hypot(rows[:, columns.ALPHA], rows[:, columns.BETA]) + rows[:, columns.DELTA]
     return float(np.max(np.concatenate([np.abs(pairs), np.abs(singles)]), initial=0.0))
 
 

@@ -21,7 +21,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
 
 _DECADES = (-4.0, 3.0)  # of the distance along a line, in sizes of a swing of the screw
@@ -160,7 +160,7 @@ def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> 
 
 def _patience(automaton: Automaton) -> float:
     """Time [s] that a return is waited for."""
-    scales = automaton.tables.flow[:, flow_planar.TIME_SCALE]
+    scales = automaton.tables.flow[:, columns.TIME_SCALE]
     return _SWINGS * float(scales.max())
 
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_blocks, flow_planar
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels import columns, flow_blocks, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
 _TERMS = 8.0  # roundings in a term of a product of two matrices with up to five rows, at most
@@ -52,7 +52,7 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
         row = flow[mode]
         c, s, s_rate = flow_planar.responses(row, time)
         moved = flow_planar.integrated_response(row, time)
-        a0, b = row[flow_planar.A0], row[flow_planar.B]
+        a0, b = row[columns.A0], row[columns.B]
         return np.array([[c, s, b * moved], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
     if isinstance(flow, BlockFlow):
         q = flow.matrix.shape[1]
@@ -67,7 +67,7 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
     for pair in range(pairs):
         row = flow.oscillators[mode, pair]
         c, s, s_rate = flow_planar.responses(row, time)
-        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[flow_planar.A0] * s, s_rate]]
+        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[columns.A0] * s, s_rate]]
     for single in range(singles):
         k, rate, push = 2 * pairs + single, float(flow.rates[mode, single]), float(flow.pushes[mode, single])
         more = math.expm1(min(rate * time, flow_planar.OVERFLOW))
@@ -89,7 +89,7 @@ def field(automaton: Automaton, mode: int, state: np.ndarray) -> tuple[np.ndarra
     flow = automaton.tables.flow
     if isinstance(flow, np.ndarray):
         row = flow[mode]
-        rows = np.array([[0.0, 1.0, 0.0], [-row[flow_planar.A0], -row[flow_planar.A1], row[flow_planar.B]]])
+        rows = np.array([[0.0, 1.0, 0.0], [-row[columns.A0], -row[columns.A1], row[columns.B]]])
     else:
         rows = flow.field[mode]
     return rows[:, :-1] @ state + rows[:, -1], np.abs(rows[:, :-1]) @ np.abs(state) + np.abs(rows[:, -1])

@@ -19,7 +19,7 @@ from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.errors import InputError, LsvibError
 
 
@@ -52,7 +52,7 @@ def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
         model = find_model(drive.model)
         states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
         return Cycles(*map(tuple, search(drive, automaton, states)), "")
-    if automaton.contracts and (automaton.tables.flow[:, flow_planar.ALPHA] > 0).any():
+    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     try:
         found = basin(drive)
