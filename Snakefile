@@ -19,9 +19,9 @@ STARTED = time.time()
 include: "workflow/rules/common.smk"
 
 
-# The names of all figures: the sections of the configuration but the map, which has rules of its own.
+# The map of attraction is none of them: it has rules of its own.
 wildcard_constraints:
-    figure="|".join(name for name, section in config.items() if isinstance(section, dict) and name != "attraction"),
+    figure="|".join((*default_figures(), *accuracy_figures())),
 
 
 include: "workflow/rules/figures.smk"
@@ -41,11 +41,11 @@ rule all:
     input:
         collect(
             "results/figures/{figure}.{format}",
-            figure=config["figures"],
+            figure=FIGURES,
             format=["png"] if config.get("draft") else ["png", "pdf"],
         ),
-        collect("results/datasets/{figure}.nc", figure=config["figures"]),
-        collect("results/checks/{figure}.json", figure=config["figures"]),
+        collect("results/datasets/{figure}.nc", figure=FIGURES),
+        collect("results/checks/{figure}.json", figure=FIGURES),
         "results/checks.json",
         "results/checks.md",
         "results/verdict.txt",

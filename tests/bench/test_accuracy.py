@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lsvib.bench.figures.work_precision import dataset as work_precision
-from lsvib.bench.record import Reference, Run, RunVerdict, errors
+from lsvib.bench.record import Record, Verdict, errors
 from lsvib.bench.rivals.catalogue import MethodFamily
 from lsvib.bench.rivals.hybrid import Hybrid, _affine
 from lsvib.bench.rivals.markdown_tables import markdown
@@ -15,13 +15,13 @@ from lsvib.bench.rivals.race_scenes import NAMES, scene
 from lsvib.bench.rivals.time_at_equal_error import fastest, time_at_error
 from lsvib.data.writer import read_dataset, write_dataset
 
-TRUTH = Reference(
-    end_state=np.array([0.1, -4.0]),
+TRUTH = Record(
+    end=np.array([0.1, -4.0]),
     times=np.array([0.2, 0.3]),
     kinds=["stick", "release"],
     stops=1,
     extremes=(-0.5, 0.5),
-    sizes=np.array([0.5, 40.0]),
+    size=np.array([0.5, 40.0]),
 )
 SETTINGS = {
     "scenes": ["stick_slip", "sprag_graze"],
@@ -36,26 +36,26 @@ SETTINGS = {
 }
 
 
-def run(**changes) -> Run:
+def run(**changes) -> Record:
     """The true motion, with changes."""
-    same = {"end_state": TRUTH.end_state, "times": TRUTH.times, "kinds": TRUTH.kinds, "extremes": TRUTH.extremes}
-    return Run(**{**same, **changes})
+    same = {"end": TRUTH.end, "times": TRUTH.times, "kinds": TRUTH.kinds, "extremes": TRUTH.extremes}
+    return Record(**{**same, **changes})
 
 
 def test_the_true_motion_has_no_error():
-    assert errors(run(), TRUTH) == errors(run(), TRUTH).__class__(0.0, 0.0, 0.0, RunVerdict.RIGHT)
+    assert errors(run(), TRUTH) == errors(run(), TRUTH).__class__(0.0, 0.0, 0.0, Verdict.RIGHT)
 
 
 @pytest.mark.parametrize(
     ("changes", "verdict"),
     [
-        ({"times": np.array([0.2]), "kinds": ["stick"]}, RunVerdict.WRONG_EVENTS),
-        ({"extremes": (-0.6, 0.6)}, RunVerdict.WRONG_ATTRACTOR),
-        ({"extremes": (math.nan, math.nan)}, RunVerdict.WRONG_ATTRACTOR),
-        ({"failure": "over 1 s"}, RunVerdict.GAVE_UP),
-        ({"end_state": np.array([math.inf, 0.0])}, RunVerdict.GAVE_UP),
-        ({"kinds": None, "stops": 1}, RunVerdict.RIGHT),
-        ({"kinds": None, "stops": 2}, RunVerdict.WRONG_EVENTS),
+        ({"times": np.array([0.2]), "kinds": ["stick"]}, Verdict.OTHER_EVENTS),
+        ({"extremes": (-0.6, 0.6)}, Verdict.OTHER_MOTION),
+        ({"extremes": (math.nan, math.nan)}, Verdict.OTHER_MOTION),
+        ({"failure": "over 1 s"}, Verdict.GAVE_UP),
+        ({"end": np.array([math.inf, 0.0])}, Verdict.GAVE_UP),
+        ({"kinds": None, "stops": 1}, Verdict.RIGHT),
+        ({"kinds": None, "stops": 2}, Verdict.OTHER_EVENTS),
     ],
 )
 def test_verdicts(changes, verdict):
@@ -63,7 +63,7 @@ def test_verdicts(changes, verdict):
 
 
 def test_errors_are_in_sizes_of_the_motion():
-    found = errors(run(end_state=np.array([0.1, -3.6]), times=np.array([0.2, 0.31]), extremes=(-0.5, 0.51)), TRUTH)
+    found = errors(run(end=np.array([0.1, -3.6]), times=np.array([0.2, 0.31]), extremes=(-0.5, 0.51)), TRUTH)
     assert found.state == pytest.approx(0.01)
     assert found.times == pytest.approx(0.01)
     assert found.amplitude == pytest.approx(0.01)
@@ -138,9 +138,9 @@ def test_dataset_tables_and_picture(tmp_path):
     dataset = work_precision.build(SETTINGS)
     assert dict(dataset.sizes) == {"scene": 2, "method": 2, "setting": 2, "rival": 5, "error_level": 2}
     engine = dataset.isel(method=0, setting=0)
-    assert (engine.motion_verdict == int(RunVerdict.RIGHT)).all()
+    assert (engine.motion_verdict == int(Verdict.RIGHT)).all()
     assert (engine.run_time <= engine.run_time_median).all()
-    assert (dataset.motion_verdict.isel(method=0, setting=1) == int(RunVerdict.NOT_RUN)).all()
+    assert (dataset.motion_verdict.isel(method=0, setting=1) == int(Verdict.NOT_RUN)).all()
     assert dataset.ratio.sel(scene=0, rival=int(MethodFamily.FIXED_STEP), error_level=1e-3) > 1
     assert (dataset.first_run_time > 0).all()
     assert dataset.attrs["processor_cores"] >= 1
@@ -164,7 +164,7 @@ def test_a_scene_in_which_no_rival_is_right_has_a_claim_of_its_own():
 
     assert all(verdicts(MethodFamily.FIXED_STEP, dataset).values())
     wrong = dataset.copy(deep=True)
-    wrong.motion_verdict[0, rivals] = int(RunVerdict.WRONG_EVENTS)
+    wrong.motion_verdict[0, rivals] = int(Verdict.OTHER_EVENTS)
     never = "stick_slip: to none of the errors asked for does a rival show the true motion, to all the engine does"
     assert never not in verdicts(MethodFamily.FIXED_STEP, dataset)
     assert verdicts(MethodFamily.FIXED_STEP, wrong)[never]

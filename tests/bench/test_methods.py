@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.record import RunVerdict
+from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import catalogue
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.bench.rivals.on_sweeps import Effort
@@ -33,7 +33,7 @@ def needed(method):
 def test_the_engine_agrees_with_40_digits_on_every_scene(name):
     """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
     entry = results(name, SHORT.get(name, 0.1), exact=[0])["exact", 0]
-    assert entry.errors.verdict == RunVerdict.RIGHT
+    assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < 1e-11
     assert entry.errors.amplitude < 1e-11
     assert entry.errors.times < 1e-13
@@ -71,7 +71,7 @@ def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
     """At a tolerance of 1e-8, over a few cycles with jumps, rests and reversals; multistep methods lose most."""
     needed(method)
     entry = results(name, SHORT.get(name, 0.1), **{method: [1e-8]})[method, 1e-8]
-    assert entry.errors.verdict == RunVerdict.RIGHT
+    assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < worst
 
 
@@ -79,7 +79,7 @@ def test_general_solvers_compute_what_is_well_conditioned(method, worst, name):
 def test_stiff_solvers_compute_the_stiff_contact(method):
     needed(method)
     entry = results("stiff_contact", 0.2, **{method: [1e-7]})[method, 1e-7]
-    assert entry.errors.verdict == RunVerdict.RIGHT
+    assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < 1e-3
 
 
@@ -94,7 +94,7 @@ def test_diffrax_makes_the_events_of_the_engine():
     assert len(ours.kinds) == 152
     assert theirs.kinds == ours.kinds
     assert theirs.times == pytest.approx(ours.times, abs=1e-11)
-    assert theirs.end_state == pytest.approx(ours.end_state, rel=1e-8)
+    assert theirs.end == pytest.approx(ours.end, rel=1e-8)
     assert theirs.extremes == pytest.approx(ours.extremes, abs=1e-8)
 
 
@@ -115,7 +115,7 @@ def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
     free, capped = (
         results("sprag_slip", 0.1, **{m: [1e-9]})[m, 1e-9] for m in ("diffrax_dopri8", "diffrax_dopri8_capped")
     )
-    assert free.errors.verdict == capped.errors.verdict == RunVerdict.RIGHT
+    assert free.errors.verdict == capped.errors.verdict == Verdict.RIGHT
     assert free.errors.state > 100 * 1e-9 > 1e4 * capped.errors.state
 
 
@@ -124,7 +124,7 @@ def test_heyoka_is_right_to_rounding_on_every_scene(name):
     """At its own tolerance, also at grazing and on the stiff contact: held to what the engine is held to."""
     needed("heyoka")
     entry = results(name, SHORT.get(name, 0.1), heyoka=[2.2e-16])["heyoka", 2.2e-16]
-    assert entry.errors.verdict == RunVerdict.RIGHT
+    assert entry.errors.verdict == Verdict.RIGHT
     assert entry.errors.state < 1e-11
     assert entry.errors.amplitude < 1e-11
     assert entry.errors.times < 1e-13
@@ -182,7 +182,7 @@ def test_a_stiff_scene_has_no_explicit_method():
 def test_a_run_over_its_time_gives_up():
     pytest.importorskip("scipy")
     _, _, (entry,) = contest("stick_slip", {"rk45": [1e-9]}, Budget(1, 0.0, 0.01), 0.2)
-    assert entry.errors.verdict == RunVerdict.GAVE_UP
+    assert entry.errors.verdict == Verdict.GAVE_UP
     assert "over 0.01 s" in entry.failure
 
 

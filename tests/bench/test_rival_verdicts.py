@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lsvib.bench.figures.rival_verdicts import dataset as rival_verdicts
-from lsvib.bench.record import Run
-from lsvib.bench.rivals.answers import AnswerVerdict, compare
+from lsvib.bench.record import Record, Verdict
+from lsvib.bench.rivals.answers import compare
 from lsvib.bench.rivals.hybrid import GaveUp
 from lsvib.bench.rivals.on_sweeps import Effort, Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
@@ -16,7 +16,7 @@ from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases, threshold
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.drives.parameters import RigidParameters
 
-TRUTH = case_judge.Path(
+TRUTH = Record(
     kinds=["contact_reversal", "stick", "release", "contact_reversal"],
     times=np.array([0.2, 0.5, 0.6, 0.9999]),
     end=np.array([0.1, -4.0]),
@@ -31,33 +31,33 @@ SETTINGS = {
 }
 
 
-def run(**changes) -> Run:
+def run(**changes) -> Record:
     """The true motion, with changes."""
-    return Run(**{"end_state": TRUTH.end, "times": TRUTH.times, "kinds": TRUTH.kinds} | changes)
+    return Record(**{"end": TRUTH.end, "times": TRUTH.times, "kinds": TRUTH.kinds} | changes)
 
 
 def question(**changes):
     """The stick–slip motion of the chapter, 0.05 s long."""
     drive = RigidParameters.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0} | changes)
     verdict, found = pose(Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, (0.05, 0.0), 0.05), np.random.default_rng(0))
-    assert verdict is case_judge.CaseVerdict.PASSED
+    assert verdict is Verdict.RIGHT
     return found
 
 
 @pytest.mark.parametrize(
     ("changes", "verdict"),
     [
-        ({}, AnswerVerdict.RIGHT),
-        ({"times": TRUTH.times - 5e-4}, AnswerVerdict.RIGHT),
-        ({"times": TRUTH.times - 5e-3}, AnswerVerdict.INACCURATE),
-        ({"end_state": np.array([0.1, -4.1])}, AnswerVerdict.INACCURATE),
+        ({}, Verdict.RIGHT),
+        ({"times": TRUTH.times - 5e-4}, Verdict.RIGHT),
+        ({"times": TRUTH.times - 5e-3}, Verdict.INACCURATE),
+        ({"end": np.array([0.1, -4.1])}, Verdict.INACCURATE),
         # The last event is so near to the end that it may be missing; one at the very start may be invented.
-        ({"times": TRUTH.times[:3], "kinds": TRUTH.kinds[:3]}, AnswerVerdict.RIGHT),
-        ({"times": np.append(1e-9, TRUTH.times), "kinds": ["reversal", *TRUTH.kinds]}, AnswerVerdict.RIGHT),
-        ({"times": TRUTH.times[[0, 3]], "kinds": ["contact_reversal"] * 2}, AnswerVerdict.OTHER_EVENTS),
+        ({"times": TRUTH.times[:3], "kinds": TRUTH.kinds[:3]}, Verdict.RIGHT),
+        ({"times": np.append(1e-9, TRUTH.times), "kinds": ["reversal", *TRUTH.kinds]}, Verdict.RIGHT),
+        ({"times": TRUTH.times[[0, 3]], "kinds": ["contact_reversal"] * 2}, Verdict.OTHER_EVENTS),
         (
-            {"times": TRUTH.times[[0, 3]], "kinds": ["contact_reversal"] * 2, "end_state": np.zeros(2)},
-            AnswerVerdict.OTHER_MOTION,
+            {"times": TRUTH.times[[0, 3]], "kinds": ["contact_reversal"] * 2, "end": np.zeros(2)},
+            Verdict.OTHER_MOTION,
         ),
     ],
 )  # fmt: skip
@@ -68,14 +68,14 @@ def test_verdicts(changes, verdict):
 
 def test_events_within_the_tolerance_may_come_in_any_order():
     times = np.array([0.2, 0.5, 0.5005, 0.8])
-    truth = case_judge.Path(TRUTH.kinds, times, TRUTH.end, TRUTH.size, True)
+    truth = Record(TRUTH.kinds, times, TRUTH.end, TRUTH.size, True)
     swapped = run(times=times, kinds=["contact_reversal", "release", "stick", "contact_reversal"])
-    assert compare(1.0, truth, swapped, 1e-3).verdict is AnswerVerdict.RIGHT
-    assert compare(1.0, truth, swapped, 1e-4).verdict is AnswerVerdict.OTHER_EVENTS
+    assert compare(1.0, truth, swapped, 1e-3).verdict is Verdict.RIGHT
+    assert compare(1.0, truth, swapped, 1e-4).verdict is Verdict.OTHER_EVENTS
 
 
 def test_the_error_is_the_largest_of_state_and_times():
-    answer = compare(2.0, TRUTH, run(times=TRUTH.times + 1e-4, end_state=np.array([0.1, -3.6])), 1.0)
+    answer = compare(2.0, TRUTH, run(times=TRUTH.times + 1e-4, end=np.array([0.1, -3.6])), 1.0)
     assert answer.error == pytest.approx(0.01)
     assert compare(2.0, TRUTH, run(times=TRUTH.times + 1e-1), 1.0).error == pytest.approx(0.05)
 
@@ -87,7 +87,7 @@ def test_the_engine_is_right_as_the_others_are_asked(family):
     found = [pose(case, rng)[1] for case in cases(family, 4, rng)]
     asked = [q for q in found if q is not None]
     assert asked
-    assert {ask(q, "exact", 1e-12).verdict for q in asked} == {AnswerVerdict.RIGHT}
+    assert {ask(q, "exact", 1e-12).verdict for q in asked} == {Verdict.RIGHT}
 
 
 def test_a_fixed_step_computes_what_is_well_conditioned():
@@ -97,7 +97,7 @@ def test_a_fixed_step_computes_what_is_well_conditioned():
 def test_a_stiff_drive_is_given_up_before_it_is_run():
     stiff = question(translation_damping=1e12)
     assert stiff.stiffness > 1e6
-    assert ask(stiff, "rk4", 1e-6) == (AnswerVerdict.GAVE_UP, pytest.approx(math.nan, nan_ok=True), "too stiff")
+    assert ask(stiff, "rk4", 1e-6) == (Verdict.GAVE_UP, pytest.approx(math.nan, nan_ok=True), "too stiff")
 
 
 def test_a_motion_with_too_many_events_is_cut():
@@ -123,16 +123,16 @@ def test_a_dip_below_a_guard_is_missed_by_a_general_solver():
     dipping = dip()
     assert dipping.path.kinds.count("seizure") > 2
     with quiet():
-        assert ask(dipping, "dop853", 1e-6).verdict is AnswerVerdict.OTHER_MOTION
-        assert ask(question(), "dop853", 1e-6).verdict is AnswerVerdict.RIGHT
+        assert ask(dipping, "dop853", 1e-6).verdict is Verdict.OTHER_MOTION
+        assert ask(question(), "dop853", 1e-6).verdict is Verdict.RIGHT
     assert confirm(dipping, np.random.default_rng(0))
 
 
 def test_heyoka_does_not_miss_the_dip():
     """It looks for roots on the whole of each polynomial: what it then needs is the digits, not a short step."""
     pytest.importorskip("heyoka", reason="heyoka is not installed; requirements-accuracy.txt has it")
-    assert ask(dip(), "heyoka", 1e-12).verdict is AnswerVerdict.RIGHT
-    assert ask(question(), "heyoka", 1e-6).verdict is AnswerVerdict.RIGHT
+    assert ask(dip(), "heyoka", 1e-12).verdict is Verdict.RIGHT
+    assert ask(question(), "heyoka", 1e-6).verdict is Verdict.RIGHT
 
 
 def test_effort_is_counted():
@@ -172,7 +172,7 @@ def test_dataset_checks_and_picture(tmp_path):
     assert engine.passed
     assert disputed.passed
     assert not others.passed  # the engine itself, asked as one of the others, is never wrong
-    for fault in (case_judge.CaseVerdict.WRONG, case_judge.CaseVerdict.INACCURATE, case_judge.CaseVerdict.UNBALANCED):
+    for fault in (Verdict.WRONG, Verdict.INACCURATE, Verdict.UNBALANCED):
         spoiled = read.copy(deep=True)
         spoiled.engine_count.loc[{"engine_outcome": int(fault)}] = 1
         assert not rival_verdicts.checks(spoiled)[0].passed

@@ -9,7 +9,7 @@ from time import process_time
 import numpy as np
 import pytest
 
-from lsvib.bench.record import RunVerdict
+from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.race import Budget, contest
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import enter, follow
@@ -50,7 +50,7 @@ def test_compiled_run_is_hundreds_of_times_faster():
         ratio = entry.fastest / ours
         print(f"{entry.method} {entry.setting:g}: {entry.fastest * 1e3:.3g} ms, {ratio:.3g} times, "
               f"error {entry.errors.state:.1e}, {entry.errors.verdict.name.lower()}")  # fmt: skip
-        if entry.method != "exact" and entry.errors.verdict == RunVerdict.RIGHT:
+        if entry.method != "exact" and entry.errors.verdict == Verdict.RIGHT:
             ratios.append(ratio)
     assert len(ratios) > 8
     assert min(ratios) > 275

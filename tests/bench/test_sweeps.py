@@ -5,13 +5,14 @@ import pytest
 from reference.figure_checks import assert_drawn_from_file, set_to
 
 from lsvib.bench.figures.stability_sweeps import dataset as stability_sweeps
+from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import simulate
 from lsvib.bench.second_opinions import taylor
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.case_judge import CaseVerdict, Judge, judge
+from lsvib.bench.sweeps.case_judge import Judge, judge
 from lsvib.bench.sweeps.cases import THRESHOLDS, cases
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
-from lsvib.bench.sweeps.paths import Path
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
@@ -47,7 +48,7 @@ FAULTS = {  # what the sweeps found in the engine, now mended
 @pytest.mark.parametrize("name", FAULTS)
 def test_faults_that_the_sweeps_found(name):
     outcome = judge(FAULTS[name], np.random.default_rng(0), thorough=True)
-    assert (outcome.verdict, outcome.judge) == (CaseVerdict.PASSED, Judge.REFERENCE)
+    assert (outcome.verdict, outcome.judge) == (Verdict.RIGHT, Judge.REFERENCE)
     assert outcome.state_error <= EXACT
 
 
@@ -59,7 +60,7 @@ def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)
     stiff = Case(CaseFamily.CONTACT, Group.ONLY, 13.5, drive, start, 1.0124174539161732e-05)
     outcome = judge(stiff, np.random.default_rng(0))
-    assert (outcome.verdict, outcome.events) == (CaseVerdict.PASSED, 10)
+    assert (outcome.verdict, outcome.events) == (Verdict.RIGHT, 10)
     assert max(outcome.state_error, outcome.time_error) <= 2e-10
 
 
@@ -72,29 +73,29 @@ def test_families(family):
     rng = np.random.default_rng([1, family])
     count, asked = (3, 1) if family in SLOW_TO_JUDGE else (12, 2)
     outcomes = [judge(c, rng, thorough=k < asked) for k, c in enumerate(cases(family, count, rng))]
-    assert {o.verdict for o in outcomes} <= {CaseVerdict.PASSED, CaseVerdict.CORNER}
+    assert {o.verdict for o in outcomes} <= {Verdict.RIGHT, Verdict.CORNER}
     assert Judge.REFERENCE in {o.judge for o in outcomes}
 
 
 def test_the_judges_notice_a_wrong_event(monkeypatch):
     rng = np.random.default_rng(0)
     this = case((0.05, 0.0), 0.05, mass=1.0, translation_damping=1e3, axial_force=40.0)
-    assert judge(this, rng).verdict is CaseVerdict.PASSED
+    assert judge(this, rng).verdict is Verdict.RIGHT
     honest = case_judge.engine_path
 
     def forgetful(motion, of):
         path = honest(motion, of)
-        return Path(path.kinds[:-1], path.times[:-1], path.end, path.size, path.complete)
+        return Record(path.kinds[:-1], path.times[:-1], path.end, path.size, path.complete)
 
     monkeypatch.setattr(case_judge, "engine_path", forgetful)
-    assert judge(this, rng).verdict is CaseVerdict.WRONG
+    assert judge(this, rng).verdict is Verdict.WRONG
 
     def shifted(motion, of):
         path = honest(motion, of)
-        return Path(path.kinds, path.times, path.end * (1 + 1e-8), path.size, path.complete)
+        return Record(path.kinds, path.times, path.end * (1 + 1e-8), path.size, path.complete)
 
     monkeypatch.setattr(case_judge, "engine_path", shifted)
-    assert judge(this, rng).verdict is CaseVerdict.INACCURATE
+    assert judge(this, rng).verdict is Verdict.INACCURATE
 
 
 def test_stepper_against_the_reference():
@@ -106,7 +107,7 @@ def test_stepper_against_the_reference():
         complete, count, u, w = taylor.run(constants, *c.start, c.duration, times, kinds)
         expected = simulate(dict(c.drive), *c.start, c.duration)
         assert complete
-        assert [taylor.KINDS[kind] for kind in kinds[:count]] == [event.kind for event in expected.events]
+        assert [KINDS[kind] for kind in kinds[:count]] == [event.kind for event in expected.events]
         size = np.abs([[float(s.u), float(s.w)] for s in expected.segments]).max(axis=0)
         assert np.all(np.abs([u - float(expected.u), w - float(expected.w)]) <= 1e-11 * size)
 
@@ -132,12 +133,12 @@ SMALL = {
     "distances": [1e-2], "periods": 100,
 }  # fmt: skip
 SPOILERS = {
-    "No wrong verdict": set_to("case_verdict", CaseVerdict.WRONG, 0),
-    "does not pass": set_to("case_verdict", CaseVerdict.REFUSED, slice(0, 4)),
-    "Rigid drive": set_to("case_verdict", CaseVerdict.INACCURATE, 1),
+    "No wrong verdict": set_to("case_verdict", Verdict.WRONG, 0),
+    "does not pass": set_to("case_verdict", Verdict.REFUSED, slice(0, 4)),
+    "Rigid drive": set_to("case_verdict", Verdict.INACCURATE, 1),
     "Drives with four states": set_to("time_error", 2e-8, 0),
     "Energy balances": set_to("energy_residual", 1e-3, 2),
-    "A search": set_to("worst_verdict", CaseVerdict.UNBALANCED, 0),
+    "A search": set_to("worst_verdict", Verdict.UNBALANCED, 0),
     "Attractors on both sides": set_to("attractor_is_right", 0, 0, 0, 0),
     "Cycles over many periods": set_to("clock_error", 1e-11, 0),
 }

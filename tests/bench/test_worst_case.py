@@ -8,8 +8,9 @@ from hypothesis import HealthCheck, given, settings, target
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
+from lsvib.bench.record import Verdict
 from lsvib.bench.reference.threads_digits import ThreadsTrueDrive
-from lsvib.bench.sweeps.case_judge import TOLERANCE, CaseVerdict
+from lsvib.bench.sweeps.case_judge import TOLERANCE
 from lsvib.bench.sweeps.cases import cases
 from lsvib.bench.sweeps.cases_threads import coinciding
 from lsvib.bench.sweeps.families import CaseFamily, Group
@@ -17,7 +18,7 @@ from lsvib.bench.sweeps.worst_case import GENES, Draws, attempt, search
 from lsvib.drives.parameters import ThreadsParameters
 
 GENOMES = st.lists(st.floats(0.0, 1.0, exclude_max=True), min_size=GENES, max_size=GENES)
-GOOD = {CaseVerdict.PASSED, CaseVerdict.CORNER, CaseVerdict.BEYOND_INPUT}
+GOOD = {Verdict.RIGHT, Verdict.CORNER, Verdict.BEYOND_INPUT}
 
 
 @pytest.mark.parametrize("family", CaseFamily)

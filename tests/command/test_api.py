@@ -24,8 +24,9 @@ from lsvib.drives import rigid
 from lsvib.drives.once import forget
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.scene import read_yaml
+from lsvib.figures.configuration import DEFAULT
 from lsvib.figures.fig8_09 import dataset as fig8_09
-from lsvib.settings import DEFAULT, read_yaml
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy"}
@@ -64,7 +65,44 @@ def test_stability_loads_no_engine(kind):
     assert not names & {"numba", "matplotlib", "xarray"}
 
 
-def test_config_loads_no_engine():
+WITHOUT_ENGINE = [
+    "--help",
+    "simulate --help",
+    "config --scene scene.yaml",
+    *(f"{name} --model {kind}" for name in ("config", "stability") for kind in api.DRIVES),
+    *(f"thresholds --model {kind}" for kind in api.DRIVES if kind != "rigid"),  # global stability follows motions
+    "figure 8.3",
+    "figure 8.8",
+    "thresholds --set mass=-1",
+]
+COMMANDS = """
+import os, sys
+import cyclopts, mpmath, matplotlib, netCDF4, pydantic, xarray
+for line in LINES:
+    if not os.fork():
+        sys.argv = ["lsvib", *line.split()]
+        sys.stdout = sys.stderr = open(os.devnull, "w")
+        try:
+            from lsvib.command.app import main
+            main()
+        except SystemExit:
+            pass
+        os.write(1, f"{line}: {'numba' in sys.modules}\\n".encode())
+        os._exit(0)
+    os.wait()
+"""
+
+
+def test_commands_that_need_no_engine_load_none(tmp_path):
+    """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
+    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\ninitial: {u: 0, w: 0}\nt_end: 1\n", encoding="utf-8")
+    lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
+    program = f"LINES = {lines!r}\n{COMMANDS}"
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [*(f"{line}: False" for line in WITHOUT_ENGINE), f"{lines[-1]}: True"]
+
+
+def test_config_loads_nothing_heavy():
     names = loaded("import sys\nsys.argv = ['lsvib', 'config']\nfrom lsvib.command.app import main\nmain()")
     assert not names & {"numba", "matplotlib", "xarray"}
 

@@ -12,9 +12,13 @@ import yaml
 
 import lsvib
 from lsvib.command.app import main
+from lsvib.data.writer import read_dataset
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
+from lsvib.errors import InputError
+from lsvib.figures.compute import compute_figure
+from lsvib.figures.configuration import check
 
 # Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
@@ -240,7 +244,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
         (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
         (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
-        (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of those"),
+        (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of 8.1"),
         (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
         (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
         (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
@@ -260,12 +264,44 @@ def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
     assert words in refused(run, *arguments)
 
 
-def test_unknown_figure_is_refused_with_all_that_there_are(run, tmp_path):
-    (tmp_path / "figures.yaml").write_text(
-        "figures: [fig8_06, limit_process]\nfig8_06: {drive: {}}\nlimit_process: {drive: {}}\nattraction: {}\n"
-    )
-    sentence = refused(run, "figure", "8.99", "--config", "figures.yaml")
-    assert sentence.rstrip().endswith("figure 8.99 is not one of those in figures.yaml: 8.6, limit_process.")
+def test_unknown_figure_is_refused_with_all_that_there_are(run):
+    sentence = refused(run, "figure", "8.99")
+    assert sentence.startswith("lsvib: figure 8.99 is not one of 8.1, 8.2, ")
+    assert "8.15, attraction_limit, basin_sweep, " in sentence
+
+
+@pytest.mark.parametrize("key", ["count", "drive"])
+def test_settings_of_a_figure_are_refused_as_the_workflow_refuses_them(run, tmp_path, key):
+    """A misspelt key and a missing one: the sentence is that of the whole configuration."""
+    settings = yaml.safe_load(CONFIG.read_text())
+    if key == "count":
+        settings["fig8_08"]["mass"]["cuont"] = settings["fig8_08"]["mass"].pop("count")
+    else:
+        del settings["fig8_08"]["drive"]
+    (tmp_path / "figures.yaml").write_text(yaml.safe_dump(settings))
+    with pytest.raises(InputError) as of_the_workflow:
+        check(settings)
+    assert refused(run, "figure", "8.8", "--config", "figures.yaml").rstrip() == f"lsvib: {of_the_workflow.value}"
+
+
+def test_command_and_python_make_the_same_file(run, tmp_path):
+    assert run("figure", "8.3", "--out", "built")[0] == 0
+    given = yaml.safe_load(CONFIG.read_text())["fig8_03"]
+    compute_figure("fig8_03", given, "other.nc", "other.json")
+    one, other = read_dataset("built/fig8_03.nc"), read_dataset("other.nc")
+    assert one.identical(other)
+    assert json.loads(one.attrs["settings"]) == given
+
+
+def test_folders_of_the_workflow_are_refused(run, tmp_path):
+    (tmp_path / "Snakefile").touch()
+    for folder in ("datasets", "figures", "checks"):
+        sentence = refused(run, "figure", "8.3", "--out", f"results/{folder}")
+        assert "belongs to the workflow" in sentence
+    assert run("figure", "8.3", "--out", "results")[0] == 0
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {
+        "fig8_03.nc", "fig8_03_checks.json", "fig8_03.png", "fig8_03.pdf"
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("number", ["8.3", "fig8_03"])
@@ -277,7 +313,7 @@ def test_figure_by_number_or_name(run, tmp_path, number):
     code, out, _ = run("figure", number, "--config", "figures.yaml", "--out", "built")
     assert code == 0
     assert ": true (" in out
-    assert Path("built/figures/fig8_03.png").is_file()
+    assert Path("built/fig8_03.png").is_file()
 
 
 @pytest.mark.parametrize("form", [[], ["--json"]])

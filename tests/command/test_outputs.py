@@ -13,9 +13,11 @@ from test_cli import MOTION, run  # noqa: F401
 import lsvib
 from lsvib.basins.grid import Axis
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError, LsvibError
+from lsvib.figures.configuration import DEFAULT, check, settings_of
+from lsvib.figures.folders import default_figures
 from lsvib.files import Outputs, target_of
-from lsvib.settings import DEFAULT, UNUSED, check, read_yaml
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = read_yaml(DEFAULT)
@@ -99,8 +101,8 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
 def test_figures_away_from_the_repository(run):  # noqa: F811
     code, out, _ = run("figure", "8.3", "--out", "built")
     assert code == 0
-    assert Path("built/datasets/fig8_03.nc").is_file()
-    assert "wrote built/figures/fig8_03.png" in out
+    assert Path("built/fig8_03.nc").is_file()
+    assert "wrote built/fig8_03.png" in out
 
 
 def test_the_settings_of_the_package_are_those_of_the_repository():
@@ -109,7 +111,7 @@ def test_the_settings_of_the_package_are_those_of_the_repository():
 
 
 @pytest.mark.parametrize(
-    "figure", [pytest.param(f, marks=pytest.mark.slow) if f in SLOW else f for f in SETTINGS["figures"]]
+    "figure", [pytest.param(f, marks=pytest.mark.slow) if f in SLOW else f for f in default_figures()]
 )
 def test_a_figure_depends_on_every_parameter_that_may_be_set(figure):
     """On a coarse grid; those that are refused change no number, whatever their value, of either sign and large."""
@@ -133,7 +135,7 @@ def test_a_figure_depends_on_every_parameter_that_may_be_set(figure):
                 break
         else:
             unused.append(key)
-    assert sorted(unused) == sorted(UNUSED.get(figure, ())), "enter these in lsvib.settings.UNUSED"
+    assert sorted(unused) == sorted(settings_of(figure).unused), "declare these in the settings of the figure"
 
 
 def merged(section, changes):

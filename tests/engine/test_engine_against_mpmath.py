@@ -13,15 +13,31 @@ from itertools import groupby
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 from reference.drives import RULES, compare, random_drive, random_start
 
-from lsvib.bench.reference.rigid_digits import simulate, state_at
+from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.motion import follow
 
 TOLERANCE = 1e-12
 LONG = RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+
+
+def state_at(result, t):
+    """(u, w, mode name) of a run of the reference at time t; at an event, the values after it."""
+    drive = result.drive
+    with mp.workdps(drive.dps + GUARD_DIGITS):
+        t = mpf(t)
+        if not 0 <= t <= result.time:
+            raise ValueError("t lies outside the run")
+        segment = [s for s in result.segments if s.time <= t][-1]
+        tau = t - segment.time
+        if segment.mode == REST:
+            return segment.u + segment.w * tau, segment.w, NAMES[REST]
+        direction, contact = segment.mode
+        return (*RigidTrueFlow(drive, direction * contact, segment.u, segment.w).state(tau), NAMES[segment.mode])
 
 
 def without_repeated_seizures(kinds: list[str]) -> list[str]:

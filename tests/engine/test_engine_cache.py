@@ -1,12 +1,15 @@
 """Where the compiled engine is kept: in the cache of the user, else in a folder for temporary files, else nowhere."""
 
+import logging
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from lsvib.engine.kernels import jit
+from lsvib.engine.kernels import compilation_notice, event_loop, jit
+from lsvib.engine.kernels.compile_ahead import tables_of
 
 NOWHERE = "/dev/null/nowhere"  # cannot be made, not even by root
 
@@ -46,6 +49,55 @@ def test_a_user_without_a_home(folders, monkeypatch):
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(jit.Path, "home", no_home)
     assert jit.cache_folder() == folders / f"lsvib-{os.getuid()}" / jit.source_digest()
+
+
+def test_many_writers_of_one_cache_lose_nothing(tmp_path):
+    """Each compiled version is read back as it was written, whoever else wrote at the time."""
+    assert isinstance(event_loop.run._cache._cache_file, jit.OneWriter)
+
+    def write(k: int) -> None:
+        jit.OneWriter(str(tmp_path), "kernel", "stamp").save((k,), f"version {k}")
+
+    with ThreadPoolExecutor(16) as pool:
+        list(pool.map(write, range(200)))
+    file = jit.OneWriter(str(tmp_path), "kernel", "stamp")
+    assert [file.load((k,)) for k in range(200)] == [f"version {k}" for k in range(200)]
+
+
+def test_compiling_is_said_once_for_each_part(caplog):
+    caplog.set_level(logging.INFO, "lsvib")
+    small = jit.numba.njit(lambda tables: tables.shortest_stay)
+    other = jit.numba.njit(lambda tables: -tables.shortest_stay)
+    for kernel in (small, other):
+        kernel.py_func.__module__ = "lsvib.engine.kernels.small"
+    for kernel in (small, small, other):
+        for kind in ("planar", "modal"):
+            kernel(tables_of(kind))
+    told = [record.getMessage() for record in caplog.records]
+    assert [words for words in told if "two-state models, once, about 10 s" in words] == told[:1]
+    assert [words for words in told if "three or four states, once, about 20 s" in words] == told[1:]
+    assert len(told) == 2
+    say = compilation_notice.sentence
+    assert "mapper of two-state models" in say("lsvib.basins.kernels.labelling", "Tables(array(float64, 2d, C))")
+    assert "in blocks" in say("lsvib.engine.kernels.event_loop", "Tables(BlockFlow(...))")
+    assert say("lsvib.engine.kernels.affine", "array(float64, 1d, C)") is None
+    assert say("somebody.else", "Tables") is None
+
+
+@pytest.mark.long
+def test_the_command_says_that_it_compiles_and_is_silent_when_the_cache_is_warm(tmp_path):
+    program = (
+        "import sys; sys.argv = 'lsvib simulate --initial u=0.1 w=0 --t-end 0.1 --out motion.nc'.split()\n"
+        "from lsvib.command.app import main; main()\n"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    runs = [
+        subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)
+        for _ in range(2)
+    ]
+    assert runs[0].stderr == "lsvib: compiling the engine for two-state models, once, about 10 s\n"
+    assert runs[1].stderr == ""
+    assert runs[0].stdout == runs[1].stdout
 
 
 @pytest.mark.slow

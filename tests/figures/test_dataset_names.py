@@ -7,8 +7,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
-from reference.figure_checks import CONFIG, dataset_of, draft
+from reference.figure_checks import dataset_of, draft
 from scipy.integrate import solve_ivp
 
 from lsvib.data.parameter_origins import (
@@ -23,10 +22,10 @@ from lsvib.data.parameter_origins import (
 from lsvib.data.writer import write_dataset
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters
-from lsvib.figures.folders import dataset_module
-from lsvib.settings import UNUSED
+from lsvib.figures.configuration import settings_of
+from lsvib.figures.folders import dataset_module, default_figures
 
-FIGURES = yaml.safe_load((CONFIG / "config.yaml").read_text())["figures"]
+FIGURES = default_figures()
 ORIGINS = ("printed: ", ASSUMED, VARIED, NO_EFFECT)
 # Beside the qualifiers of parameters: of the rigid drive beside a compliant one, of a close-up, of a curve.
 _ALSO = ("rigid", "close_up", "node_focus")
@@ -87,11 +86,11 @@ def test_every_parameter_is_stated_with_its_origin(figure):
             assert dataset[name].ndim >= 1, name
 
 
-@pytest.mark.parametrize("figure", UNUSED)
+@pytest.mark.parametrize("figure", [figure for figure in FIGURES if settings_of(figure).unused])
 def test_what_a_figure_does_not_depend_on_is_not_called_assumed(figure):
     """A parameter that settings may not change has no effect, is an axis, lies along the cases, or is printed."""
     dataset = dataset_of(figure)
-    for name in UNUSED[figure]:
+    for name in settings_of(figure).unused:
         origin = dataset[name].attrs["origin"]
         assert origin in (VARIED, NO_EFFECT) or dataset[name].ndim or origin.startswith("printed"), (name, origin)
 

@@ -58,7 +58,7 @@ def test_the_source_distribution_is_complete(published):
     sources, unpacked, _ = published
     ours = {name: text for name, text in files_of(sources).items() if ".egg-info" not in name}
     theirs = files_of(unpacked)
-    assert "src/lsvib/settings/config.yaml" in ours
+    assert "src/lsvib/figures/config.yaml" in ours
     assert sorted(set(ours) - set(theirs)) == []
     assert [name for name in ours if ours[name] != theirs[name]] == []
 
@@ -68,7 +68,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(published):
     ours = {name: text for name, text in files_of(sources / "src").items() if ".egg-info" not in name}
     with zipfile.ZipFile(wheel) as file:
         theirs = {name: file.read(name) for name in file.namelist() if ".dist-info/" not in name}
-    assert {"lsvib/py.typed", "lsvib/settings/config.yaml", "lsvib/settings/config.schema.yaml"} <= set(ours)
+    assert {"lsvib/py.typed", "lsvib/figures/config.yaml", "lsvib/figures/fig8_06/caption.rst"} <= set(ours)
     assert theirs == ours
 
 
@@ -80,4 +80,4 @@ def test_the_installed_wheel_works_away_from_the_sources(published, tmp_path):
     where = python("-c", "import lsvib; print(lsvib.__file__)", folder=tmp_path, path=site)
     assert Path(where.strip()) == site / "lsvib" / "__init__.py"
     python("-m", "lsvib", "figure", "8.3", "--out", "built", folder=tmp_path, path=site)
-    assert (tmp_path / "built" / "figures" / "fig8_03.png").is_file()
+    assert (tmp_path / "built" / "fig8_03.png").is_file()

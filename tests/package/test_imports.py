@@ -10,20 +10,16 @@ from pathlib import Path
 
 import grimp
 import pytest
-import yaml
 
-from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.figures.folders import accuracy_figures, dataset_module, default_figures, picture_module
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(find_spec("lsvib").origin).parent
-CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-FIGURES = CONFIG["figures"] + CONFIG["accuracy_figures"]
+FIGURES = [*default_figures(), *accuracy_figures()]
 EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
 FIGURE_ROOMS = ("figures", "bench/figures")
 PACKAGES = sorted(
-    ".".join(("lsvib", *init.parent.relative_to(PACKAGE).parts))
-    for init in PACKAGE.glob("**/__init__.py")
-    if init.parent.name != "settings"  # it reads and checks settings, for which it needs pydantic
+    ".".join(("lsvib", *init.parent.relative_to(PACKAGE).parts)) for init in PACKAGE.glob("**/__init__.py")
 )
 HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
 

@@ -8,8 +8,8 @@ import lsvib
 from lsvib.basins.grid import Axis, Grid
 from lsvib.data.writer import read_dataset
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
-from lsvib.drives.scene import Scene
-from lsvib.settings import DEFAULT, check, read_yaml
+from lsvib.drives.scene import Scene, read_yaml
+from lsvib.figures.configuration import DEFAULT, check
 
 SETTINGS = read_yaml(DEFAULT)
 NUMBER = "is not a number"
@@ -315,8 +315,8 @@ FIGURES = [
     ("figures: [fig9]\n", "'fig9' is not one of"),
     ("figures: []\n", "at least 1"),
     ("figure: [fig8_08]\n", UNKNOWN),
-    ("fig8_08: {}\n", "lists no figures"),
-    ("figures: [fig8_08]\n", "lists no"),
+    ("fig8_08: {}\n", "fig8_08.drive is missing"),
+    ("figures: [fig8_08]\n", "fig8_08.drive is missing"),
     ("figures: [fig8_08]\nfig8_08: 5\n", "fig8_08 = 5"),
     ("figures: [fig8_08]\nfig8_08: {}\n", "is missing"),
     ("- fig8_08\n", "names and values"),

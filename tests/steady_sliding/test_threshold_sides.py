@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from lsvib.bench.second_opinions import taylor
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -329,7 +330,7 @@ def test_steps_of_another_integrator_agree():
             for side in (-1, 1):
                 constants = taylor.constants(dict(drive.replace(axial_force=threshold * (1 + side * distance))))
                 _, count, *_ = taylor.run(constants, *start, 0.05, times, kinds)
-                names = [taylor.KINDS[k] for k in kinds[:count]]
+                names = [KINDS[k] for k in kinds[:count]]
                 names = names[names[0] == "release" :][: 3 if name == "stick" else 1]
                 assert bool(first & set(names)) == ((side > 0) == (name == "stick")), (name, side, distance)
 

@@ -91,5 +91,5 @@ def copy_of_sources(folder: Path) -> Project:
             shutil.copy2(ROOT / part, folder / part)
     config = folder / "config" / "config.yaml"
     lines = config.read_text(encoding="utf-8").splitlines(keepends=True)
-    config.write_text("".join(TINY if line.startswith("figures:") else line for line in lines), encoding="utf-8")
+    config.write_text(TINY + "".join(lines), encoding="utf-8")
     return Project(folder)

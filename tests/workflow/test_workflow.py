@@ -5,6 +5,7 @@ import json
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 import zipfile
@@ -12,15 +13,72 @@ import zipfile
 import docutils.core
 import pytest
 import yaml
-from conftest import ROOT
+from conftest import ROOT, TINY
 
 from lsvib.bench.figures.ablation.dataset import MODULES
 from lsvib.data.writer import read_dataset
+from lsvib.figures.configuration import schema, settings_of
+from lsvib.figures.folders import accuracy_figures, default_figures
 
 pytestmark = pytest.mark.workflow
 
+CAPTIONS = sorted((ROOT / "src" / "lsvib").glob("**/figures/*/caption.rst"))
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 FIGURES = ("fig8_03", "fig8_08")
+NEW_FIGURE = {  # file of its folder: what is in it
+    "__init__.py": '"""A new figure."""\n',
+    "caption.rst": "The self-locking of the drive.\n",
+    "settings.py": '''"""The settings of the new figure."""
+
+from pydantic import Field
+
+from lsvib.figures.common.settings import DriveChanges, FigureSettings
+
+
+class Settings(FigureSettings):
+    """The friction that the lead angle allows."""
+
+    drive: DriveChanges = DriveChanges()
+    points: int = Field(default=5, ge=2, description="Number of lead angles.")
+''',
+    "dataset.py": '''"""The dataset of the new figure."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.data.checks import Check
+from lsvib.drives.parameters import RigidParameters
+
+
+def build(settings):
+    """Compute the tangent of some lead angles."""
+    angle = np.linspace(0, RigidParameters.of(settings["drive"]).lead_angle, settings["points"])
+    words = {"units": "1", "long_name": "tangent of the lead angle"}
+    return xr.Dataset(
+        {"tangent": ("angle", np.tan(angle), words)},
+        coords={"angle": ("angle", angle, {"units": "rad", "long_name": "lead angle"})},
+        attrs={"title": "New figure", "source": "lsvib", "references": "none"},
+    )
+
+
+def checks(dataset):
+    """Check that the tangent grows."""
+    grows = bool((np.diff(dataset.tangent) > 0).all())
+    return [Check.holds("The tangent grows with the angle", "a test", "all differences", grows)]
+''',
+    "picture.py": '''"""The picture of the new figure."""
+
+from lsvib.figures.drawing.style import new_figure, styled
+
+
+@styled
+def draw(dataset):
+    """Draw the tangent over the angle."""
+    figure = new_figure()
+    figure.add_subplot().plot(dataset.angle, dataset.tangent)
+    return figure
+''',
+}
 
 
 def test_a_run_makes_everything_and_says_where(finished):
@@ -111,25 +169,30 @@ def test_a_draft_is_drawn_without_pdf_and_a_full_run_brings_everything_back(buil
 
 def test_a_draft_of_all_figures_is_a_few_processes(fresh):
     """Each with several figures; the target ``accuracy`` of a draft has its own jobs."""
-    names = ", ".join(CONFIG["figures"])
+    names = ", ".join(default_figures())
     fresh.edit("config/config.yaml", "figures: [fig8_03, fig8_08]", f"figures: [{names}]")
     jobs = [job for job in fresh.plan("--configfile", "config/draft.yaml") if "omputing" in job or "Drawing" in job]
     assert len(jobs) == 4
     assert sorted(", ".join(job.removeprefix("Computing and drawing ") for job in jobs).split(", ")) == sorted(
-        CONFIG["figures"]
+        default_figures()
     )
 
 
 def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
-    """All but the figures of contact force and eigenvalues wait for the compiled engine."""
-    figures = CONFIG["figures"]
+    """A figure waits for the parts of the engine that its model needs; those of eigenvalues wait for none."""
+    figures = default_figures()
     assert {f"fig8_{n:02}" for n in range(1, 16)} <= set(figures)
     run = fresh("-n", *(f"results/datasets/{figure}.nc" for figure in figures))
     reasons = dict(re.findall(r"^Job \d+: Computing (\w+)\nReason: (.*)$", run.stdout, re.MULTILINE))
     assert set(reasons) == set(figures)
-    waiting = {figure for figure, reason in reasons.items() if "results/engine.txt" in reason}
+    waiting = {
+        part: {figure for figure, reason in reasons.items() if f"results/engine/{part}.txt" in reason}
+        for part in ("planar", "modal", "mapper")
+    }
     others = {"nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
-    assert waiting == set(figures) - others
+    assert waiting["planar"] == set(figures) - others
+    assert waiting["modal"] == {"fig8_10", "fig8_13", "limit_process", "attraction_limit", "contact_stability"}
+    assert waiting["mapper"] == {"basin_sweep", "attraction_limit"}
 
 
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
@@ -242,14 +305,58 @@ def test_accuracy_is_a_target_of_its_own(fresh):
 
 
 def test_a_dataset_depends_on_what_it_runs_without_importing_it(fresh):
-    """The modules whose imports and whose compilation the ablation measures."""
-    for module in {name for words in MODULES.values() for name in words.split(", ")}:
+    """The modules whose imports the ablation measures; one that is missing is missed."""
+    modules = {name for words in MODULES.values() for name in words.split(", ")}
+    assert modules <= set(settings_of("ablation").needs)
+    for module in modules:
+        if module.endswith(".dataset"):  # without it there is no such figure, which is told before
+            continue
         path = fresh.folder / "src" / f"{module.replace('.', '/')}.py"
         text = path.read_text(encoding="utf-8")
         path.unlink()
         run = fresh("-n", "results/datasets/ablation.nc")
         assert f"The module {module} does not exist." in run.stdout
         path.write_text(text, encoding="utf-8")
+
+
+def test_a_figure_of_the_command_leaves_the_results_of_the_workflow_alone(built):
+    """Another drive, in the default folder and among the results: nothing has changed, nothing is stale."""
+    before = {path: path.stat().st_mtime_ns for path in (built.folder / "results").rglob("*.*")}
+    for out in ([], ["--out", "results"]):
+        words = [sys.executable, "-m", "lsvib", "figure", "8.8", "--set", "support_damping=9e-4", *out]
+        subprocess.run(words, cwd=built.folder, env=built.environment, check=True, stdout=subprocess.DEVNULL)
+    assert (built.folder / "figures" / "fig8_08.png").is_file()
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert built.plan() == set()
+    built.edit("config/config.yaml", " dampings: [", " dampings: [5.0e-4, ")
+    assert "Computing fig8_08" in built.plan()
+
+
+def test_a_new_figure_is_one_new_folder(fresh):
+    """A figure with settings of its own and their defaults: the command builds it and the workflow finds it."""
+    folder = fresh.folder / "src" / "lsvib" / "figures" / "new_figure"
+    folder.mkdir()
+    for name, text in NEW_FIGURE.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    fresh.edit("config/config.yaml", TINY, "")
+    words = [sys.executable, "-m", "lsvib", "figure", "new_figure", "--set", "mass=3"]
+    subprocess.run(words, cwd=fresh.folder, env=fresh.environment, check=True, stdout=subprocess.DEVNULL)
+    dataset = read_dataset(fresh.folder / "figures" / "new_figure.nc")
+    assert json.loads(dataset.attrs["settings"]) == {"drive": {"mass": 3.0}, "points": 5}
+    assert fresh.plan() >= {"Computing new_figure", "Drawing new_figure"}
+    run = fresh("results/figures/new_figure.png")
+    assert run.returncode == 0, run.stdout
+    dataset = read_dataset(fresh.folder / "results" / "datasets" / "new_figure.nc")
+    assert json.loads(dataset.attrs["settings"]) == {"drive": {}, "points": 5}
+    with (fresh.folder / "config" / "config.yaml").open("a") as config:
+        config.write("new_figure: {point: 6}\n")
+    assert "new_figure.point is not a known key; the known keys are drive, points." in fresh("-n").stdout
+
+
+def test_the_schema_is_that_of_the_types():
+    """``python -m lsvib.figures.configuration > workflow/schemas/config.schema.yaml`` writes it."""
+    written = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text(encoding="utf-8"))
+    assert written == json.loads(json.dumps(schema()))
 
 
 def test_lint_asks_for_nothing_but_conda(fresh):
@@ -266,13 +373,12 @@ def test_lint_asks_for_nothing_but_conda(fresh):
 
 
 def test_every_figure_has_a_caption_and_a_section():
-    figures = {*CONFIG["figures"], *CONFIG["accuracy_figures"], "attraction"}
-    captions = {path.stem for path in (ROOT / "workflow" / "report").glob("*.rst")}
-    assert captions - {"figure", "workflow"} == figures
+    figures = {*default_figures(), *accuracy_figures(), "attraction"}
+    assert {path.parent.name for path in CAPTIONS} == figures
     assert {name for name, section in CONFIG.items() if isinstance(section, dict)} == figures
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "report").glob("*.rst")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", CAPTIONS, ids=lambda path: path.parent.name)
 def test_captions_are_restructured_text_without_a_complaint(path):
     complaints = io.StringIO()
     settings = {"warning_stream": complaints, "report_level": 1}

@@ -4,9 +4,9 @@
 rule accuracy:
     """Draw the figures of accuracy and judge their checks; needs requirements-accuracy.txt."""
     input:
-        collect("results/figures/{figure}.{format}", figure=config["accuracy_figures"], format=["png", "pdf"]),
-        collect("results/datasets/{figure}.nc", figure=config["accuracy_figures"]),
-        collect("results/checks/{figure}.json", figure=config["accuracy_figures"]),
+        collect("results/figures/{figure}.{format}", figure=ACCURACY_FIGURES, format=["png", "pdf"]),
+        collect("results/datasets/{figure}.nc", figure=ACCURACY_FIGURES),
+        collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
         collect("results/accuracy/{name}", name=["checks.json", "checks.md", "verdict.txt", "table.md"]),
     message:
         "All figures of accuracy are drawn and all their checks passed"
@@ -15,7 +15,7 @@ rule accuracy:
 use rule checks as accuracy_checks with:
     input:
         sources=source_files(imports("lsvib.data.checks")),
-        checks=collect("results/checks/{figure}.json", figure=config["accuracy_figures"]),
+        checks=collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
     output:
         json="results/accuracy/checks.json",
         table="results/accuracy/checks.md",

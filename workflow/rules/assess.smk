@@ -5,7 +5,7 @@ SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 SHARES = config["assessment_shares"]
 
 # What an assessment depends on; the models, imported by their names, are unknown to the graph.
-ASSESSMENT = source_files(
+ASSESSMENT = (
     imports("lsvib.assess.run")
     | imports("lsvib.drives.rigid")
     | imports("lsvib.drives.second_body.support")
@@ -33,7 +33,7 @@ rule sample_drive:
     """Compute one share of the samples of a drive ahead."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
-        sources=ASSESSMENT,
+        sources=source_files(ASSESSMENT),
     output:
         temp("results/assessments/{sheet}/share_{share}.txt"),
     log:
@@ -51,8 +51,8 @@ rule assess_drive:
     """Assess one drive from its data sheet."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
-        sources=ASSESSMENT,
-        engine="results/engine.txt",
+        sources=source_files(ASSESSMENT),
+        engine=engine(ASSESSMENT),
         shares=lambda wildcards: (
             [f"results/assessments/{wildcards.sheet}/share_{k + 1}.txt" for k in range(SHARES)] if SHARES > 1 else []
         ),

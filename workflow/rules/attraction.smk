@@ -18,7 +18,7 @@ rule compile_mapper:
     """Map one cell, so that the kernels are compiled once, and what is wrong with the map is said once."""
     input:
         sources=map_sources(),
-        engine="results/engine.txt",
+        engine=engine(map_modules()),
     output:
         "results/attraction/mapper.txt",
     log:
@@ -81,7 +81,7 @@ rule draw_map:
     output:
         png=report(
             "results/figures/attraction.png",
-            caption="../report/attraction.rst",
+            caption="../../src/lsvib/figures/attraction/caption.rst",
             category="Region of attraction",
         ),
         pdf="results/figures/attraction.pdf",

@@ -5,7 +5,7 @@ rule checks:
     """Collect the checks of all figures in one file for machines and one table for people."""
     input:
         sources=source_files(imports("lsvib.data.checks")),
-        checks=collect("results/checks/{figure}.json", figure=config["figures"]),
+        checks=collect("results/checks/{figure}.json", figure=FIGURES),
     output:
         json="results/checks.json",
         table="results/checks.md",

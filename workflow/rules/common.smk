@@ -11,10 +11,17 @@ from pathlib import Path
 import grimp
 from lsvib.data.checks import failures, read_checks, terminal_table, verdict
 from lsvib.errors import LsvibError
-from lsvib.figures.folders import dataset_module, picture_module
 from lsvib.drives.registry import MODELS
 from lsvib.drives.scene import read_yaml
-from lsvib.settings import check
+from lsvib.figures.configuration import check, selected, settings_of
+from lsvib.figures.folders import (
+    accuracy_figures,
+    caption_file,
+    dataset_module,
+    default_figures,
+    picture_module,
+    settings_module,
+)
 from snakemake.exceptions import WorkflowError
 
 try:
@@ -31,26 +38,12 @@ if any(letter.isspace() for letter in sys.executable):
     )
 
 
-# Figures whose datasets measure run times.
-TIMED = {"work_precision", "ablation", "map_precision"}
+# What is built: the figures of the default target and those of the target `accuracy`; the configuration may leave some out.
+FIGURES = selected(config)
+ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
-# What each script imports of ours besides the module of its figure.
-SCRIPT_IMPORTS = {
-    "datasets": ("lsvib.data.checks", "lsvib.data.writer"),
-    "figures": ("lsvib.data.writer", "lsvib.figures.drawing.style"),
-}
-
-# Modules that a dataset needs without importing them: it runs them in processes of their own, or finds a model by its name.
-UNIMPORTED = {
-    "ablation": (
-        "lsvib.figures.fig8_08.picture",
-        "lsvib.figures.fig8_09.picture",
-        "lsvib.figures.fig8_08.dataset",
-        "lsvib.figures.fig8_09.dataset",
-        "lsvib.command.app",
-    ),
-    "attraction_limit": (MODELS["threads"],),
-}
+# What each script imports of ours besides the modules of its figure.
+SCRIPT_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
 # configuration file changes the order.
@@ -90,10 +83,11 @@ def source_files(modules):
 
 def figure_sources(kind, figure):
     """Return the source files of the figure's dataset or picture."""
-    unimported = UNIMPORTED.get(figure, ()) if kind == "datasets" else ()
-    find = dataset_module if kind == "datasets" else picture_module
-    roots = (find(figure), *SCRIPT_IMPORTS[kind], *unimported)
-    return source_files(frozenset().union(*map(imports, roots)))
+    if kind == "datasets":
+        own = (dataset_module(figure), settings_module(figure), *settings_of(figure).needs)
+    else:
+        own = (picture_module(figure),)
+    return source_files(frozenset().union(*map(imports, (*own, SCRIPT_IMPORTS[kind]))))
 
 
 def sources(kind):
@@ -101,36 +95,56 @@ def sources(kind):
     return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
+def map_modules():
+    """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
+    return imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")])
+
+
 def map_sources():
-    """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return source_files(imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")]))
+    """Return the source files of :func:`map_modules`."""
+    return source_files(map_modules())
 
 
-def needs_engine(figure):
-    """Return whether the figure's dataset reaches compiled code; all of it imports ``lsvib.engine.kernels.jit``."""
-    return "lsvib.engine.kernels.jit" in imports(dataset_module(figure))
+# The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
+ENGINE = {
+    "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
+    "modal": tuple(module for model, module in MODELS.items() if model != "rigid"),
+    "mapper": ("lsvib.basins.planar_mapper",),
+}
 
 
-def engine(wildcards):
-    """Return the marker of the compiled engine if the figure's dataset needs it, else nothing."""
-    return "results/engine.txt" if needs_engine(wildcards.figure) else []
+def marker(part):
+    """Return the file that says that a part of the engine is compiled."""
+    return f"results/engine/{part}.txt"
+
+
+def engine(modules):
+    """Return the markers of the parts of the engine that modules run; none if they reach no compiled code."""
+    if "lsvib.engine.kernels.jit" not in modules:
+        return []
+    return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
 
 
 def cores(wildcards):
     """Return the cores of a dataset's job: all of them if run times are measured, so that nothing runs beside it."""
-    return workflow.cores if wildcards.figure in TIMED else 1
+    return workflow.cores if settings_of(wildcards.figure).timed else 1
+
+
+def settings(wildcards):
+    """Return the section of the figure; what it does not name has the defaults of the figure's folder."""
+    return config.get(wildcards.figure, {})
 
 
 def caption(wildcards):
     """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
-    return Path(workflow.basedir, "workflow", "report", f"{wildcards.figure}.rst").read_text(encoding="utf-8")
+    return caption_file(wildcards.figure).read_text(encoding="utf-8")
 
 
 def category(wildcards):
     """Return the part of the report in which the figure is."""
     if wildcards.figure.startswith("fig8_"):
         return "Chapter 8"
-    return "Accuracy and cost" if wildcards.figure in config["accuracy_figures"] else "Beyond the chapter"
+    return "Accuracy and cost" if wildcards.figure in accuracy_figures() else "Beyond the chapter"
 
 
 def remove_leftovers():

@@ -5,7 +5,7 @@ These rules make the same files as those of a full run; Snakemake prefers a rule
 
 BATCHES = 4  # enough for four cores; the costly figures, which are neighbours in the list, come into different ones
 
-for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(BATCHES)]):
+for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
     if not figures:
         continue
 
@@ -13,8 +13,12 @@ for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(B
         name:
             f"draft_{number + 1}"
         input:
-            sources=sorted({file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}),
-            engine="results/engine.txt" if any(map(needs_engine, figures)) else [],
+            sources=sorted(
+                {file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}.union(
+                    source_files(imports("lsvib.figures.build"))
+                )
+            ),
+            engine=sorted({part for f in figures for part in engine(imports(dataset_module(f)))}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),
@@ -24,7 +28,7 @@ for number, figures in enumerate([config["figures"][k::BATCHES] for k in range(B
         benchmark:
             f"benchmarks/draft_{number + 1}.tsv"
         params:
-            settings={figure: config[figure] for figure in figures},
+            settings={figure: config.get(figure, {}) for figure in figures},
         message:
             f"Computing and drawing {', '.join(figures)}"
         script:

@@ -2,17 +2,24 @@
 
 
 rule compile_engine:
-    """Compile the engine once, so that jobs side by side never fill one numba cache together."""
+    """Compile one part of the engine: the flow of two states, that of more states, or the mapper.
+
+    Several parts may be compiled side by side; a figure waits only for those that it runs.
+    """
     input:
-        source_files(module for module in import_graph().modules if ".kernels." in module),
+        sources=source_files(module for module in import_graph().modules if ".kernels." in module),
+        before=lambda wildcards: marker("planar") if wildcards.part == "mapper" else [],  # whose kernels it calls
     output:
-        "results/engine.txt",
+        "results/engine/{part}.txt",
     log:
-        "logs/compile_engine.log",
+        "logs/compile_engine/{part}.log",
+    wildcard_constraints:
+        part="|".join(ENGINE),
+    priority: 1  # others wait for it
     params:
         numba=importlib.metadata.version("numba"),
     message:
-        "Compiling the engine"
+        "Compiling the engine: {wildcards.part}"
     script:
         "../scripts/compile_engine.py"
 
@@ -21,7 +28,7 @@ rule dataset:
     """Compute the dataset of a figure and check it against the chapter."""
     input:
         sources=sources("datasets"),
-        engine=engine,
+        engine=lambda wildcards: engine(imports(dataset_module(wildcards.figure))),
     output:
         dataset="results/datasets/{figure}.nc",
         checks="results/checks/{figure}.json",
@@ -31,7 +38,7 @@ rule dataset:
         "benchmarks/dataset/{figure}.tsv"
     threads: cores
     params:
-        settings=lookup(within=config, dpath="{figure}"),
+        settings=settings,
     message:
         "Computing {wildcards.figure}"
     script:

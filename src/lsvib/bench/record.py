@@ -1,4 +1,4 @@
-"""What a method computes of a scene, what is right, and how far the one is from the other."""
+"""What judges compare of a motion, whoever computed it, how far it is from another, and all verdicts on it."""
 
 import math
 from dataclasses import dataclass, field
@@ -10,48 +10,60 @@ _AMPLITUDE = 0.05  # a steady amplitude that is further off, in sizes of the mot
 _STOPS = ("stick", "reversal", "seizure")  # events at which θ′ arrives at zero
 
 
-class RunVerdict(IntEnum):
-    """Whether a run shows the motion that really takes place."""
+class Verdict(IntEnum):
+    """What became of an answer that was compared with another one; a comparison uses those that it can tell apart."""
 
     NOT_RUN = -1
     RIGHT = 0
-    WRONG_EVENTS = 1  # another number of events of some kind
-    WRONG_ATTRACTOR = 2  # another steady amplitude, or motion where there is none
-    GAVE_UP = 3  # over its time, a step that cannot be made, an endless chain of events, overflow
+    REFUSED = 1  # one clear sentence instead of an answer
+    BEYOND_INPUT = 2  # the digits that decide are not in the input
+    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
+    INACCURATE = 4  # the right events, an error above the tolerance
+    WRONG = 5  # other events, or another answer
+    UNBALANCED = 6  # right events, time and state, but the energy of the motion does not balance
+    OTHER_EVENTS = 7  # events missed or invented, but the motion goes on or ends as it should
+    OTHER_MOTION = 8  # another end or another steady amplitude, or motion where there is none
+    GAVE_UP = 9  # too much time or effort, a step that cannot be made, an endless chain of events, overflow
+    CRASHED = 10  # an error that is not one of the library's sentences, or a process that died
+    LATE = 11  # more processor time than is allowed
+    UNRESOLVED = 12  # who was asked says that it does not know
+    UNDECIDED = 13  # the judge does not know
 
-
-@dataclass
-class Run:
-    """Result of one run of a method.
-
-    ``times`` [s] and ``kinds`` (names) of its events, if it has any; ``stops``: how often θ′ arrived at zero, for a
-    method without events; ``end_state`` (n); ``extremes``: smallest and largest u [rad] in the scene's window;
-    ``failure``: why it gave up, else empty.
-    """
-
-    end_state: np.ndarray
-    times: np.ndarray = field(default_factory=lambda: np.empty(0))
-    kinds: list[str] | None = None
-    stops: int = 0
-    extremes: tuple[float, float] = (math.nan, math.nan)
-    failure: str = ""
+    @property
+    def words(self) -> str:
+        """The verdict in words."""
+        return self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The motion to 40 digits, rounded to double at the end: as :class:`Run`, and the sizes of the motion (n)."""
+class Record:
+    """A motion as far as it is compared.
 
-    end_state: np.ndarray
-    times: np.ndarray
-    kinds: list[str]
-    stops: int
-    extremes: tuple[float, float]
-    sizes: np.ndarray
+    ``kinds`` (names) and ``times`` [s] of its events, with a second body the mode after the event and whether it is a
+    seizure, None for a method without events; ``end`` (n): final state; ``size`` (n): of each coordinate;
+    ``complete``: False if it was cut off after too many events, and then there is no final state to compare;
+    ``stops``: how often θ′ arrived at zero; ``extremes``: smallest and largest u [rad] in the scene's window;
+    ``failure``: why a method gave up, else empty.
+    """
+
+    kinds: list[str] | None = None
+    times: np.ndarray = field(default_factory=lambda: np.empty(0))
+    end: np.ndarray = field(default_factory=lambda: np.empty(0))
+    size: np.ndarray = field(default_factory=lambda: np.empty(0))
+    complete: bool = True
+    stops: int = 0
+    extremes: tuple[float, float] = (math.nan, math.nan)
+    failure: str = ""
 
     @property
     def amplitude(self) -> float:
         """Half the peak-to-peak of u [rad] in the scene's window."""
         return 0.5 * (self.extremes[1] - self.extremes[0])
+
+
+def distance(end: np.ndarray, other: Record) -> float:
+    """Return how far a final state is from that of a record, in sizes of its coordinates [1]."""
+    return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
 
 
 @dataclass(frozen=True)
@@ -64,26 +76,23 @@ class Errors:
     state: float
     times: float
     amplitude: float
-    verdict: RunVerdict
+    verdict: Verdict
 
 
-def errors(run: Run, reference: Reference) -> Errors:
-    """Compare a run with the reference; see :class:`Errors` and :class:`RunVerdict`."""
-    if run.failure or not np.isfinite(run.end_state).all():
-        return Errors(math.nan, math.nan, math.nan, RunVerdict.GAVE_UP)
-    n = min(run.end_state.size, reference.end_state.size)  # a regularised model may have more coordinates
-    state = float(np.max(np.abs(run.end_state[:n] - reference.end_state[:n]) / reference.sizes[:n]))
-    amplitude = abs(0.5 * (run.extremes[1] - run.extremes[0]) - reference.amplitude) / float(reference.sizes[0])
+def errors(run: Record, reference: Record) -> Errors:
+    """Compare a run with the reference; its verdict is RIGHT, OTHER_EVENTS, OTHER_MOTION or GAVE_UP."""
+    if run.failure or not np.isfinite(run.end).all():
+        return Errors(math.nan, math.nan, math.nan, Verdict.GAVE_UP)
+    n = min(run.end.size, reference.end.size)  # a regularised model may have more coordinates
+    state = float(np.max(np.abs(run.end[:n] - reference.end[:n]) / reference.size[:n]))
+    amplitude = abs(run.amplitude - reference.amplitude) / float(reference.size[0])
     times = math.nan
     if run.kinds == reference.kinds:
         times = float(np.max(np.abs(run.times - reference.times), initial=0.0))
+    same = run.stops == reference.stops if run.kinds is None else sorted(run.kinds) == sorted(reference.kinds)
     if not amplitude <= _AMPLITUDE:
-        verdict = RunVerdict.WRONG_ATTRACTOR
-    elif run.kinds is None:
-        verdict = RunVerdict.RIGHT if run.stops == reference.stops else RunVerdict.WRONG_EVENTS
-    else:
-        verdict = RunVerdict.RIGHT if sorted(run.kinds) == sorted(reference.kinds) else RunVerdict.WRONG_EVENTS
-    return Errors(state, times, amplitude, verdict)
+        return Errors(state, times, amplitude, Verdict.OTHER_MOTION)
+    return Errors(state, times, amplitude, Verdict.RIGHT if same else Verdict.OTHER_EVENTS)
 
 
 def count_stops(kinds: list[str], starts_at_rest: bool) -> int:

@@ -11,13 +11,8 @@ from lsvib.command.options import AsJson, Changes, pairs
 from lsvib.command.printing import print_checks
 from lsvib.errors import InputError, LsvibError
 
-# What a figure is written to: folder, suffix, and what the file is called in messages.
-_FILES = [
-    ("datasets", "nc", "netCDF"),
-    ("checks", "json", "JSON"),
-    ("figures", "png", "PNG"),
-    ("figures", "pdf", "PDF"),
-]
+# What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
+_FILES = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
 
 
 @app.command
@@ -26,14 +21,15 @@ def figure(
     *,
     changes: Changes = None,
     config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
-    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("results"),
+    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("figures"),
     as_json: AsJson = False,
 ) -> None:
     """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
 
-    The settings are those of the file config/config.yaml if there is one here, else those that come with lsvib.
-    Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A parameter
-    that the figure varies itself, or does not depend on, cannot be changed.
+    The files are FOLDER/fig8_06.nc, fig8_06_checks.json, fig8_06.png and fig8_06.pdf; the results of the workflow stay
+    as they are. The settings are those of the file config/config.yaml if there is one here, else those that come with
+    lsvib. Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A
+    parameter that the figure varies itself, or does not depend on, cannot be changed.
 
     Examples of use:
 
@@ -48,66 +44,63 @@ def figure(
     number:
         Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
-    from importlib import import_module
+    from lsvib.drives.scene import read_yaml
+    from lsvib.figures.build import build_figure
+    from lsvib.figures.configuration import DEFAULT, section
+    from lsvib.files import Outputs
 
-    from lsvib.data.writer import write_dataset
-    from lsvib.figures.folders import dataset_module, picture_module
-    from lsvib.files import Outputs, write_json
-    from lsvib.settings import DEFAULT
-
+    name = _name(number)
     here = Path("config/config.yaml")
     config = config or (here if here.is_file() else DEFAULT)
-    name, section = _section(number, config)
+    settings = section(read_yaml(config), name)
     if changes:
-        section["drive"] = _changed_drive(number, name, section, pairs(changes))
-    paths = [(out / folder / f"{name}.{suffix}", kind) for folder, suffix, kind in _FILES]
-    outputs = Outputs(paths, [config], make_folders=True)
-    module = import_module(dataset_module(name))
-    dataset = module.build(section)
-    checks = module.checks(dataset)
-    drawn = import_module(picture_module(name)).draw(dataset)
-    from lsvib.figures.drawing.style import save
-
-    with outputs.writing() as (data, verdicts, *pictures):
-        write_dataset(dataset, data, f"{dataset_module(name)}.build")
-        write_json([check.to_json() for check in checks], verdicts)
-        save(drawn, *pictures)
-    print_checks(paths[2][0], checks, as_json)
+        settings = {**settings, "drive": _changed_drive(number, name, settings, pairs(changes))}
+    _refuse_results_of_the_workflow(out)
+    files = [(out / f"{name}{ending}", kind) for ending, kind in _FILES.items()]
+    with Outputs(files, [config], make_folders=True).writing() as parts:
+        checks = build_figure(name, settings, *parts)
+    print_checks(out / f"{name}.png", checks, as_json)
     if not changes and not all(check.passed for check in checks):
         raise LsvibError(f"figure {number}: a check failed; see above.")
 
 
-def _section(number: str, config: Path) -> tuple[str, dict[str, Any]]:
-    """Return the name of a figure and its settings in a configuration file, which are checked."""
-    from lsvib.drives.scene import read_yaml
-    from lsvib.settings import check_section, figures
+def _name(number: str) -> str:
+    """Return the name of a figure, which may be given by its number in the chapter."""
+    from lsvib.figures.folders import accuracy_figures, default_figures
 
-    settings = read_yaml(config)
-    labels = {name: _label(name) for name in figures(settings)}
-    if not labels:
-        raise InputError(f"{config} lists no figures that it has settings for, under figures or accuracy_figures.")
-    name = next((name for name, label in labels.items() if number in (name, label)), number)
-    if name not in labels:
-        raise InputError(f"figure {number} is not one of those in {config}: {', '.join(labels.values())}.")
-    check_section(settings, name)
-    return name, settings[name]
+    labels = {name: _label(name) for name in (*default_figures(), *accuracy_figures())}
+    for name, label in labels.items():
+        if number in (name, label):
+            return name
+    raise InputError(f"figure {number} is not one of {', '.join(labels.values())}.")
+
+
+def _refuse_results_of_the_workflow(folder: Path) -> None:
+    """Refuse a folder of datasets, checks or figures of the workflow, which could not tell our files from its own."""
+    folder = folder.resolve()
+    if folder.parent.name == "results" and (folder.parent.parent / "Snakefile").is_file():
+        raise InputError(f"out = {folder} belongs to the workflow, which fills it by itself; name another folder.")
 
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
-    from lsvib.settings import UNUSED
+    from lsvib.drives.parameters import RigidParameters
+    from lsvib.figures.configuration import settings_of
+    from lsvib.numbers import number as number_of
 
-    if "drive" not in section:
+    settings = settings_of(name)
+    if "drive" not in settings.model_fields:
         raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
     for key in changes:
-        if key in UNUSED.get(name, ()):
+        if key in settings.unused:
             raise InputError(
                 f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
             )
-    given = section["drive"]
+    given = section.get("drive", {})
     if changes.keys() & {"lead_angle", "lead_angle_deg"}:
         given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
-    return {**given, **changes}
+    RigidParameters.of({**given, **changes})  # refuses a key or a value with the words of the other commands
+    return {**given, **{key: number_of(text) for key, text in changes.items()}}
 
 
 def _label(name: str) -> str:

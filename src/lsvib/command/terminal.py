@@ -1,5 +1,6 @@
 """What the command says on the terminal: progress, one sentence for what it refuses, and its exit code."""
 
+import logging
 import os
 import sys
 import warnings
@@ -15,6 +16,9 @@ def told(call: Callable[[], object], also: type[Exception]) -> None:
 
     ``also``: the errors of the reader of the command line, whose sentences are for the user too.
     """
+    log = logging.getLogger("lsvib")
+    log.addHandler(_SPOKEN)  # the same one however often, so nothing is said twice
+    log.setLevel(logging.INFO)
     warnings.showwarning = _say  # type: ignore[assignment]  # it needs no more than the message
     try:
         call()
@@ -51,6 +55,17 @@ class Progress:
         print(
             f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True
         )
+
+
+class _Spoken(logging.Handler):
+    """Show a record of the package's log as one sentence on the error stream."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if sys.stderr is not None:
+            print(f"lsvib: {record.getMessage()}", file=sys.stderr, flush=True)
+
+
+_SPOKEN = _Spoken()
 
 
 def _say(message: Warning | str, category: type[Warning], *where: Any) -> None:

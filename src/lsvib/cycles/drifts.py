@@ -1,18 +1,18 @@
-"""Where a motion with more than two states goes whose returns hardly move: leaps, by returns or by amplitudes.
+"""The end of a motion with more than two states whose returns hardly move, by leaps.
 
-A drive with little damping may need 10⁹ events before it settles. Two kinds of leaps shorten that.
+A drive with little damping may need 10⁹ events before it settles. Two kinds of leaps shorten this.
 
 * By returns: while returns to a section have the same events, the return map P is smooth. With its derivative P′ at y
-  and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ, exactly if P is linear. L is
-  doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
-* By amplitudes: where a second oscillation, of a frequency of its own, keeps returns from being alike, the amplitudes
-  of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. The
-  amplitudes are then extrapolated in the same way and the phases are left.
+  and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ; this is exact if P is linear. L
+  is doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
+* By amplitudes: a second oscillation with a frequency of its own may keep returns from being alike. Then the amplitudes
+  of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. These
+  amplitudes are extrapolated in the same way, and the phases stay as they are.
 
-After each leap the motion is followed until what was only extrapolated has died away, before the next step is measured.
-This is numerical certainty, not a proof: what a narrow attractor would hold in between is leapt over.
+After each leap the motion is followed until errors of the extrapolation have died away, before the next step is
+measured. This is numerical evidence, not a proof: a narrow attractor on the way may be leapt over.
 
-A motion without any trend over many events, that comes to no cycle, *recurs*: it is quasi-periodic or chaotic.
+A motion that has no trend over many events, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic.
 """
 
 import math
@@ -29,25 +29,29 @@ from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Motion, follow
 
 _CALL = 10  # events that take as long as one call of the engine from Python
-_RETURNS = 8  # followed before a step is measured
-_ALIKE = 3  # of them, the last ones, with the same events
-_LONGEST = 4000  # events in a return
-_CHANGE = 0.2  # part of the way by which a leap may be wrong, and part by which a trend may change in one
-_PART = 0.3  # of its logarithm by which an amplitude may change in a leap
-_WAY = 2.0  # sizes of the motion that a leap may be long: once across a swing
+_RETURNS = 8  # returns that are followed before a step is measured
+_ALIKE = 3  # number of the last of these returns that must have the same events
+_LONGEST = 4000  # most events in a return
+_CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
+_PART = 0.3  # change of the logarithm of an amplitude that one leap may make
+_WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
-_FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5  # of a leap, by which it is longer than one return; one costs sixteen
-_FEWER = 2  # doublings after a leap that was too long
-_STILL = 1e-12  # step, in sizes of the motion, that is not leapt: a cycle may touch a guard
-_MOST_LEAPS = 30  # in a row, before it is asked whether the motion has come near a cycle
-_BETWEEN = 500  # events after leaps by returns
+# A leap has 2^doublings returns, each one doubling more than the last: so many before the first, and at least. One leap
+# costs about sixteen returns.
+_FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5
+_FEWER = 2  # doublings that are taken off after a leap that was too long
+_STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
+_MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
+_BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
-_NO_TREND = 3e-3  # of an amplitude, in a window, that is none, at most;
-_TREND_NOISE = 3.0  # and in units of its own spread
-_LEAST = -2.0  # logarithm of what is left, at least, of an amplitude that falls faster than another
+# A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
+# a multiple of its own spread.
+_NO_TREND = 3e-3
+_TREND_NOISE = 3.0
+_LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _BLANKS = 2  # windows without a trend in a row, after which a motion recurs
-_QUARTERS = 4  # of a window, which a leap must be longer than
+_QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
 
 
 class Recurrence(NamedTuple):
@@ -62,10 +66,11 @@ Ended = TypeVar("Ended")
 def pursue(
     motion: Motion, work: int, ended: Callable[[Motion], Ended | None]
 ) -> tuple[Ended | Recurrence | None, bool]:
-    """Follow and extrapolate a motion until ``ended`` says where it is, None if ``work`` does not suffice; any leaps?
+    """Follow and extrapolate a motion until ``ended`` names its end; returns that end and whether leaps were made.
 
-    Arguments: a part of the motion, at whose end it goes on; work [events], a call of the engine counting as some;
-    ``ended`` is asked about parts of the motion. Raises ``EngineError`` where the engine does.
+    Arguments: a part of the motion, from whose end it goes on; ``work`` in events, where a call of the engine counts
+    for some; ``ended``, which is asked about parts of the motion. The end is None if ``work`` does not suffice. Raises
+    ``EngineError`` where the engine does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     while work > 0:
@@ -99,7 +104,7 @@ def pursue(
 
 
 class _Leap(NamedTuple):
-    """Where leaps by returns have led: state (n) and mode, whether they have led anywhere, and the work."""
+    """The result of leaps by returns: state (n) and mode, whether the motion has moved, and the work."""
 
     state: np.ndarray
     mode: int
@@ -128,7 +133,7 @@ def _by_returns(motion: Motion) -> _Leap:
             continue
         here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
         size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
-        scale = np.where(size == 0, 1.0, size)  # zero at every event: any scale does
+        scale = np.where(size == 0, 1.0, size)  # a coordinate that is zero at every event may have any scale
         section = ReturnSection(motion.automaton, key, here, scale, 1, longest)
         work += 2 * section.dimension * (events // _RETURNS)
         last = _Linear.at(section, states)
@@ -158,19 +163,19 @@ class _Linear(NamedTuple):
         return cls(section, slopes, slopes @ -section.place(states[-2]))
 
     def _ahead(self, doublings: int) -> tuple[np.ndarray, np.ndarray]:
-        """Way (d) of 2^doublings returns, and the step (d) that follows them."""
+        """Return the way (d) of 2^doublings returns, and the step (d) after them."""
         total, power = np.eye(len(self.slopes)), self.slopes
-        with np.errstate(over="ignore", invalid="ignore"):  # a way that is too long, or not a number, is not gone
+        with np.errstate(over="ignore", invalid="ignore"):  # the caller refuses a way that is too long or not a number
             for _ in range(doublings):
                 total, power = total + power @ total, power @ power
             return total @ self.step, power @ self.step
 
     def _length(self, place: np.ndarray) -> float:
-        """Size of a step (d) on the section, in sizes of the motion."""
+        """Return the size of a step (d) on the section, in sizes of the motion."""
         return float((np.abs(self.section.directions) @ np.abs(place) / self.section.size).max(initial=0.0))
 
     def most(self, doublings: int) -> int:
-        """How often returns may be doubled, up to so many times, before the way is too long; 0 for no step."""
+        """Return how often, at most ``doublings`` times, the returns may be doubled before the way is too long."""
         if not self._length(self.step) > _STILL:
             return 0
         while doublings > 0 and not self._length(self._ahead(doublings)[0]) <= _WAY:
@@ -182,10 +187,10 @@ class _Linear(NamedTuple):
         return self.section.state(self._ahead(doublings)[0])
 
     def foresaw(self, states: list[np.ndarray], doublings: int) -> bool:
-        """Whether the steps after a leap tell that it went, but for a part of its way, where the motion goes.
+        """Whether the steps after a leap show that its error is a small part of its way.
 
-        A step that is off by ε along an eigenvector of P′ of multiplier λ tells a place that is off by ε / (1 − λ), but
-        not by more than ε times the number of returns.
+        A step that is off by ε along an eigenvector of P′ with the multiplier λ belongs to a place that is off by
+        ε / (1 − λ), but not by more than ε times the number of returns.
         """
         way, step = self._ahead(doublings)
         expected = np.linalg.matrix_power(self.slopes, _RETURNS - 1) @ step
@@ -200,7 +205,7 @@ class _Linear(NamedTuple):
 
 
 def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):
-    """Follow some returns: the states (n) at them, the modes of each and the sizes (n) on it, and the work."""
+    """Follow some returns; return the states (n) at them, modes and sizes (n) of each return, and the work."""
     states, patterns, sizes, work = [state], [], [], 0
     for _ in range(_RETURNS):
         motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST)
@@ -224,7 +229,7 @@ class _Trend(NamedTuple):
 
 
 def _trend(motion: Motion) -> _Trend | None:
-    """Trend of the amplitudes of the oscillators of a mode; None if the mode has none or one of them is zero."""
+    """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
     flow = motion.automaton.tables.flow
     if not isinstance(flow, ModalFlow):
         return None
@@ -255,7 +260,7 @@ def _trend(motion: Motion) -> _Trend | None:
 
 
 def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend) -> tuple[np.ndarray, int | None]:
-    """State after a leap along a trend, whose mode the state says; the motion's last state if the leap is not worth."""
+    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short."""
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
     leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), _CHANGE * (sizes / (bends + _STILL)).min())

@@ -4,13 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lsvib.drives.parameters import RigidParameters
-from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 from lsvib.numbers import shown
+
+if TYPE_CHECKING:  # a scene can be read and refused without the engine
+    from lsvib.engine.automaton import Automaton
 
 MODELS = {
     "rigid": "lsvib.drives.rigid",
@@ -30,7 +33,7 @@ class Model:
     """
 
     drive: type[RigidParameters]
-    build: Callable[[RigidParameters, tuple[str, ...], str], Automaton]
+    build: Callable[[RigidParameters, tuple[str, ...], str], "Automaton"]
     start: Callable[[RigidParameters, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
     events: type[IntEnum]

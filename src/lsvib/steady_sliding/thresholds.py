@@ -11,7 +11,6 @@ from lsvib.cycles.slip_cycle import decay_of_large_motions, slowest_rate
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters, allowed_range
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding.global_stability import globally_stable_below
 
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
@@ -143,6 +142,8 @@ def global_stability_force(drive: RigidParameters) -> float:
         )
     if c.damping[-1] <= 0:
         raise NoThreshold("without damping steady sliding attracts nothing.")
+    from lsvib.steady_sliding.global_stability import globally_stable_below  # loads the engine
+
     forward = ForwardDrive(drive, c)
     force = globally_stable_below(forward)
     if force == many.inf:

@@ -43,7 +43,7 @@ _PATIENCE = 60  # times the limit, on the clock, after which a process that wait
 _WARM = 600.0  # [s] at least, since a process may compile before its first answer
 _SHARES = 20  # reports of progress in a run
 
-Record = dict[str, Any]
+Line = dict[str, Any]
 
 
 def judged(
@@ -55,7 +55,7 @@ def judged(
     skipped: Iterable[int] = (),
     tell: Callable[[int, str], None] = lambda number, name: None,
     starts: int = STARTS,
-) -> Record:
+) -> Line:
     """Judge one drive: its findings by stage and verdict, and in full those that are not right.
 
     ``questions``: names of the stages wanted; ``limit`` [s of CPU time]: a stage that takes longer ends the *process*,
@@ -63,7 +63,7 @@ def judged(
     ``tell``: called with the number and name of a stage before it is asked; ``starts``: how many the drive has.
     """
     counts: Counter[str] = Counter()
-    notable: list[Record] = []
+    notable: list[Line] = []
     wide = wide_drive(model, seed, index, starts)
     longest = 0.0
     for number, (name, ask) in enumerate(judges.stages(wide, questions)):
@@ -131,7 +131,7 @@ class _Worker:
         self.connection.send((index, skipped))
         self.deadline = time.monotonic() + (self.patience if self.ready else _WARM)
 
-    def hear(self) -> Record | None:
+    def hear(self) -> Line | None:
         """Take a message; the record of the drive if it is the last one. ``EOFError`` if the process has died."""
         word, content = self.connection.recv()
         if word == "done":
@@ -160,11 +160,11 @@ def run(
     limit: float,
     questions: tuple[str, ...] = QUESTIONS,
     starts: int = STARTS,
-) -> Iterator[Record]:
+) -> Iterator[Line]:
     """Judge drives in ``jobs`` processes; yields their records in the order in which they are done."""
     workers = [_Worker(model, seed, questions, limit, starts) for _ in range(jobs)]
     waiting = iter(indices)
-    lost: dict[int, list[Record]] = {}  # what was stopped, by drive
+    lost: dict[int, list[Line]] = {}  # what was stopped, by drive
     busy: list[_Worker] = []
     try:
         for worker in workers:
@@ -212,7 +212,7 @@ def run(
             worker.stop()
 
 
-def _with_lost(record: Record, lost: list[Record]) -> Record:
+def _with_lost(record: Line, lost: list[Line]) -> Line:
     for entry in lost:
         key = f"{entry['stage']} {entry['verdict']}"
         record["counts"][key] = record["counts"].get(key, 0) + 1
@@ -220,7 +220,7 @@ def _with_lost(record: Record, lost: list[Record]) -> Record:
     return record
 
 
-def summary(records: Iterable[Record]) -> dict[str, Counter[str]]:
+def summary(records: Iterable[Line]) -> dict[str, Counter[str]]:
     """Count verdicts by stage."""
     table: dict[str, Counter[str]] = {}
     for record in records:
@@ -249,7 +249,7 @@ def _report(table: dict[str, Counter[str]]) -> str:
     return "\n".join(lines)
 
 
-def _read(path: Path) -> list[Record]:
+def _read(path: Path) -> list[Line]:
     if not path.exists():
         return []
     records = []
@@ -298,6 +298,6 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if passed(table) else 1
 
 
-def _asked(options: argparse.Namespace, missing: list[int]) -> Iterator[Record]:
+def _asked(options: argparse.Namespace, missing: list[int]) -> Iterator[Line]:
     questions = tuple(options.questions)
     return run(options.model, options.seed, missing, options.jobs, options.limit, questions, options.starts)

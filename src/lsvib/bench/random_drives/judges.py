@@ -16,16 +16,16 @@ from mpmath import mp
 
 from lsvib.basins.mapper import mapper
 from lsvib.bench.random_drives import linear_judge, long_run, threshold_judge
+from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.bench.second_opinions.stride_constants import Ladders
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.energy_balance import balance
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import (
     MOST_EVENTS,
-    Path,
     case_ladders,
     engine_path,
     exact_path,
@@ -43,16 +43,13 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError, LsvibError
 from lsvib.steady_sliding.stability_table import stability_table
 
-RIGHT, CORNER, BEYOND_INPUT = "right", "corner", "beyond input"
-WRONG, CRASHED, LATE = "wrong", "crashed", "late"
-REFUSED, UNRESOLVED, UNDECIDED = "refused", "unresolved", "undecided"
-GOOD = (RIGHT, CORNER, BEYOND_INPUT)
-BAD = (WRONG, CRASHED, LATE)
+GOOD = RIGHT, CORNER, BEYOND_INPUT = tuple(v.words for v in (Verdict.RIGHT, Verdict.CORNER, Verdict.BEYOND_INPUT))
+BAD = WRONG, CRASHED, LATE = tuple(v.words for v in (Verdict.WRONG, Verdict.CRASHED, Verdict.LATE))
+REFUSED, UNRESOLVED, UNDECIDED = (v.words for v in (Verdict.REFUSED, Verdict.UNRESOLVED, Verdict.UNDECIDED))
 QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative
 _TURNS = (0.3, 3.0)  # of the slow oscillation
-_MOST_TURNS = 6.0  # of the fastest oscillation of a drive with four states
 _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
 _IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
 _CONFIRMING = 12  # events that the reference must have as well
@@ -156,7 +153,7 @@ def _balanced(motion: Motion, wide: WideDrive) -> bool:
     return not drawn.residual > case_judge.allowed_residual(drawn.rounding)
 
 
-def _at_corner(path: Path, other: Path, case: Case) -> str:
+def _at_corner(path: Record, other: Record, case: Case) -> str:
     """Return CORNER if two motions differ only where they may, else nothing; the reference need not be asked then.
 
     They may differ by events at once after a start on θ′ = 0 and, with R = 0, by events at the corner θ′ = 0, Q = 0.
@@ -215,7 +212,7 @@ def _four_label(
     return judged
 
 
-def _by_strides(wide: WideDrive, k: int, case: Case, path: Path, other: Path | None) -> Finding:
+def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record | None) -> Finding:
     """Whether strides excuse a difference, by touches or by the digits of the input; else the reference decides."""
     if other is not None:
         if case_judge.same_end(path, other) and _without_touches(path, case) == _without_touches(other, case):
@@ -226,7 +223,7 @@ def _by_strides(wide: WideDrive, k: int, case: Case, path: Path, other: Path | N
     return _by_reference(wide, k, case)
 
 
-def _without_touches(path: Path, case: Case) -> list[str]:
+def _without_touches(path: Record, case: Case) -> list[str]:
     """Kinds of events without those contact reversals of which two follow each other at once."""
     kept: list[int] = []
     for k, kind in enumerate(path.kinds):
@@ -246,7 +243,7 @@ def four_case(wide: WideDrive, k: int, fastest: float) -> Case:
     rng = np.random.default_rng([wide.seed, wide.index, k])
     drive, start = wide.drive, tuple(map(float, wide.starts[k]))
     turn = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    duration = min(turn * rng.uniform(*_TURNS), _MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
+    duration = min(turn * rng.uniform(*_TURNS), MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
     return Case(_FAMILIES[wide.model], Group.ONLY, 0.0, drive, start, duration, wide.physics)
 
 
@@ -258,20 +255,14 @@ def four_cases(wide: WideDrive) -> list[Case]:
 
 def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth = exact_path) -> Finding:
     outcome = case_judge.judge(case, np.random.default_rng([wide.seed, wide.index, k]), by_reference=True, truth=truth)
-    verdicts = {
-        case_judge.CaseVerdict.PASSED: RIGHT,
-        case_judge.CaseVerdict.CORNER: CORNER,
-        case_judge.CaseVerdict.BEYOND_INPUT: BEYOND_INPUT,
-        case_judge.CaseVerdict.REFUSED: REFUSED,
-    }
-    verdict = verdicts.get(outcome.verdict, WRONG)
+    verdict = outcome.verdict.words if outcome.verdict.words in (*GOOD, REFUSED) else WRONG
     if verdict == WRONG and math.isnan(outcome.state_error) and exact_path(case, case.drive, case.start) is None:
         verdict = UNDECIDED
     detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
     return Finding(verdict, k, detail)
 
 
-def _same_after_an_instant(path: Path, other: Path, case: Case) -> bool:
+def _same_after_an_instant(path: Record, other: Record, case: Case) -> bool:
     """Whether motions that start on θ′ = 0 agree but for events at once, where rounding makes the torque."""
     later = []
     for one in (path, other):
@@ -335,7 +326,7 @@ def _confirmed(wide: WideDrive, k: int) -> bool:
     return _same_first(watched, exact, count, case)
 
 
-def _same_first(path: Path, other: Path, count: int, case: Case) -> bool:
+def _same_first(path: Record, other: Record, count: int, case: Case) -> bool:
     """Whether the first events of two motions are the same, at the same times."""
     late = np.abs(path.times[:count] - other.times[:count]).max(initial=0.0)
     return path.kinds[:count] == other.kinds[:count] and late <= case_judge.TOLERANCE * case.duration

@@ -8,7 +8,7 @@ from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
 from lsvib.bench.sweeps.wide_drives import WideDrive
 
-_DIGITS = 120
+_DIGITS = 120  # so that a double rate has 60
 _REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
 
 

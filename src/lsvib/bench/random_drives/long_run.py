@@ -11,8 +11,6 @@ It shares nothing with the engine: Newton's laws are those of the references, th
 * else it is *unknown*: a motion that drifts slowly, is chaotic, or was followed for too short a time.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from mpmath import mp
 
@@ -20,13 +18,14 @@ from lsvib.bench.random_drives import linear_judge
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import strides
 from lsvib.bench.second_opinions.endings import AMBIGUOUS, LATE, TIME_REACHED
+from lsvib.bench.second_opinions.fate import Fate
 from lsvib.bench.second_opinions.stride_constants import ABSENT, Ladders, ladders
 from lsvib.bench.sweeps.wide_drives import WideDrive
 
 _EVENTS, _STRIDES = 20_000, 200_000  # of a run
 _LONG = 1000.0  # of the slowest time near steady sliding, in which a damped motion dies away
 _LONGEST = 1e13  # of the fastest time: as many rungs of the ladder as fit a double
-_DIGITS = 60
+_DIGITS = 60  # of the rates of a mode: enough that a double rate still has 30
 _NONE = 1e-25  # of the largest rate: a real part below it is the rounding of pairs of doubles
 _GONE = 1e-14  # of the sum of its terms: a part that is rounding
 _PERIODS = 64  # events in the longest pattern
@@ -34,13 +33,6 @@ _TIMES = 12  # it must have come back
 _REPEATS = 1e-12  # of the size of the motion
 _FASTER = 0.97  # by which factor, at most, a slow motion comes closer in one turn
 _NEAR = 1e-2  # of the size of the motion: the way that is left
-
-
-class Fate(NamedTuple):
-    """Name of the attractor as in ``lsvib.cycles.attractors.Attractor``, or ``unknown``; why."""
-
-    name: str
-    reason: str
 
 
 def constants_of(wide: WideDrive) -> tuple[Ladders, float]:

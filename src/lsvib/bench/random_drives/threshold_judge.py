@@ -18,6 +18,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.second_opinions.fate import fate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
@@ -108,7 +109,7 @@ def _judge_detach(drive: RigidParameters, force: float, rng) -> tuple[str, str, 
         if kinds is None:
             return "undecided", f"{force} N", "a guard that cannot be told in double precision"
         if (watch.CONTACT_REVERSAL in kinds) != reverses:
-            return "wrong", f"{force} N: reverses {reverses} at {aside:+g}", f"{[watch.KINDS[k] for k in kinds[:4]]}"
+            return "wrong", f"{force} N: reverses {reverses} at {aside:+g}", f"{[KINDS[k] for k in kinds[:4]]}"
     return "right", "", ""
 
 

@@ -66,7 +66,6 @@ class RigidTrueEvent:
     u_after: mpf
     w_after: mpf
     mode_after: str
-    impulse_sign: int  # of the contact force during a seizure, else 0
 
 
 @dataclass
@@ -332,6 +331,7 @@ def simulate(parameters, u, w, t_end, *, dps=40, resume_rule="contact_sign", max
 
 
 def _simulate(drive, u, w, t_end, rule, max_events):
+    # One loop over the arcs, as long as the law of motion in the module's docstring, to be read beside it.
     t, events, segments = mpf(0), [], []
     w_rest = -drive.Omega
     speed_guard = mpf(0), mpf(1), drive.Omega  # theta_dot = w + Omega
@@ -341,8 +341,8 @@ def _simulate(drive, u, w, t_end, rule, max_events):
         drive.Gamma(drive.s0) * drive.R_tilde,
     )  # Q, (8.17)
 
-    def record(kind, u, w, w_after, mode, impulse=0):
-        events.append(RigidTrueEvent(t, kind, u, w, u, w_after, NAMES[mode], impulse))
+    def record(kind, u, w, w_after, mode):
+        events.append(RigidTrueEvent(t, kind, u, w, u, w_after, NAMES[mode]))
 
     # --- the mode at the start
     direction = int(mp.sign(w + drive.Omega))
@@ -352,7 +352,7 @@ def _simulate(drive, u, w, t_end, rule, max_events):
         mode = direction, drive.Q_sign_next(u, w)
         if drive.painleve and mode[1] == direction:  # inconsistent sector
             mode = drive.resume(u, direction, rule)
-            record("seizure", u, w, w_rest, mode, direction)
+            record("seizure", u, w, w_rest, mode)
             w = w_rest
     speed_is_zero = w == w_rest
 
@@ -393,23 +393,8 @@ def _simulate(drive, u, w, t_end, rule, max_events):
             continue
         if tau_Q is not None:
             mode = drive.resume(u, direction, rule)
-            record("seizure", u, w, w_rest, mode, direction)
+            record("seizure", u, w, w_rest, mode)
         else:
             mode = drive.resume(u, contact, rule) if drive.painleve else drive.by_band(u)
             record("stick" if mode == REST else "reversal", u, w, w_rest, mode)
         w, speed_is_zero = w_rest, True
-
-
-def state_at(result, t):
-    """(u, w, mode name) at time t; at an event, the values after it."""
-    drive = result.drive
-    with mp.workdps(drive.dps + GUARD_DIGITS):
-        t = mpf(t)
-        if not 0 <= t <= result.time:
-            raise ValueError("t lies outside the run")
-        segment = [s for s in result.segments if s.time <= t][-1]
-        tau = t - segment.time
-        if segment.mode == REST:
-            return segment.u + segment.w * tau, segment.w, NAMES[REST]
-        direction, contact = segment.mode
-        return (*RigidTrueFlow(drive, direction * contact, segment.u, segment.w).state(tau), NAMES[segment.mode])

@@ -6,25 +6,16 @@ within that part of the duration may come in any order, and so near to the start
 
 import math
 from collections.abc import Iterator
-from enum import IntEnum
 from typing import NamedTuple
 
-import numpy as np
-
-from lsvib.bench.record import Run
-from lsvib.bench.sweeps.paths import Path, same_but_corners, without_clusters
+from lsvib.bench.record import Record, Verdict, distance
+from lsvib.bench.sweeps.paths import same_but_corners, without_clusters
 
 GENEROSITY = 1000.0  # times the tolerance that a method was asked for is still right
 
 
-class AnswerVerdict(IntEnum):
-    """What became of a method on a case."""
-
-    RIGHT = 0
-    INACCURATE = 1  # the right events, an error above what it was asked for
-    OTHER_EVENTS = 2  # events missed or invented, but the motion ends where it should
-    OTHER_MOTION = 3  # other events, and another end
-    GAVE_UP = 4  # too much effort, a step that cannot be made, an endless chain of events, overflow
+# What may become of a method on a case; INACCURATE: the right events, an error above what it was asked for.
+VERDICTS = (Verdict.RIGHT, Verdict.INACCURATE, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
 
 
 class Answer(NamedTuple):
@@ -32,26 +23,26 @@ class Answer(NamedTuple):
     gave up.
     """
 
-    verdict: AnswerVerdict
+    verdict: Verdict
     error: float = math.nan
     failure: str = ""
 
 
-def compare(duration: float, truth: Path, run: Run, allowed: float) -> Answer:
+def compare(duration: float, truth: Record, run: Record, allowed: float) -> Answer:
     """Compare a run with the true motion; ``allowed``: error, relative to the motion and to its duration [s]."""
     gap = allowed * duration
-    state_error = float(np.max(np.abs(run.end_state - truth.end) / np.where(truth.size > 0, truth.size, 1.0)))
+    state_error = distance(run.end, truth)
     ours, theirs = list(zip(truth.times, truth.kinds, strict=True)), list(zip(run.times, run.kinds, strict=True))
     pairs = [(a, b) for a in _trimmed(ours, gap, duration) for b in _trimmed(theirs, gap, duration)]
     for a, b in pairs:
         if [kind for _, kind in a] == [kind for _, kind in b]:
             late = max((abs(x - y) for (x, _), (y, _) in zip(a, b, strict=True)), default=0.0)
             error = max(state_error, float(late) / duration)
-            return Answer(AnswerVerdict.RIGHT if error <= allowed else AnswerVerdict.INACCURATE, error)
+            return Answer(Verdict.RIGHT if error <= allowed else Verdict.INACCURATE, error)
     if state_error > allowed:
-        return Answer(AnswerVerdict.OTHER_MOTION)
+        return Answer(Verdict.OTHER_MOTION)
     same = any(same_but_corners(_tokens(a, gap), _tokens(b, gap)) for a, b in pairs)
-    return Answer(AnswerVerdict.RIGHT, state_error) if same else Answer(AnswerVerdict.OTHER_EVENTS)
+    return Answer(Verdict.RIGHT, state_error) if same else Answer(Verdict.OTHER_EVENTS)
 
 
 def _trimmed(events: list[tuple[float, str]], gap: float, duration: float) -> Iterator[list[tuple[float, str]]]:

@@ -12,13 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
 
-_ROUNDING = 1e-12  # of the terms of a sum: less is zero
+ROUNDING = 1e-12  # of the terms of a sum: less is zero
+RETRIES = 8  # with steps a quarter as long each, where a solver steps over the root next to its start
+MOST_STEPS = 20_000  # of a solver, from one event to the next
 _POSITIVE, _ZERO = int(Test.POSITIVE), int(Test.ZERO)  # plain integers compare several times faster than an IntEnum
 
 
@@ -147,12 +149,12 @@ class Hybrid:
         """Return the first guard of a mode that is negative, or zero and falling, at ``state`` (n)."""
         for index, guard in enumerate(self._guards[mode]):
             value, size = _affine(guard.row, state)
-            if value > _ROUNDING * size:
+            if value > ROUNDING * size:
                 continue
-            if value < -_ROUNDING * size:
+            if value < -ROUNDING * size:
                 return index
             slope = _affine(guard.slope, state)[0]
-            if slope < 0.0 and slope < -_ROUNDING * _affine(guard.slope_size, state)[1]:
+            if slope < 0.0 and slope < -ROUNDING * _affine(guard.slope_size, state)[1]:
                 return index
         return None
 
@@ -182,18 +184,18 @@ class Hybrid:
         for conditions, mode, kind in self._branches[transition]:
             for row, test in conditions:
                 value, size = _affine(row, state)
-                if not _holds(test, value, _ROUNDING * size):
+                if not _holds(test, value, ROUNDING * size):
                     break
             else:
                 return mode, kind
         raise GaveUp("no branch fits")
 
-    def run(self, integrate: Integrate, clock: Clock, max_events: int) -> "Record":
+    def run(self, integrate: Integrate, clock: Clock, max_events: int) -> "Recorder":
         """Follow the scene with a solver, event by event."""
         clock.start()
         mode, state = self.enter()
         now, end = 0.0, self.scene.duration
-        record = Record(self, mode, state)
+        record = Recorder(self, mode, state)
         try:
             while True:
                 guard = self.due(mode, state)
@@ -210,7 +212,7 @@ class Hybrid:
             return record.close(now, state, str(reason))
 
 
-class Record:
+class Recorder:
     """The arcs of a run; :meth:`run` works out the rest after the time has been taken."""
 
     def __init__(self, hybrid: Hybrid, mode: int, state: Sequence[float]) -> None:
@@ -225,20 +227,20 @@ class Record:
         self.modes.append(mode)
         self.starts.append(after)
 
-    def close(self, now: float, state: Sequence[float], failure: str = "") -> "Record":
+    def close(self, now: float, state: Sequence[float], failure: str = "") -> "Recorder":
         """Note the end."""
         self.end, self.end_state, self.failure = now, state, failure
         return self
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return the run with its extremes: those of the closed form from the states that the method found."""
         extremes = (np.nan, np.nan)
         if not self.failure:
             extremes = arc_extremes(
                 self.hybrid.automaton, self.modes, self.starts, [0.0, *self.times], self.end, self.hybrid.scene.window
             )
-        return Run(
-            end_state=np.asarray(self.end_state, dtype=float),
+        return Record(
+            end=np.asarray(self.end_state, dtype=float),
             times=np.array(self.times),
             kinds=[self.hybrid.names[kind] for kind in self.kinds],
             extremes=extremes,

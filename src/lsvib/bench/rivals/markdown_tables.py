@@ -5,7 +5,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from lsvib.bench.record import RunVerdict
+from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.catalogue import MethodFamily
 
 _COLUMNS = {
@@ -60,7 +60,7 @@ def _ratios(dataset: xr.Dataset) -> str:
 
 def _verdicts(dataset: xr.Dataset) -> str:
     """Runs with the right motion, with wrong numbers of events, another attractor, and given up, by method."""
-    kinds = (RunVerdict.RIGHT, RunVerdict.WRONG_EVENTS, RunVerdict.WRONG_ATTRACTOR, RunVerdict.GAVE_UP)
+    kinds = (Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
     rows = []
     for k, label in enumerate(dataset.method.attrs["labels"].split("; ")):
         values = dataset.motion_verdict.values[:, k]
@@ -79,8 +79,8 @@ def _runs(dataset: xr.Dataset) -> str:
         for k, label in enumerate(labels):
             for j in range(dataset.sizes["setting"]):
                 run = dataset.isel(scene=i, method=k, setting=j)
-                verdict = RunVerdict(int(run.motion_verdict))
-                if verdict == RunVerdict.NOT_RUN:
+                verdict = Verdict(int(run.motion_verdict))
+                if verdict == Verdict.NOT_RUN:
                     continue
                 setting = next((float(run[c]) for c in controls if math.isfinite(float(run[c]))), math.nan)
                 rows.append(
@@ -90,7 +90,7 @@ def _runs(dataset: xr.Dataset) -> str:
                         for key in ("state_error", "event_time_error", "amplitude_error")
                     ]
                     + [_number(1e3 * float(run[key]), ".3g") for key in ("run_time", "run_time_median")]
-                    + [verdict.name.lower().replace("_", " ")]
+                    + [verdict.words]
                 )
     head = [
         "scene",

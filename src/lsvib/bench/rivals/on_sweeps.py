@@ -1,7 +1,7 @@
 """Other methods on the cases of the sweeps: do they show the motion that really takes place?
 
 The truth is the engine's own motion, and only in cases in which an independent computation has confirmed it
-(:func:`lsvib.bench.sweeps.case_judge.judge`: PASSED). A method is told the sizes of the motion, for its absolute
+(:func:`lsvib.bench.sweeps.case_judge.judge`: RIGHT). A method is told the sizes of the motion, for its absolute
 tolerances, and judged as in :mod:`lsvib.bench.rivals.answers`. Effort is counted in evaluations of the field, not in
 seconds, so that a verdict is the same on every machine.
 """
@@ -12,13 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.bench.rivals.answers import GENEROSITY, Answer, AnswerVerdict, compare
+from lsvib.bench.record import Record, Verdict
+from lsvib.bench.rivals.answers import GENEROSITY, Answer, compare
 from lsvib.bench.rivals.catalogue import MethodFamily, find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, counted
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case
-from lsvib.bench.sweeps.paths import automaton
+from lsvib.bench.sweeps.paths import INSTANT, automaton
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.registry import MODELS, find_model
 from lsvib.engine.automaton import Automaton
@@ -27,10 +28,9 @@ from lsvib.engine.motion import Motion, follow
 MOST_EVALUATIONS = 50_000  # of the field, by a general solver that calls Python for each, some 0.1 s
 MOST_STEPS = 1_000_000  # of a method whose steps are compiled, some 0.1 to 0.5 s
 _STEPS_PER_TURN = 1000  # of the fastest oscillation that the motion has
-_FEWEST_STEPS = 100
+_FEWEST_STEPS = 100  # of a motion that is shorter than a turn
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
-_SPARE_EVENTS = 50
-_INSTANT = 1e-12  # of the duration and of the motion: less is rounding
+_SPARE_EVENTS = 50  # beyond twice the true number, after which a chain of events counts as endless
 _STIFF = "too stiff"
 
 
@@ -76,7 +76,7 @@ class Question(NamedTuple):
     """
 
     case: Case
-    path: case_judge.Path
+    path: Record
     hybrid: Hybrid
     turn: float
     decay: float
@@ -113,19 +113,19 @@ class Effort(Clock):
             raise GaveUp(f"over {self.limit:g} steps")
 
 
-def pose(case: Case, rng: np.random.Generator) -> tuple[case_judge.CaseVerdict, Question | None]:
+def pose(case: Case, rng: np.random.Generator) -> tuple[Verdict, Question | None]:
     """Judge the engine on a case; if it passed, return the question for others as well.
 
     A motion with too many events is cut before the last of them; where all of those are at the very start, there is no
     question.
     """
     outcome = case_judge.judge(case, rng)
-    if outcome.verdict is case_judge.CaseVerdict.PASSED and not outcome.path.complete:
+    if outcome.verdict is Verdict.RIGHT and not outcome.path.complete:
         if outcome.path.times.size < 2:
             return outcome.verdict, None
         case = case._replace(duration=float(outcome.path.times[-2:].mean()))
         outcome = case_judge.judge(case, rng)
-    if outcome.verdict is not case_judge.CaseVerdict.PASSED or not outcome.path.complete:
+    if outcome.verdict is not Verdict.RIGHT or not outcome.path.complete:
         return outcome.verdict, None
     kind = next(name for name in MODELS if find_model(name).drive is type(case.drive))
     size = outcome.path.size
@@ -139,14 +139,14 @@ def pose(case: Case, rng: np.random.Generator) -> tuple[case_judge.CaseVerdict, 
     return outcome.verdict, question
 
 
-def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> case_judge.Path:
+def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> Record:
     """The engine's motion in the words of the other methods, without touches of a guard that last no time."""
     modes = [motion.start_mode, *motion.mode]
     kept: list[int] = []
 
     def touches(first: int, last: int) -> bool:
-        at_once = motion.time[last] - motion.time[first] <= _INSTANT * hybrid.scene.duration
-        same = np.abs(motion.after[last] - motion.before[first]) <= _INSTANT * size
+        at_once = motion.time[last] - motion.time[first] <= INSTANT * hybrid.scene.duration
+        same = np.abs(motion.after[last] - motion.before[first]) <= INSTANT * size
         return bool(at_once and modes[last + 1] == modes[first] and same.all())
 
     for k in map(int, np.flatnonzero(counted(motion.kind))):
@@ -155,13 +155,13 @@ def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> case_judge.Path:
         else:
             kept.append(k)
     kinds = [hybrid.names[int(motion.kind[k])] for k in kept]
-    return case_judge.Path(kinds, motion.time[kept], motion.end_state, size, True)
+    return Record(kinds, motion.time[kept], motion.end_state, size, True)
 
 
 def confirm(question: Question, rng: np.random.Generator) -> bool:
     """Whether the reference with 40 digits has the events of the engine as well."""
     outcome = case_judge.judge(question.case, rng, thorough=True)
-    same = (case_judge.CaseVerdict.PASSED, case_judge.CaseVerdict.INACCURATE)
+    same = (Verdict.RIGHT, Verdict.INACCURATE)
     return outcome.verdict in same and outcome.judge is case_judge.Judge.REFERENCE
 
 
@@ -190,21 +190,21 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
     if method.family == MethodFamily.FIXED_STEP:
         setting = _step(question)
         if question.case.duration > MOST_STEPS * setting:
-            return Answer(AnswerVerdict.GAVE_UP, failure=_STIFF)
+            return Answer(Verdict.GAVE_UP, failure=_STIFF)
     elif method.explicit and question.stiffness > MOST_EVALUATIONS:
         # No explicit method is stable with steps of more than 1/rate for each evaluation.
-        return Answer(AnswerVerdict.GAVE_UP, failure=_STIFF)
+        return Answer(Verdict.GAVE_UP, failure=_STIFF)
     most = 2 * len(question.path.kinds) + _SPARE_EVENTS
     effort = Effort(MOST_STEPS if method.family == MethodFamily.TAYLOR else MOST_EVALUATIONS)
     function = method.prepare(question.hybrid, setting, effort, most)
     try:
         run = function().run()
     except GaveUp as reason:
-        return Answer(AnswerVerdict.GAVE_UP, failure=_in_words(str(reason)))
+        return Answer(Verdict.GAVE_UP, failure=_in_words(str(reason)))
     except (ArithmeticError, ValueError, RuntimeError) as fault:  # of the solver: not finite, no bracket
-        return Answer(AnswerVerdict.GAVE_UP, failure=str(fault))
-    if run.failure or not np.isfinite(run.end_state).all():
-        return Answer(AnswerVerdict.GAVE_UP, failure=_in_words(run.failure) or "not finite")
+        return Answer(Verdict.GAVE_UP, failure=str(fault))
+    if run.failure or not np.isfinite(run.end).all():
+        return Answer(Verdict.GAVE_UP, failure=_in_words(run.failure) or "not finite")
     return compare(question.case.duration, question.path, run, GENEROSITY * tolerance)
 
 

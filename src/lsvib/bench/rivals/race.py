@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lsvib.bench.record import Errors, Reference, Run, errors
+from lsvib.bench.record import Errors, Record, errors
 from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene, scene
@@ -65,7 +65,7 @@ class Entry:
 
 def contest(
     name: str, settings: Mapping[str, Sequence[float]], budget: Budget, shorten: float = 1.0
-) -> tuple[RaceScene, Reference, list[Entry]]:
+) -> tuple[RaceScene, Record, list[Entry]]:
     """Run the methods with their settings on a scene, and its reference.
 
     ``settings``: for each method its tolerances, steps or widths, none to leave it out; [0] where there is nothing to
@@ -81,7 +81,7 @@ def contest(
     return this, truth, entries
 
 
-def _compete(this: RaceScene, truth: Reference, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
+def _compete(this: RaceScene, truth: Record, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
     entries, functions = [], []
     for method_name, values in settings.items():
         method = find_method(method_name)
@@ -130,7 +130,7 @@ def quiet() -> Iterator[None]:
                 os.close(copy)
 
 
-def _run(entry: Entry, function, truth: Reference) -> None:
+def _run(entry: Entry, function, truth: Record) -> None:
     """Run an entry once, or a quick one so often that caches and clock have settled; compare its first result."""
     total, outcome = 0.0, None
     try:
@@ -141,7 +141,7 @@ def _run(entry: Entry, function, truth: Reference) -> None:
             total += entry.seconds[-1]
     except GaveUp as reason:
         entry.failure = str(reason)
-        entry.errors = errors(Run(np.array([np.nan]), failure=entry.failure), truth)
+        entry.errors = errors(Record(failure=entry.failure), truth)
         return
     if entry.errors is None:
         run = outcome.run()

@@ -3,21 +3,20 @@
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.record import Reference, count_stops
+from lsvib.bench.record import Record, count_stops
 from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.rivals.race_scenes import RaceScene
+from lsvib.bench.second_opinions.endings import DIGITS
 
-_DIGITS = 40
 
-
-def reference(scene: RaceScene) -> Reference:
+def reference(scene: RaceScene) -> Record:
     """Compute a scene with the independent reference; takes seconds to a minute."""
     return _threads(scene) if scene.model == "threads" else _rigid(scene)
 
 
-def _rigid(scene: RaceScene) -> Reference:
-    result = rigid_digits.simulate(dict(scene.drive), *scene.state, scene.duration, dps=_DIGITS, max_events=1_000_000)
-    with mp.workdps(_DIGITS + rigid_digits.GUARD_DIGITS):
+def _rigid(scene: RaceScene) -> Record:
+    result = rigid_digits.simulate(dict(scene.drive), *scene.state, scene.duration, dps=DIGITS, max_events=1_000_000)
+    with mp.workdps(DIGITS + rigid_digits.GUARD_DIGITS):
         angles = [result.u]
         ends = [segment.time for segment in result.segments[1:]] + [result.time]
         for segment, end in zip(result.segments, ends, strict=True):
@@ -37,9 +36,9 @@ def _rigid(scene: RaceScene) -> Reference:
     )
 
 
-def _threads(scene: RaceScene) -> Reference:
-    result = threads_digits.simulate(dict(scene.drive), scene.state, scene.duration, dps=_DIGITS, max_events=1_000_000)
-    with mp.workdps(_DIGITS + threads_digits.SPARE_DIGITS):
+def _threads(scene: RaceScene) -> Record:
+    result = threads_digits.simulate(dict(scene.drive), scene.state, scene.duration, dps=DIGITS, max_events=1_000_000)
+    with mp.workdps(DIGITS + threads_digits.SPARE_DIGITS):
         angles, visited = [result.state[0]], [result.state]
         row = [mpf(1), mpf(0), mpf(0), mpf(0), mpf(0)]
         for start, _, arc, stay in result.arcs:
@@ -54,12 +53,12 @@ def _threads(scene: RaceScene) -> Reference:
     return _rounded(result.state, result.events, kinds, result.arcs[0][1].startswith("rest"), angles, visited)
 
 
-def _rounded(end_state, events, kinds, starts_at_rest, angles, visited) -> Reference:
-    return Reference(
-        end_state=np.array([float(x) for x in end_state]),
+def _rounded(end_state, events, kinds, starts_at_rest, angles, visited) -> Record:
+    return Record(
+        end=np.array([float(x) for x in end_state]),
         times=np.array([float(event.time) for event in events]),
         kinds=kinds,
         stops=count_stops(kinds, starts_at_rest),
         extremes=(float(min(angles)), float(max(angles))),
-        sizes=np.abs(np.array([[float(x) for x in state] for state in [*visited, end_state]])).max(axis=0),
+        size=np.abs(np.array([[float(x) for x in state] for state in [*visited, end_state]])).max(axis=0),
     )

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.endings import HALVINGS
 from lsvib.bench.second_opinions.watch import WatchConstants
 
 _FIRST, _MOST = 256, 16_384  # events looked at first, and before a motion without a pattern is given up
@@ -28,13 +29,12 @@ _SEEN = 1e-14  # of the size of the motion; a smaller drift in a turn is roundin
 _CORNER = 1e-9  # of the size of the drive; a smaller motion has come to the equilibrium on Q = 0
 _LEAPS = 400  # of one motion
 _SLOW = 0.1  # of the size of the motion; a drift that is faster is followed turn by turn
-_HALVINGS = 60
 _FEW = 8  # leaps that are not worth a new watch
 _PHASES = (0.0, 0.31, 0.57, 0.83)  # of the turn in which a drift ends
 
 
 class Fate(NamedTuple):
-    """Name of the attractor as in ``lsvib.cycles.attractors.Attractor``, or ``unknown``; why; events watched.
+    """Name of the attractor as in ``lsvib.cycles.attractors.Attractor``, or ``unknown``; why; number of events watched.
 
     ``edge``: the motion stays on the outermost orbit of a neutral family, which touches θ′ = 0, so that digits decide
     whether it is told as a cycle or as one of the family. ``stops``: θ′ is zero somewhere on the cycle.
@@ -42,7 +42,7 @@ class Fate(NamedTuple):
 
     name: str
     reason: str
-    events: int
+    events: int = 0
     edge: bool = False
     stops: bool = False
 
@@ -127,7 +127,7 @@ def _grown(c: WatchConstants, seen: _WatchedEvents, events: int, leaps: int) -> 
     low, high = 1.0, 2.0
     while _watch(c, row[6] + high * u, high * w, watch.ANYWHERE, 1).end == watch.SLOW:
         low, high = high, 2 * high
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         slow = _watch(c, row[6] + middle * u, middle * w, watch.ANYWHERE, 1).end == watch.SLOW
         low, high = (middle, high) if slow else (low, middle)
@@ -233,7 +233,7 @@ def _drift(c: WatchConstants, seen: _WatchedEvents, period: int, events: int, le
 def _between(c: WatchConstants, section: _WatchedSection, x: float, y: float, drift: float, events: int) -> Fate:
     """A drift that turns back between two points: a cycle, if it passes through zero."""
     least = abs(drift)
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = 0.5 * (x + y)
         change = section.drift(middle)
         if change is None:

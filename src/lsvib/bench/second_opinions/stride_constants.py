@@ -22,7 +22,7 @@ ABSENT, FORCE = -2, -1  # kinds of conditions; 0, 1: a speed (of slip, of the se
 ORDERS = 5  # of derivatives of a condition, from 0
 _ROWS = 5  # of conditions, at most
 _FIRST = 2e-5  # shortest step, of the fastest time; five terms of a series then are exact
-_TERMS = 9
+_TERMS = 9  # of the series of the shortest step; five would do
 
 
 class Ladders(NamedTuple):

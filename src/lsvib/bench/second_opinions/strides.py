@@ -20,7 +20,7 @@ _SAFETY = 4.0  # times the error of the polynomial in the middle
 _ROUNDING = 1e-13  # of the coefficients
 MOST_STRIDES = 100_000  # of a motion of some turns
 _PATIENCE = 4  # strides after one that was too long, before a longer one is tried
-_NONE = -1
+_NONE = -1  # index of no mode and of no condition
 
 
 @kernel
@@ -144,7 +144,8 @@ def _moment(c, m, r, x, most):
 def _arc(c, m, x, zero, t, t_end, budget, size):
     """Follow a mode from x, which is moved, to the first condition that fails or to t_end.
 
-    Returns (status, time, index of the condition, what is left of the budget); _NONE for the index at t_end.
+    Returns (status, time, index of the condition, what is left of the budget); _NONE for the index at t_end. One loop:
+    its parts share eight arrays, which are made once for an arc and not for each stride.
     """
     count, first = c.kinds.shape[1], c.shortest[m]
     field, tables = c.fields[m], c.tables[m]

@@ -15,13 +15,18 @@ from mpmath import mp
 
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
+from lsvib.bench.second_opinions.endings import (
+    CONTACT_REVERSAL,
+    DIGITS,
+    HALVINGS,
+    RELEASE,
+    REVERSAL,
+    SEIZURE,
+    STICK,
+)
 
-KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
-_REVERSAL_OF_CONTACT, _STICK, _REVERSAL, _RELEASE, _SEIZURE = range(5)
 ORDER = 18  # of the series; a step of 0.25 fastest times leaves 1e-27
-PART = 0.25
-_DIGITS = 40
-_HALVINGS = 60
+PART = 0.25  # of the fastest time: length of a step, so short that a guard hardly turns twice within it
 
 
 class TaylorConstants(NamedTuple):
@@ -40,8 +45,8 @@ class TaylorConstants(NamedTuple):
 
 def constants(parameters: dict[str, float]) -> TaylorConstants:
     """Form the constants of a rigid drive [SI units] with 40 digits and round them once."""
-    with mp.workdps(_DIGITS):
-        d = RigidTrueDrive(parameters, _DIGITS)
+    with mp.workdps(DIGITS):
+        d = RigidTrueDrive(parameters, DIGITS)
         rates = np.zeros((2, 3))
         for row, s in enumerate((1, -1)):
             if d.Gamma(s) != 0:
@@ -95,7 +100,7 @@ def _fall(series, fresh):
         if fresh or series[1] >= 0.0 or last_slope <= 0.0:
             return 2.0
         low = 0.0
-        for _ in range(_HALVINGS):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             if _at(series, middle)[1] < 0.0:
                 low = middle
@@ -104,7 +109,7 @@ def _fall(series, fresh):
         if _at(series, high)[0] > 0.0:
             return 2.0
     low = 0.0
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if _at(series, middle)[0] > 0.0:
             low = middle
@@ -148,7 +153,8 @@ def _resumed(c, u, sign):
 def run(c, u, w, t_end, times, kinds):
     """Follow the motion from (u [rad], w [rad/s]) to t_end [s]; events are written to ``times`` and ``kinds``.
 
-    Returns (complete, number of events, u, w); not complete if there was no room for all events.
+    Returns (complete, number of events, u, w); not complete if there was no room for all events. One loop over the
+    steps: what a step hands to the next are nine numbers.
     """
     place, rate, guard = np.zeros(ORDER + 1), np.zeros(ORDER + 1), np.zeros(ORDER + 1)
     t, count = 0.0, 0
@@ -158,7 +164,7 @@ def run(c, u, w, t_end, times, kinds):
         direction, contact = _by_band(c, u)
     elif c.paradox and contact == direction:
         direction, contact = _resumed(c, u, direction)
-        kind, w = _SEIZURE, -c.input_speed
+        kind, w = SEIZURE, -c.input_speed
     fresh_speed, fresh_contact = w == -c.input_speed, contact == 0
     if contact == 0 and direction != 0:
         rates = c.rates[1]  # Q′ at Q = 0 is the same under both laws
@@ -176,7 +182,7 @@ def run(c, u, w, t_end, times, kinds):
             t, u = t + stay, c.released
             direction = _sign(c.input_speed)
             contact = -direction if c.paradox or c.force_sign == 0 else c.force_sign
-            kind, fresh_speed, fresh_contact = _RELEASE, True, False
+            kind, fresh_speed, fresh_contact = RELEASE, True, False
             continue
         rates = c.rates[0] if direction * contact > 0 else c.rates[1]
         h = min(PART / (abs(rates[1]) + math.sqrt(abs(rates[0]))), t_end - t)
@@ -198,14 +204,14 @@ def run(c, u, w, t_end, times, kinds):
             if t >= t_end:
                 return True, count, u, w
         elif turn < stop and not c.paradox:
-            contact, kind, fresh_contact = -contact, _REVERSAL_OF_CONTACT, True
+            contact, kind, fresh_contact = -contact, CONTACT_REVERSAL, True
         else:
             if turn < stop:
-                kind, (direction, contact) = _SEIZURE, _resumed(c, u, direction)
+                kind, (direction, contact) = SEIZURE, _resumed(c, u, direction)
             elif c.paradox:
                 direction, contact = _resumed(c, u, contact)
             else:
                 direction, contact = _by_band(c, u)
             if kind < 0:
-                kind = _STICK if direction == 0 else _REVERSAL
+                kind = STICK if direction == 0 else REVERSAL
             w, fresh_speed, fresh_contact = -c.input_speed, True, False

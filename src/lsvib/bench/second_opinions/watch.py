@@ -14,15 +14,26 @@ from mpmath import mp
 
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions.endings import AMBIGUOUS, DIGITS, EVENTS_FULL, SETTLED, SLOW, TIME_REACHED
+from lsvib.bench.second_opinions.endings import (
+    AMBIGUOUS,
+    CONTACT_REVERSAL,
+    DIGITS,
+    EVENTS_FULL,
+    RELEASE,
+    REVERSAL,
+    SEIZURE,
+    SETTLED,
+    SLOW,
+    STICK,
+    TIME_REACHED,
+)
 
-KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
-CONTACT_REVERSAL, STICK, REVERSAL, RELEASE, SEIZURE = range(5)
 ANYWHERE = -1  # mode of a start that is told by its state
 _A, _B, _OMEGA, _FORM, _FAST, _SLOW, _REST, _CONTACT = range(8)  # columns of ``WatchConstants.flow``
-_NEVER = -1.0
-_WRONG_SIDE = -2.0
-_TOO_LATE = -3.0
+# What a search for a root returns instead of a time, which is never negative.
+_NEVER = -1.0  # there is no root
+_WRONG_SIDE = -2.0  # the guard has left zero on the wrong side
+_TOO_LATE = -3.0  # after more turns than the phase is known for
 _AT_ONCE = 1e-7  # of the fastest time; the stationary point of a guard that has just been left may come out so late
 _AT_CORNER = 1e-9  # of its terms; Q at θ′ = 0 below this starts slips that w = θ′ − Ω cannot hold
 _ON_LINE = 1e-15  # of its terms; Q below this is zero
@@ -249,7 +260,8 @@ def watch(c, u, w, mode, t_end, two_releases, times, kinds, modes, states):
 
     ``mode``: ANYWHERE, or what :func:`coded` tells of the event just before. ``two_releases``: end at the second
     release from rest, after which the motion repeats. ``modes`` (n), ``states`` (n, 2): after each event. Returns (how
-    it ends, number of events, u, w, law of the last slip).
+    it ends, number of events, u, w, law of the last slip). One loop over the arcs: what an arc hands to the next are
+    nine numbers, which a kernel for each part would have to take and return.
     """
     t, count, kind = 0.0, 0, -1
     if mode != ANYWHERE:

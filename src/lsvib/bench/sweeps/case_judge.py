@@ -16,11 +16,11 @@ from enum import IntEnum
 
 import numpy as np
 
+from lsvib.bench.record import Record, Verdict, distance
 from lsvib.bench.sweeps.energy_balance import Balance, balance
 from lsvib.bench.sweeps.families import Case
 from lsvib.bench.sweeps.paths import (
     MOST_EVENTS,
-    Path,
     automaton,
     engine_path,
     exact_path,
@@ -37,24 +37,22 @@ TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
 ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
 ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
 _AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
-_LAST_PLACES = 16
-_PERTURBED = 4
+_LAST_PLACES = 16  # of a parameter: the size below which the engine takes a sum for zero
+_PERTURBED = 4  # inputs moved at random, each a run of the reference
 _EPS = float(np.finfo(float).eps)
 
 
-class CaseVerdict(IntEnum):
-    """What became of a case."""
-
-    PASSED = 0
-    REFUSED = 1  # one clear sentence instead of a motion
-    BEYOND_INPUT = 2  # the digits that decide are not in the input
-    CORNER = 3  # other events within an instant, where two guards meet or events accumulate; the same before and after
-    INACCURATE = 4  # the right events, an error above the tolerance
-    WRONG = 5  # other events
-    UNBALANCED = 6  # right events, time and state, but the energy of the motion does not balance
-
-
-_GOOD = (CaseVerdict.PASSED, CaseVerdict.CORNER)
+# What may become of a case.
+VERDICTS = (
+    Verdict.RIGHT,
+    Verdict.REFUSED,
+    Verdict.BEYOND_INPUT,
+    Verdict.CORNER,
+    Verdict.INACCURATE,
+    Verdict.WRONG,
+    Verdict.UNBALANCED,
+)
+_GOOD = (Verdict.RIGHT, Verdict.CORNER)
 
 
 class Judge(IntEnum):
@@ -73,7 +71,7 @@ class CaseOutcome:
     ``stepper_agrees``: whether the stepper had the events of the reference (None: it was not asked).
     """
 
-    verdict: CaseVerdict
+    verdict: Verdict
     judge: Judge
     events: int = 0
     state_error: float = math.nan
@@ -82,10 +80,10 @@ class CaseOutcome:
     condition: float = math.nan
     stepper_agrees: bool | None = None
     energy: Balance | None = None
-    path: Path | None = field(default=None, repr=False)
+    path: Record | None = field(default=None, repr=False)
 
 
-Truth = Callable[[Case, RigidParameters, tuple[float, ...]], Path | None]
+Truth = Callable[[Case, RigidParameters, tuple[float, ...]], Record | None]
 
 
 def judge(
@@ -103,7 +101,7 @@ def judge(
     balanced = outcome.energy
     # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
     if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
-        outcome.verdict = CaseVerdict.UNBALANCED
+        outcome.verdict = Verdict.UNBALANCED
     return outcome
 
 
@@ -117,17 +115,17 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
         model = automaton(case)
         motion = follow(model, case.start, case.duration, max_events=MOST_EVENTS)
     except LsvibError:
-        return CaseOutcome(CaseVerdict.REFUSED, Judge.NONE)
+        return CaseOutcome(Verdict.REFUSED, Judge.NONE)
     path = engine_path(motion, case)
-    outcome = CaseOutcome(CaseVerdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=model.condition, path=path)
+    outcome = CaseOutcome(Verdict.WRONG, Judge.REFERENCE, len(path.kinds), condition=model.condition, path=path)
     if not np.isfinite(path.end).all():
         return outcome
     outcome.energy = balance(motion, case.drive, case.physics)
     quick = stepper_path(case, path.size) if is_rigid(case) else None
     if quick is not None:
-        outcome.stepper_agrees = _compare(outcome, path, quick, case) is CaseVerdict.PASSED
+        outcome.stepper_agrees = _compare(outcome, path, quick, case) is Verdict.RIGHT
         if outcome.stepper_agrees and not (thorough or by_reference):
-            outcome.verdict, outcome.judge = CaseVerdict.PASSED, Judge.STEPPER
+            outcome.verdict, outcome.judge = Verdict.RIGHT, Judge.STEPPER
             return outcome
     exact = truth(case, case.drive, case.start)
     if exact is None:
@@ -135,49 +133,47 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     if quick is not None:
         outcome.stepper_agrees = quick.kinds == exact.kinds or agree_but_corners(quick, exact, case)
     outcome.verdict = _compare(outcome, path, exact, case)
-    if outcome.verdict is CaseVerdict.WRONG and agree_but_corners(path, exact, case):
-        outcome.verdict = CaseVerdict.CORNER
-        outcome.state_error = _distance(path.end, exact)
+    if outcome.verdict is Verdict.WRONG and agree_but_corners(path, exact, case):
+        outcome.verdict = Verdict.CORNER
+        outcome.state_error = distance(path.end, exact)
     if outcome.verdict not in _GOOD or thorough:
         _weigh(outcome, path, exact, case, rng, truth)
     return outcome
 
 
-def agree(path: Path, other: Path, case: Case) -> bool:
+def agree(path: Record, other: Record, case: Case) -> bool:
     """Whether two motions have the same events, at the same times, and end in the same state."""
-    return _compare(CaseOutcome(CaseVerdict.WRONG, Judge.NONE), path, other, case) is CaseVerdict.PASSED
+    return _compare(CaseOutcome(Verdict.WRONG, Judge.NONE), path, other, case) is Verdict.RIGHT
 
 
-def _compare(outcome: CaseOutcome, path: Path, other: Path, case: Case) -> CaseVerdict:
+def _compare(outcome: CaseOutcome, path: Record, other: Record, case: Case) -> Verdict:
     """Errors of a path against another, written to ``outcome``, and the verdict on it."""
     outcome.state_error = outcome.time_error = math.nan
     if path.kinds != other.kinds or path.complete != other.complete:
-        return CaseVerdict.WRONG
+        return Verdict.WRONG
     late = np.abs(path.times - other.times)
     outcome.time_error = float(np.max(late, initial=0.0)) / case.duration
     if path.complete:
-        outcome.state_error = _distance(path.end, other)
-    return CaseVerdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else CaseVerdict.PASSED
+        outcome.state_error = distance(path.end, other)
+    return Verdict.INACCURATE if max(outcome.time_error, outcome.state_error) > TOLERANCE else Verdict.RIGHT
 
 
-def agree_but_corners(path: Path, other: Path, case: Case) -> bool:
+def agree_but_corners(path: Record, other: Record, case: Case) -> bool:
     """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
     if not (path.complete and other.complete):
         return False
     tokens = [without_clusters(x.kinds, x.times, _AT_ONCE * case.duration) for x in (path, other)]
-    return same_but_corners(*tokens) and _distance(path.end, other) <= TOLERANCE
+    return same_but_corners(*tokens) and distance(path.end, other) <= TOLERANCE
 
 
-def same_end(path: Path, other: Path) -> bool:
+def same_end(path: Record, other: Record) -> bool:
     """Whether two motions end in the same state, whatever their events."""
-    return path.complete and other.complete and _distance(path.end, other) <= TOLERANCE
+    return path.complete and other.complete and distance(path.end, other) <= TOLERANCE
 
 
-def _distance(end: np.ndarray, other: Path) -> float:
-    return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
-
-
-def _weigh(outcome: CaseOutcome, path: Path, exact: Path, case: Case, rng: np.random.Generator, truth: Truth) -> None:
+def _weigh(
+    outcome: CaseOutcome, path: Record, exact: Record, case: Case, rng: np.random.Generator, truth: Truth
+) -> None:
     """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
     known, moved = len(path.kinds) + 1, 0.0
     for _ in range(_PERTURBED):
@@ -190,12 +186,12 @@ def _weigh(outcome: CaseOutcome, path: Path, exact: Path, case: Case, rng: np.ra
         known = min(known, _common(exact.kinds, other.kinds))
         if exact.complete == other.complete and exact.kinds == other.kinds:
             moved = max(moved, float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration)
-            moved = max(moved, _distance(other.end, exact)) if exact.complete else moved
+            moved = max(moved, distance(other.end, exact)) if exact.complete else moved
     outcome.sensitivity = moved
-    undecided = outcome.verdict is CaseVerdict.WRONG and known <= _common(path.kinds, exact.kinds)
+    undecided = outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds)
     error = np.fmax(outcome.state_error, outcome.time_error)  # the first is nan if the motion was cut off
-    if undecided or (outcome.verdict is CaseVerdict.INACCURATE and error <= 4 * moved):
-        outcome.verdict = CaseVerdict.BEYOND_INPUT
+    if undecided or (outcome.verdict is Verdict.INACCURATE and error <= 4 * moved):
+        outcome.verdict = Verdict.BEYOND_INPUT
 
 
 def _common(left: list[str], right: list[str]) -> int:

@@ -12,12 +12,11 @@ import math
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group, power, sign
+from lsvib.bench.second_opinions.endings import DIGITS
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.steady_sliding.linearised import threads_model
 
-_DIGITS = 40
-_MOST_TURNS = 6.0  # of the fastest oscillation
 _LOW, _HIGH = 1e-3, 1e14  # of k_c [N/m] and c_c [N s/m]
 
 
@@ -63,7 +62,7 @@ def double_rate(rng) -> Case:
     duration = swing * rng.uniform(1.0, 8.0)
     turns = max(np.abs(np.linalg.eigvals(threads_model(drive, s).jacobian()).imag).max() for s in (1, -1)) / math.tau
     return Case(
-        CaseFamily.DOUBLE_RATE_OF_THREADS, group, level, drive, start, min(duration, _MOST_TURNS / (turns or 1e-9))
+        CaseFamily.DOUBLE_RATE_OF_THREADS, group, level, drive, start, min(duration, MOST_TURNS / (turns or 1e-9))
     )
 
 
@@ -72,7 +71,7 @@ def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -
 
     ``other``: k_c [N/m] if c_c is solved for (``DOUBLE_BY_DAMPING``), c_c [N s/m] if k_c is (``DOUBLE_BY_STIFFNESS``).
     """
-    with mp.workdps(_DIGITS):
+    with mp.workdps(DIGITS):
         g, h = _polynomials(drive, law)
         first = _minus(_times(_slope(g), h), _times(g, _slope(h)))  # −q′ h²
         if group == Group.TRIPLE:

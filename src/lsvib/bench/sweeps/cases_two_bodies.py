@@ -5,12 +5,11 @@ import math
 import numpy as np
 
 from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group, power, sign
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
 from lsvib.drives.friction import friction_factor
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding.linearised import nut_model, support_model
 
-_MOST_TURNS = 6.0  # of the fastest oscillation
 _FRICTIONS = {
     Group.WITHOUT_FRICTION: (),
     Group.WITH_SLIDE: ("slide_friction",),
@@ -87,7 +86,7 @@ def _case(rng, family: CaseFamily, group: Group, level: float, drive, own: tuple
     rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
     swing = math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
     duration = math.tau * swing * rng.uniform(0.3, 3.0)
-    duration = min(duration, _MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
+    duration = min(duration, MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
     state = [0.3 * rng.uniform(-1, 1), drive.input_speed * rng.uniform(-3, 3), *own]
     start = _on_a_guard(rng.choice(_STARTS), model, drive, physics, state, sign(rng))
     return Case(family, group, level, drive, tuple(map(float, start)), float(duration), physics)

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 from lsvib.drives.parameters import RigidParameters
 
+MOST_TURNS = 6.0  # of the fastest oscillation of four states: bounds the work of the references
+
 
 class CaseFamily(IntEnum):
     """What is driven to the edge."""

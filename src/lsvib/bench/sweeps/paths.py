@@ -3,16 +3,17 @@
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 from mpmath import mpf
 
+from lsvib.bench.record import Record
 from lsvib.bench.reference import rigid_digits as rigid_reference
 from lsvib.bench.reference import threads_digits as threads_reference
 from lsvib.bench.reference import two_bodies_digits
 from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive as TwoBodies
 from lsvib.bench.second_opinions import strides, taylor, watch
+from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
 from lsvib.bench.sweeps.families import Case
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
@@ -24,32 +25,17 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 
-MOST_EVENTS = 60
+MOST_EVENTS = 60  # of a motion: with 40 digits it is compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
 _MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
-_INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _CORNER = "corner"
 _LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
 _CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
 _SECONDS = {1: "_forward", -1: "_backward", 0: "_held"}
-
-
-@dataclass(frozen=True)
-class Path:
-    """A motion as far as judges compare it: kinds and times [s] of events, final state, size of each coordinate.
-
-    ``kinds`` are those of the model's events; with a second body, the mode after the event and whether it is a seizure.
-    ``complete`` is False if it was cut off after ``MOST_EVENTS``, and then there is no final state to compare.
-    """
-
-    kinds: list[str]
-    times: np.ndarray
-    end: np.ndarray
-    size: np.ndarray
-    complete: bool
 
 
 def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -> list[str]:
@@ -83,8 +69,8 @@ def automaton(case: Case) -> Automaton:
     return build(case.drive, **_frictions(case))
 
 
-def engine_path(motion: Motion, case: Case) -> Path:
-    """Path of the engine's motion."""
+def engine_path(motion: Motion, case: Case) -> Record:
+    """Record of the engine's motion."""
     counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
     if isinstance(case.drive, SupportParameters | NutParameters):
@@ -100,7 +86,7 @@ def engine_path(motion: Motion, case: Case) -> Path:
     return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 
-def stepper_path(case: Case, size: np.ndarray) -> Path | None:
+def stepper_path(case: Case, size: np.ndarray) -> Record | None:
     """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
     constants = taylor.constants(dict(case.drive))
     rates = np.abs(constants.rates)
@@ -108,11 +94,11 @@ def stepper_path(case: Case, size: np.ndarray) -> Path | None:
         return None
     times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
     complete, count, u, w = taylor.run(constants, *case.start, case.duration, times, kinds)
-    names = [taylor.KINDS[kind] for kind in kinds[:count]]
+    names = [KINDS[kind] for kind in kinds[:count]]
     return _path(case, names, times[:count], (u, w), size, complete)
 
 
-def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) -> Path | None:
+def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) -> Record | None:
     """The motion in closed form, or None where double precision does not tell; ``size``: as for the stepper."""
     times, states = np.empty(MOST_EVENTS), np.empty((MOST_EVENTS, 2))
     kinds, modes = np.empty(MOST_EVENTS, dtype=np.int64), np.empty(MOST_EVENTS, dtype=np.int64)
@@ -121,7 +107,7 @@ def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) 
     )
     if end not in (watch.TIME_REACHED, watch.EVENTS_FULL):
         return None
-    names = [watch.KINDS[kind] for kind in kinds[:count]]
+    names = [KINDS[kind] for kind in kinds[:count]]
     return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
 
 
@@ -130,7 +116,7 @@ def case_ladders(case: Case, longest: float) -> Ladders:
     return ladders(_model(case), dict(case.drive), *_frictions(case).values(), longest)
 
 
-def strides_path(case: Case, constants: Ladders) -> Path | None:
+def strides_path(case: Case, constants: Ladders) -> Record | None:
     """The motion of a drive with four states by strides of propagators, or None where they do not tell."""
     times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
     before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
@@ -167,13 +153,13 @@ def strides_path(case: Case, constants: Ladders) -> Path | None:
     return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
 
 
-def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
+def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
     """:func:`strides_path` in the place of :func:`exact_path`."""
     moved = case._replace(drive=drive, start=start)
     return strides_path(moved, case_ladders(moved, case.duration))
 
 
-def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Path | None:
+def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
         with suppress(ArithmeticError, AssertionError):
@@ -181,7 +167,7 @@ def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> 
     return None
 
 
-def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Path:
+def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Record:
     if isinstance(drive, ThreadsParameters):
         result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
@@ -246,10 +232,10 @@ def _least(case: Case) -> np.ndarray:
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
 
 
-def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Path:
+def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
     """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
     kept: list[int] = []
-    instant = _INSTANT * case.duration
+    instant = INSTANT * case.duration
     for k, kind in enumerate(kinds):
         if times[k] <= instant:
             continue
@@ -257,4 +243,4 @@ def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, comple
             kept.pop()
             continue
         kept.append(k)
-    return Path([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)
+    return Record([kinds[k] for k in kept], np.asarray(times)[kept], np.array(end, dtype=float), size, complete)

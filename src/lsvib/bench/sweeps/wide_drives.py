@@ -12,7 +12,7 @@ from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParam
 
 MODELS = ("rigid", "threads", "support", "nut")
 _ZERO_DAMPING = 0.25  # share of drives without a damping
-_ZERO_FORCE = 0.1
+_ZERO_FORCE = 0.1  # share of drives without an axial force
 _PLACES = ("anywhere", "anywhere", "anywhere", "speed", "contact", "corner", "near", "equilibrium")
 
 

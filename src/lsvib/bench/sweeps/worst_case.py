@@ -3,7 +3,7 @@
 A case is made of random draws, here numbers in [0, 1) that are kept with it (:class:`Draws`). A change of some of them
 makes another case of the same family: near, if they change a little, which moves parameters and start a little, or
 elsewhere, if one is drawn anew. The error is that against the reference with 40 digits, always. Cases whose digits the
-input does not hold, and corners (:class:`lsvib.bench.sweeps.case_judge.CaseVerdict`), are no finds; a wrong one ends
+input does not hold, and corners (:class:`lsvib.bench.record.Verdict`), are no finds; a wrong one ends
 the search.
 """
 
@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.bench.sweeps.case_judge import CaseOutcome, CaseVerdict, judge
+from lsvib.bench.record import Verdict
+from lsvib.bench.sweeps.case_judge import CaseOutcome, judge
 from lsvib.bench.sweeps.cases import cases
 from lsvib.bench.sweeps.families import Case, CaseFamily
 
@@ -21,7 +22,7 @@ GENES = 40  # draws that are kept of a case; those after them are the same for a
 _KEPT = 8  # worst cases that are changed further
 _ANEW = 0.3  # share of the changed draws that are drawn anew
 _FINEST = 8  # decades down to which a draw is moved
-_FINDS = (CaseVerdict.PASSED, CaseVerdict.INACCURATE, CaseVerdict.UNBALANCED, CaseVerdict.WRONG)
+_FINDS = (Verdict.RIGHT, Verdict.INACCURATE, Verdict.UNBALANCED, Verdict.WRONG)
 
 
 class Draws:
@@ -64,7 +65,7 @@ class Tried:
         """Largest error of final state and event times; infinite if the verdict is wrong, −1 if this is no find."""
         if self.outcome.verdict not in _FINDS:
             return -1.0
-        if self.outcome.verdict is CaseVerdict.WRONG:
+        if self.outcome.verdict is Verdict.WRONG:
             return math.inf
         # The first is nan if the motion was cut off.
         return float(np.fmax(self.outcome.state_error, self.outcome.time_error))

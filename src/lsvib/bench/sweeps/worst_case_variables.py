@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.bench.sweeps.case_judge import CaseVerdict
+from lsvib.bench.sweeps.case_judge import VERDICTS
 from lsvib.bench.sweeps.worst_case import Tried
 from lsvib.data.attributes import flags
 
@@ -30,7 +30,7 @@ def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
         "worst_verdict": (
             "edge_family",
             verdicts,
-            {"units": "1", "long_name": "verdict on the worst case", **flags(CaseVerdict)},
+            {"units": "1", "long_name": "verdict on the worst case", **flags(VERDICTS)},
         )
     }
 

@@ -12,6 +12,12 @@ from lsvib.engine.kernels.tables import ModalFlow, Tables
 
 def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
     """Compile and cache each entry point for the kinds of flow, on an oscillator that bounces off a surface."""
+    for kind in kinds:
+        _bounce(tables_of(kind))
+
+
+def tables_of(kind: str) -> Tables:
+    """Return the tables of an oscillator that bounces off a surface; ``kind`` of its flow: planar or modal."""
     row = np.zeros(columns.COUNT)
     row[[columns.A0, columns.BETA, columns.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
@@ -19,19 +25,14 @@ def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
     alone = np.zeros((1, 0))
     modal = ModalFlow(one, np.array([0]), np.array([[row]]), alone, alone, same, same, field)
-    flows_of = {"planar": np.array([row]), "modal": modal}
-    for kind in kinds:
-        _bounce(flows_of[kind])
-
-
-def _bounce(flow) -> None:
-    one, state = np.array([0]), np.array([1.0, 0.0])
-    tables = Tables(
+    first = np.array([0])
+    flow = {"planar": np.array([row]), "modal": modal}[kind]
+    return Tables(
         flow=flow,
         surfaces=np.array([[1.0, 0.0, 0.5]]),
-        snap=one,
+        snap=first,
         guard_start=np.array([0, 1]),
-        guard_surface=one,
+        guard_surface=first,
         guard_sign=np.array([1.0]),
         guard_transition=np.array([1]),
         guard_parts=np.zeros((1, 3 if isinstance(flow, np.ndarray) else 0)),
@@ -47,6 +48,10 @@ def _bounce(flow) -> None:
         beyond_accumulation=np.array([-1]),
         shortest_stay=0.0,
     )
+
+
+def _bounce(tables: Tables) -> None:
+    flow, state = tables.flow, np.array([1.0, 0.0])
     events = tuple(
         np.zeros(shape, dtype)
         for shape, dtype in ((8, float), (8, np.int8), (8, np.int8), (8, np.int64), ((8, 2), float), ((8, 2), float))

@@ -4,17 +4,27 @@ numba checks only the file of the function itself when it decides whether a cach
 another kernel that is inlined into it goes unnoticed. The cache therefore lives in a folder named after a digest of all
 kernels, unless ``NUMBA_CACHE_DIR`` says otherwise. Where the folder of the user cannot be written, one of the user's
 own in the folder for temporary files takes its place; where that cannot either, every process compiles in memory.
+
+Several processes may fill the cache at once. numba writes each file of it whole, but it numbers the compiled versions
+of a kernel after the index that it has just read: two processes that compile a kernel for different types could give
+both the same number, and one would later run what the other has compiled. So one process at a time may add to it.
 """
 
+import fcntl
 import hashlib
 import os
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numba
+from numba.core import event
+from numba.core.caching import IndexDataCacheFile
+
+from lsvib.engine.kernels.compilation_notice import Notice
 
 
 def source_digest() -> str:
@@ -63,11 +73,36 @@ if _folder is None:
     )
 else:
     numba.config.CACHE_DIR = str(_folder)
+    event.register("numba:compile", Notice())
 
 OPTIONS = {"cache": _folder is not None, "error_model": "numpy", "fastmath": False, "nogil": True}
 
-allocating_kernel = numba.njit(**OPTIONS, _nrt=True)
+
+class OneWriter(IndexDataCacheFile):
+    """numba's file of the compiled versions of one kernel, to which one process at a time adds."""
+
+    def save(self, key: tuple, data: Any) -> None:
+        """Add a compiled version while no other process adds one; waits until it may."""
+        with open(os.path.join(self._cache_path, "lock"), "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # given back when the file is closed, however the process ends
+            super().save(key, data)
+
+
+def _compiler(**options: bool) -> Callable:
+    """Return numba's decorator with our options and a cache that several processes may fill."""
+    decorate = numba.njit(**OPTIONS, **options)
+
+    def compiled(function: Callable) -> Callable:
+        kernel = decorate(function)
+        if OPTIONS["cache"] and not numba.config.DISABLE_JIT:
+            kernel._cache._cache_file.__class__ = OneWriter
+        return kernel
+
+    return compiled
+
+
+allocating_kernel = _compiler(_nrt=True)
 # A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
 # together they took half of the time of a run, and would make threads wait for each other.
-kernel = numba.njit(**OPTIONS, _nrt=False)
-inlined_kernel = numba.njit(**OPTIONS, _nrt=False, forceinline=True)
+kernel = _compiler(_nrt=False)
+inlined_kernel = _compiler(_nrt=False, forceinline=True)

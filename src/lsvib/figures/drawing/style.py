@@ -176,11 +176,15 @@ def save(
 ) -> None:
     """Write the figure as PNG and PDF, each whole or not at all and without a date, so equal runs give equal files.
 
-    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. Raises ``LsvibError`` if a file cannot be
-    written.
+    ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
+    has the same. Raises ``LsvibError`` if a file cannot be written.
     """
     metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
     with matplotlib.rc_context(_STYLE):
+        figure.set_dpi(resolution)
+        if (layout := figure.get_layout_engine()) is not None:
+            layout.execute(figure)
+            figure.set_layout_engine("none")  # else each file would be drawn once more, unseen, to lay it out
         for path, kind in ((png, "png"), (pdf, "pdf")):
             if path is None:
                 continue

@@ -15,7 +15,7 @@ from lsvib.data.simulation import simulate
 from lsvib.drives.registry import find_model
 
 _SOURCE = "docs/stability.md"
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
 _MODELS = ("pared", "general")
 MODULES = {  # what a rule of the workflow imports
     "figure": "lsvib.figures.fig8_08.picture",

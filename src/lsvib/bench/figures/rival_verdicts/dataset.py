@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from lsvib.bench.rivals.answers import Answer, AnswerVerdict
+from lsvib.bench.record import Verdict
+from lsvib.bench.rivals.answers import VERDICTS, Answer
 from lsvib.bench.rivals.catalogue import METHODS, find_method
 from lsvib.bench.rivals.catalogue import MethodFamily as Kind
 from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
@@ -20,8 +21,8 @@ from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
 from lsvib.data.attributes import flags
 from lsvib.data.checks import Check
 
-NOT_ASKED = -1
-WRONG = (AnswerVerdict.OTHER_EVENTS, AnswerVerdict.OTHER_MOTION)
+NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
+WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)
 _SOURCE = "docs/stability.md"
 _QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
 
@@ -34,7 +35,7 @@ class _Row(NamedTuple):
 
     case: Case
     shared: bool
-    engine: case_judge.CaseVerdict
+    engine: Verdict
     question: Question | None
     answers: list[Answer | None]
     confirmed: bool | None
@@ -88,7 +89,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "method_verdict": (("case", "method"), verdict, _text("verdict on the method") | _verdicts()),
             "error": (("case", "method"), _errors(rows), _text(
                 "error of final state and event times, relative to the motion, where its events are right")),
-            "engine_verdict": ("case", engine, _text("verdict on the engine") | flags(case_judge.CaseVerdict)),
+            "engine_verdict": ("case", engine, _text("verdict on the engine") | flags(case_judge.VERDICTS)),
             "case_family": ("case", family, _text("family of the case") | flags(CaseFamily)),
             "group": ("case", np.array([row.case.group for row in rows], np.int8), _text("edge of the case")
                       | flags(Group)),
@@ -107,7 +108,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "shared_count": (("method", "method_outcome"), together, _text(
                 "number of cases, over those that every method is asked")),
             "engine_count": (("edge_family", "engine_outcome"), np.array(
-                [[((family == f) & (engine == v)).sum() for v in case_judge.CaseVerdict] for f in families],
+                [[((family == f) & (engine == v)).sum() for v in case_judge.VERDICTS] for f in families],
                     dtype=np.int32),
                 _text("number of cases by verdict on the engine")),
             **_shares("", by_family, count, "share of wrong verdicts"),
@@ -116,16 +117,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "relative_tolerance": ("method", np.array([value for _, value in entries]), _text(
                 "relative tolerance of the method")),
         },
-        coords={
-            "case": ("case", np.arange(len(rows)), _text("index of the case")),
-            "edge_family": ("edge_family", np.array(families, np.int8),
-                            _text("what is driven to the edge") | flags(CaseFamily)),
-            "method_outcome": ("method_outcome", np.array(AnswerVerdict, np.int8),
-                               _text("verdict on a method") | flags(AnswerVerdict)),
-            "engine_outcome": ("engine_outcome", np.array(case_judge.CaseVerdict, np.int8),
-                               _text("verdict on the engine") | flags(case_judge.CaseVerdict)),
-            "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
-        },
+        coords=_coordinates(len(rows), entries, families),
         attrs={
             "title": "Verdicts on other methods over the sweeps to the edge of the domain",
             "source": "lsvib; truth: the engine's motion where an independent computation has confirmed it",
@@ -138,13 +130,26 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     )  # fmt: skip
 
 
+def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[CaseFamily]) -> dict[str, tuple]:
+    return {
+        "case": ("case", np.arange(cases), _text("index of the case")),
+        "edge_family": ("edge_family", np.array(families, np.int8),
+                        _text("what is driven to the edge") | flags(CaseFamily)),
+        "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
+                           _text("verdict on a method") | flags(VERDICTS)),
+        "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
+                           _text("verdict on the engine") | flags(case_judge.VERDICTS)),
+        "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
+    }  # fmt: skip
+
+
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that the engine has no wrong verdict on the sample, and count those of the others."""
-    faults = (case_judge.CaseVerdict.WRONG, case_judge.CaseVerdict.INACCURATE, case_judge.CaseVerdict.UNBALANCED)
+    faults = (Verdict.WRONG, Verdict.INACCURATE, Verdict.UNBALANCED)
     found = [int(dataset.engine_count.sel(engine_outcome=int(verdict)).sum()) for verdict in faults]
     shared = dataset.shared_count
     wrong = shared.sel(method_outcome=list(map(int, WRONG))).sum("method_outcome").values
-    gave_up = shared.sel(method_outcome=int(AnswerVerdict.GAVE_UP)).values
+    gave_up = shared.sel(method_outcome=int(Verdict.GAVE_UP)).values
     words = [
         f"{label} {n} and {m}"
         for label, n, m in zip(dataset.method.attrs["labels"].split("; "), wrong, gave_up, strict=True)
@@ -176,7 +181,7 @@ def _text(words: str) -> dict[str, Any]:
 
 
 def _verdicts() -> dict[str, Any]:
-    known = flags(AnswerVerdict)
+    known = flags(VERDICTS)
     return {
         "flag_values": np.concatenate([[np.int8(NOT_ASKED)], known["flag_values"]]),
         "flag_meanings": f"not_asked {known['flag_meanings']}",
@@ -199,15 +204,13 @@ def _versions(entries: list[tuple[str, float]]) -> dict[str, str]:
 
 def _count(verdict: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
     """Number of cases by group, method and verdict."""
-    found = [
-        [[(verdict[group, m] == v).sum() for v in AnswerVerdict] for m in range(verdict.shape[1])] for group in groups
-    ]
+    found = [[[(verdict[group, m] == v).sum() for v in VERDICTS] for m in range(verdict.shape[1])] for group in groups]
     return np.array(found, dtype=np.int32)
 
 
 def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -> dict[str, tuple]:
     """Share of wrong verdicts and the ends of its interval."""
-    wrong, asked = count[..., list(WRONG)].sum(axis=-1), count.sum(axis=-1)
+    wrong, asked = count[..., [VERDICTS.index(v) for v in WRONG]].sum(axis=-1), count.sum(axis=-1)
     low, high = _interval(wrong, asked)
     return {
         f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), _text(words)),
@@ -239,7 +242,7 @@ def _reasons(rows: list[_Row], entries: list[tuple[str, float]]) -> dict[str, di
     found = {}
     for k, (name, value) in enumerate(entries):
         given = [row.answers[k] for row in rows if row.shared and row.answers[k] is not None]
-        found[f"{name}_{value:.0e}"] = dict(Counter(a.failure for a in given if a.verdict is AnswerVerdict.GAVE_UP))
+        found[f"{name}_{value:.0e}"] = dict(Counter(a.failure for a in given if a.verdict is Verdict.GAVE_UP))
     return found
 
 
@@ -248,7 +251,7 @@ def _examples(rows: list[_Row], entries: list[tuple[str, float]]) -> dict[str, d
     found = {}
     for k, (name, value) in enumerate(entries):
         for row in rows:
-            if row.answers[k] is not None and row.answers[k].verdict is AnswerVerdict.OTHER_MOTION:
+            if row.answers[k] is not None and row.answers[k].verdict is Verdict.OTHER_MOTION:
                 case = row.question.case
                 found[f"{name}_{value:.0e}"] = {"family": case.family.name.lower(), "drive": dict(case.drive),
                                                 "start": list(case.start), "duration": case.duration}  # fmt: skip

@@ -17,7 +17,7 @@ _PARTS = {  # verdict: colour, hatch, words
 }
 _WRONG = ("other events", "other motion")
 _ENGINE = {  # its verdicts as those of the others; the rest is asked of nobody
-    "passed": "right",
+    "right": "right",
     "refused": "gave up",
     "inaccurate": "inaccurate",
     "wrong": "other motion",

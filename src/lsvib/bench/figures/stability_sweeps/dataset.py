@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import (
     ENERGY_TOLERANCE,
     TOLERANCE,
+    VERDICTS,
     CaseOutcome,
-    CaseVerdict,
     Judge,
     allowed_residual,
     judge,
@@ -74,7 +75,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
             "edge_family": (
                 "edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", CaseFamily)),
-            "outcome": ("outcome", np.array(CaseVerdict, dtype=np.int8), _flag("verdict", CaseVerdict)),
+            "outcome": ("outcome", np.array(VERDICTS, dtype=np.int8), _flag("verdict", VERDICTS)),
             "force_threshold": (
                 "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
             "side": ("side", np.array([-1, 1], dtype=np.int8), {
@@ -103,29 +104,29 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that no verdict is wrong and hardly one but passed, accuracy and energy, the thresholds and long runs."""
     total = dataset.sizes["case"]
     verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
-    inaccurate = verdict == CaseVerdict.INACCURATE
-    count = {kind: int((verdict == kind).sum()) for kind in CaseVerdict}
-    asked = rigid & (dataset.judge.values == Judge.REFERENCE) & (verdict != CaseVerdict.BEYOND_INPUT)
+    inaccurate = verdict == Verdict.INACCURATE
+    count = {kind: int((verdict == kind).sum()) for kind in VERDICTS}
+    asked = rigid & (dataset.judge.values == Judge.REFERENCE) & (verdict != Verdict.BEYOND_INPUT)
     worst = float(np.nanmax(np.where(asked, dataset.state_error.values, np.nan)))
-    others = ~rigid & (verdict != CaseVerdict.BEYOND_INPUT)
+    others = ~rigid & (verdict != Verdict.BEYOND_INPUT)
     errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
     sides, closest = dataset.attractor_is_right.values, float(dataset.threshold_distance.min())
     return [
         Check.holds(
             "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
             _SOURCE,
-            f"{count[CaseVerdict.WRONG]} wrong of {total}",
-            count[CaseVerdict.WRONG] == 0,
+            f"{count[Verdict.WRONG]} wrong of {total}",
+            count[Verdict.WRONG] == 0,
         ),
         Check.holds(
             f"At most one case in {1 / _NOT_PASSED:g}, or {_FEW} if that is more, does not pass",
             _SOURCE,
-            f"{total - count[CaseVerdict.PASSED]} of {total} do not: {count[CaseVerdict.BEYOND_INPUT]} decided "
+            f"{total - count[Verdict.RIGHT]} of {total} do not: {count[Verdict.BEYOND_INPUT]} decided "
             "by digits that "
-            f"the input does not have, {count[CaseVerdict.CORNER]} differ within an instant at a corner, "
-            f"{count[CaseVerdict.REFUSED]} refused in a sentence, {count[CaseVerdict.INACCURATE]} inaccurate, "
-            f"{count[CaseVerdict.UNBALANCED]} unbalanced",
-            total - count[CaseVerdict.PASSED] <= max(_FEW, _NOT_PASSED * total),
+            f"the input does not have, {count[Verdict.CORNER]} differ within an instant at a corner, "
+            f"{count[Verdict.REFUSED]} refused in a sentence, {count[Verdict.INACCURATE]} inaccurate, "
+            f"{count[Verdict.UNBALANCED]} unbalanced",
+            total - count[Verdict.RIGHT] <= max(_FEW, _NOT_PASSED * total),
         ),
         Check.holds(
             f"Rigid drive: final states and event times to {TOLERANCE:.0e} in every case",
@@ -171,7 +172,7 @@ def _energy_check(dataset: xr.Dataset) -> Check:
         _SOURCE,
         f"{astray} of {int(drawn.sum())} do not, {int((~drawn).sum())} not drawn; where rounding makes less than "
         f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
-        astray == 0 and bool(drawn[dataset.case_verdict.values != CaseVerdict.REFUSED].mean() > _BALANCED),
+        astray == 0 and bool(drawn[dataset.case_verdict.values != Verdict.REFUSED].mean() > _BALANCED),
     )
 
 
@@ -179,7 +180,7 @@ def _search_check(dataset: xr.Dataset) -> Check:
     state, time = dataset.worst_state_error.values, dataset.worst_time_error.values
     errors = np.fmax(state, time)
     names = [CaseFamily(int(f)).name.lower() for f in dataset.edge_family.values]
-    bad = np.isin(dataset.worst_verdict.values, (CaseVerdict.WRONG, CaseVerdict.UNBALANCED))
+    bad = np.isin(dataset.worst_verdict.values, (Verdict.WRONG, Verdict.UNBALANCED))
     found = ", ".join(f"{name} {error:.0e}" for name, error in zip(names, errors, strict=True))
     return Check.holds(
         "A search for the worst case of each family finds no wrong one, and none of a rigid drive that is inaccurate",
@@ -208,7 +209,7 @@ def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
             "units": "1", "long_name": "decimal logarithm of the parameter or of its distance from the edge"}),
         "damping_level": (np.array(damping, np.float32), {
             "units": "1", "long_name": "decimal logarithm of the contact damping in N s/m"}),
-        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", CaseVerdict)),
+        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", VERDICTS)),
         "judge": (np.array([o.judge for _, o in rows], np.int8), _flag("who decided", Judge)),
         "events": (np.array([o.events for _, o in rows], np.int32), {"units": "1", "long_name": "number of events"}),
         "stepper_agrees": (np.array(agrees, np.int8), {
@@ -232,7 +233,7 @@ def _log(value: float) -> float:
 
 
 def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -> dict[str, tuple]:
-    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in CaseVerdict] for f in families])
+    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
     astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
     return {
         "case_count": (("edge_family", "outcome"), count, {"units": "1", "long_name": "number of cases"}),

@@ -16,7 +16,7 @@ _EDGES = {  # families with a distance from the edge: colour, marker, words
     "axial force": (style.ORANGE, "s", "thresholds of R"),
     "double rate": (style.PURPLE, "D", "double rate"),
 }
-_PASSED = ("passed", "corner")
+_PASSED = ("right", "corner")
 
 
 @style.styled
@@ -92,7 +92,7 @@ def _contact(figure: Figure, axes: Axes, dataset: xr.Dataset, values: np.ndarray
     here = _is(dataset.case_family, "contact")
     marks = axes.scatter(dataset.level.values[here], dataset.damping_level.values[here], c=values[here], s=7,
                          cmap="cividis", vmin=low, vmax=high, linewidths=0, rasterized=True)  # fmt: skip
-    bad = here & ~_is(dataset.case_verdict, "passed")
+    bad = here & ~_is(dataset.case_verdict, "right")
     axes.scatter(dataset.level.values[bad], dataset.damping_level.values[bad], s=22, facecolors="none",
                  edgecolors=style.VERMILION, linewidths=0.7)  # fmt: skip
     figure.colorbar(marks, ax=axes, label=words, pad=0.02)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.bench.record import RunVerdict
+from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import race_scenes
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
 from lsvib.bench.rivals.race import Budget, Entry, contest
@@ -27,6 +27,7 @@ _CONTROLS = {
 _GENERAL = (MethodFamily.GENERAL, MethodFamily.COMPILED, MethodFamily.TAYLOR)
 _RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
 _SOURCE = "docs/accuracy.md"
+_VERDICTS = (Verdict.NOT_RUN, Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
 _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
@@ -60,7 +61,7 @@ class _Table:
         self.scenes, self.names = scene_names, names
         shape = (len(scene_names), len(names), longest)
         self.numbers = {key: np.full(shape, np.nan) for key in ("state", "times", "amplitude", "fastest", "median")}
-        self.verdict = np.full(shape, int(RunVerdict.NOT_RUN), dtype=np.int8)
+        self.verdict = np.full(shape, int(Verdict.NOT_RUN), dtype=np.int8)
         self.events, self.runs = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.int32)
         self.reference_events = np.zeros(len(scene_names), dtype=np.int32)
         self.durations, self.first = np.zeros(len(scene_names)), np.full(shape[:2], np.nan)
@@ -86,7 +87,7 @@ class _Table:
     def points(self, row: int, method: str) -> list[tuple[float, float]]:
         """Pairs (state error, shortest run time) of the right runs of a method on a scene."""
         k = self.names.index(method)
-        right = self.verdict[row, k] == RunVerdict.RIGHT
+        right = self.verdict[row, k] == Verdict.RIGHT
         state, seconds = self.numbers["state"][row, k], self.numbers["fastest"][row, k]
         return list(zip(state[right], seconds[right], strict=True))
 
@@ -108,79 +109,13 @@ class _Table:
         self, controls: Mapping[str, list[float]], levels: np.ndarray, floors: Mapping[str, float]
     ) -> xr.Dataset:
         """Put everything into a dataset."""
-        cube = ("scene", "method", "setting")
         settings = {key: np.full(self.verdict.shape[1:], np.nan) for key in _CONTROLS}
         for k, name in enumerate(self.names):
             if METHODS[name].control in _CONTROLS:
                 settings[METHODS[name].control][k, : len(controls[name])] = controls[name]
-        titles = [race_scenes.scene(name).title for name in self.scenes]
-        labels = [find_method(name).label for name in self.names]
         return xr.Dataset(
-            {
-                "state_error": (
-                    cube,
-                    self.numbers["state"],
-                    _text("1", "error of the final state, relative to the size of the motion"),
-                ),
-                "event_time_error": (cube, self.numbers["times"], _text("s", "largest error of an event's time")),
-                "amplitude_error": (
-                    cube,
-                    self.numbers["amplitude"],
-                    _text("1", "error of the steady amplitude in sizes of the motion"),
-                ),
-                "run_time": (cube, self.numbers["fastest"], _text("s", "run time, shortest of the runs")),
-                "run_time_median": (cube, self.numbers["median"], _text("s", "run time, median of the runs")),
-                "runs": (cube, self.runs, _text("1", "number of runs")),
-                "first_run_time": (
-                    cube[:2],
-                    self.first,
-                    _text("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
-                ),
-                "motion_verdict": (
-                    cube,
-                    self.verdict,
-                    _text("1", "whether the motion is the true one") | flags(RunVerdict),
-                ),
-                "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
-                "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
-                "duration": ("scene", self.durations, _text("s", "duration of the motion")),
-                "method_family": (
-                    "method",
-                    np.array([METHODS[name].family for name in self.names], dtype=np.int8),
-                    _text("1", "family of the method") | flags(MethodFamily),
-                ),
-                "ratio": (
-                    ("scene", "rival", "error_level"),
-                    self.ratios(levels),
-                    _text("1", "run time of the best rival of a family over that of the engine, at an equal error"),
-                ),
-                **{key: (("method", "setting"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
-            },
-            coords={
-                "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
-                "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
-                "setting": (
-                    "setting",
-                    np.arange(self.verdict.shape[2]),
-                    _text("1", "index of the method's setting, coarse to fine"),
-                ),
-                "rival": (
-                    "rival",
-                    np.array(_RIVALS, dtype=np.int8),
-                    _text("1", "family of the rival") | flags(MethodFamily),
-                ),
-                "error_level": ("error_level", levels, _text("1", "error of the final state that is asked for")),
-                "ratio_floor": (
-                    (),
-                    floors["ratio_floor"],
-                    _text("1", "ratio that the checks ask for, of scipy and CVODE"),
-                ),
-                "compiled_floor": (
-                    (),
-                    floors["compiled_floor"],
-                    _text("1", "ratio that the checks ask for, of diffrax and heyoka"),
-                ),
-            },
+            self._variables(settings, levels),
+            coords=self._coordinates(levels, floors),
             attrs={
                 "title": "Error against run time of the engine and of other methods",
                 "source": "lsvib; references with mpmath at 40 digits",
@@ -193,6 +128,80 @@ class _Table:
                 "rival_versions": json.dumps(_versions()),
             },
         )
+
+    def _variables(self, settings: Mapping[str, np.ndarray], levels: np.ndarray) -> dict[str, tuple]:
+        """Return the variables over scenes, methods and settings, and the ratios."""
+        cube = ("scene", "method", "setting")
+        return {
+            "state_error": (
+                cube,
+                self.numbers["state"],
+                _text("1", "error of the final state, relative to the size of the motion"),
+            ),
+            "event_time_error": (cube, self.numbers["times"], _text("s", "largest error of an event's time")),
+            "amplitude_error": (
+                cube,
+                self.numbers["amplitude"],
+                _text("1", "error of the steady amplitude in sizes of the motion"),
+            ),
+            "run_time": (cube, self.numbers["fastest"], _text("s", "run time, shortest of the runs")),
+            "run_time_median": (cube, self.numbers["median"], _text("s", "run time, median of the runs")),
+            "runs": (cube, self.runs, _text("1", "number of runs")),
+            "first_run_time": (
+                cube[:2],
+                self.first,
+                _text("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
+            ),
+            "motion_verdict": (
+                cube,
+                self.verdict,
+                _text("1", "whether the motion is the true one") | flags(_VERDICTS),
+            ),
+            "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
+            "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
+            "duration": ("scene", self.durations, _text("s", "duration of the motion")),
+            "method_family": (
+                "method",
+                np.array([METHODS[name].family for name in self.names], dtype=np.int8),
+                _text("1", "family of the method") | flags(MethodFamily),
+            ),
+            "ratio": (
+                ("scene", "rival", "error_level"),
+                self.ratios(levels),
+                _text("1", "run time of the best rival of a family over that of the engine, at an equal error"),
+            ),
+            **{key: (("method", "setting"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
+        }
+
+    def _coordinates(self, levels: np.ndarray, floors: Mapping[str, float]) -> dict[str, tuple]:
+        """Return the coordinates, and what the checks ask for."""
+        titles = [race_scenes.scene(name).title for name in self.scenes]
+        labels = [find_method(name).label for name in self.names]
+        return {
+            "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
+            "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
+            "setting": (
+                "setting",
+                np.arange(self.verdict.shape[2]),
+                _text("1", "index of the method's setting, coarse to fine"),
+            ),
+            "rival": (
+                "rival",
+                np.array(_RIVALS, dtype=np.int8),
+                _text("1", "family of the rival") | flags(MethodFamily),
+            ),
+            "error_level": ("error_level", levels, _text("1", "error of the final state that is asked for")),
+            "ratio_floor": (
+                (),
+                floors["ratio_floor"],
+                _text("1", "ratio that the checks ask for, of scipy and CVODE"),
+            ),
+            "compiled_floor": (
+                (),
+                floors["compiled_floor"],
+                _text("1", "ratio that the checks ask for, of diffrax and heyoka"),
+            ),
+        }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -211,10 +220,10 @@ def _engine_checks(dataset: xr.Dataset) -> list[Check]:
     worst = int(np.argmax(engine.state_error.values))
     scene = dataset.scene.attrs["flag_meanings"].split()[worst]
     largest = float(engine.state_error[worst])
-    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(RunVerdict.RIGHT)))
+    wrong = int(np.count_nonzero(engine.motion_verdict.values != int(Verdict.RIGHT)))
     others = dataset.isel(method=np.isin(dataset.method_family.values, _GENERAL))
-    ran = others.motion_verdict.values != int(RunVerdict.NOT_RUN)
-    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(RunVerdict.RIGHT)))
+    ran = others.motion_verdict.values != int(Verdict.NOT_RUN)
+    missed = int(np.count_nonzero(others.motion_verdict.values[ran] != int(Verdict.RIGHT)))
     return [
         Check.holds(
             "The engine shows the true motion on every scene",
@@ -246,7 +255,7 @@ def _ratio_checks(dataset: xr.Dataset, family: MethodFamily, solver: str, floor:
         rivals, engine = (
             scene.isel(method=dataset.method_family.values == kind) for kind in (family, MethodFamily.EXACT)
         )
-        runs = int((rivals.motion_verdict != RunVerdict.NOT_RUN).sum())
+        runs = int((rivals.motion_verdict != Verdict.NOT_RUN).sum())
         if not runs:
             continue
         reached, ours = levels >= _least_error(rivals), bool((levels >= _least_error(engine)).all())
@@ -266,7 +275,7 @@ def _ratio_checks(dataset: xr.Dataset, family: MethodFamily, solver: str, floor:
 
 def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
-    right = methods.motion_verdict.values == RunVerdict.RIGHT
+    right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
 
 

@@ -27,7 +27,7 @@ _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset
     "rk4_refined": (style.ORANGE, ">", "-"),
 }
 _LEAST = 1e-16  # errors below are drawn there
-_COLUMNS = 4
+_COLUMNS = 4  # of panels, as many as can be read on a page
 
 
 @style.styled

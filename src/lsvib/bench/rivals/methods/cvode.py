@@ -5,9 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from sksundae.cvode import CVODE
 
-from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
+from lsvib.bench.rivals.hybrid import MOST_STEPS, Clock, GaveUp, Hybrid, HybridMode
 
-_STEPS = 20_000  # at most, from one event to the next
 _FINEST = 1e-14  # relative tolerance; CVODE wants no less
 _ROOT = 2  # CVODE's return value at an event
 
@@ -25,7 +24,7 @@ def prepare(
         "method": solver,
         "rtol": max(setting, _FINEST),
         "atol": setting * scene.scales,
-        "max_num_steps": _STEPS,
+        "max_num_steps": MOST_STEPS,
         "max_step": scene.step_cap if capped else 0.0,
     }
     functions = [_functions(mode, clock, solver == "BDF") for mode in hybrid.modes]

@@ -17,7 +17,7 @@ import numpy as np
 import optimistix
 from jax import lax
 
-from lsvib.bench.rivals.hybrid import Clock, Hybrid, Record
+from lsvib.bench.rivals.hybrid import MOST_STEPS, RETRIES, ROUNDING, Clock, Hybrid, Recorder
 from lsvib.bench.rivals.padded_tables import ALWAYS, NEVER, EvenTables, even_tables
 from lsvib.engine.kernels.status import Test
 
@@ -28,9 +28,6 @@ jax.config.update("jax_cpu_enable_async_dispatch", False)
 os.environ.setdefault("NPROC", "1")
 
 _CHUNK = 1024  # events, after which the compiled loop returns, so that the clock is looked at
-_STEPS = 20_000  # at most, from one event to the next
-_RETRIES = 8
-_ROUNDING = 1e-12  # of the terms of a sum: less is zero
 _ROOT = 1e-15, 1e-17  # relative and absolute [s] tolerance of the time of an event
 _FAINT = 1e-18  # factor of the guards: bisection asks for small values too, where only the sign matters
 _SMALLEST = 1e-300  # keeps zero by zero out
@@ -46,7 +43,7 @@ class _Status(IntEnum):
 
 _FAILURES = {
     _Status.LOST: "no branch fits",
-    _Status.FAILED: f"the solver failed or took over {_STEPS} steps",
+    _Status.FAILED: f"the solver failed or took over {MOST_STEPS} steps",
     _Status.STUCK: "no step away from a guard",
 }
 
@@ -114,7 +111,7 @@ class _Marched:
     def run(self):
         """Return what is compared: events, final state, steady amplitude."""
         first, *chunks = (jax.tree_util.tree_map(np.asarray, chunk) for chunk in self.chunks)
-        record = Record(self.hybrid, int(first.mode), first.state)
+        record = Recorder(self.hybrid, int(first.mode), first.state)
         for chunk in chunks:
             own = slice(int(chunk.count))
             columns = chunk.times[own], chunk.kinds[own], chunk.modes[own], chunk.starts[own]
@@ -149,8 +146,8 @@ def _due(t: EvenTables, mode, state):
     rate = _rate(matrix, constant, state)
     rate_size = jnp.sum(jnp.abs(matrix * state), axis=-1) + jnp.abs(constant)
     slope, slope_size = jnp.sum(rows[:, :-1] * rate, axis=-1), jnp.sum(jnp.abs(rows[:, :-1]) * rate_size, axis=-1)
-    size = _ROUNDING * terms
-    due = (value < -size) | ((value <= size) & (slope < -_ROUNDING * slope_size))
+    size = ROUNDING * terms
+    due = (value < -size) | ((value <= size) & (slope < -ROUNDING * slope_size))
     return jnp.any(due), jnp.argmax(due)
 
 
@@ -161,7 +158,7 @@ def _fire(t: EvenTables, mode, guard, state, arrived):
     state = jnp.where(arrived, there, state)
     state = _affine(t.resets[transition], state)[0]
     value, terms = _affine(t.rows[transition], state)
-    size, test = _ROUNDING * terms, t.tests[transition]
+    size, test = ROUNDING * terms, t.tests[transition]
     fits = jnp.where(test == int(Test.POSITIVE), value > size, value >= -size)
     fits = jnp.where(test == int(Test.ZERO), jnp.abs(value) <= size, fits)
     fits = jnp.all(jnp.where(test == ALWAYS, True, jnp.where(test == NEVER, False, fits)), axis=-1)
@@ -193,7 +190,7 @@ def _arc(solver, t: EvenTables, limits: _Limits, march: _March):
         diffrax.ODETerm(_field), solver, 0.0, limits.end - march.now, None, march.state, mode,
         stepsize_controller=diffrax.PIDController(limits.rtol, limits.atol, dtmax=cap),
         event=diffrax.Event(_least_guard, optimistix.Bisection(*_ROOT, flip=True), direction=False),
-        adjoint=diffrax.ForwardMode(), max_steps=_STEPS, throw=False,
+        adjoint=diffrax.ForwardMode(), max_steps=MOST_STEPS, throw=False,
     )  # fmt: skip
     met = found.result == diffrax.RESULTS.event_occurred
     state = found.ys[-1]
@@ -213,7 +210,7 @@ def _event(solver, t: EvenTables, limits: _Limits, march: _March) -> _March:
     mode, after, kind, fits = _fire(t, march.mode, guard, state, ~due)
     done = ok & ~met
     status = jnp.where(done, _Status.DONE, jnp.where(fits, _Status.RUNNING, _Status.LOST))
-    status = jnp.where(again, jnp.where(march.tries + 1 == _RETRIES, _Status.STUCK, _Status.RUNNING), status)
+    status = jnp.where(again, jnp.where(march.tries + 1 == RETRIES, _Status.STUCK, _Status.RUNNING), status)
     status = jnp.where(ok, status, _Status.FAILED)
     fired = ok & met & ~again & fits
     now, slot = march.now + away, march.count
@@ -243,7 +240,7 @@ def _compiled(solver: str) -> Callable:
 
         def goes_on(march: _March):
             """Tell whether the chunk has room and the motion has not ended."""
-            return (march.status == _Status.RUNNING) & (march.count < most) & (march.steps < _STEPS)
+            return (march.status == _Status.RUNNING) & (march.count < most) & (march.steps < MOST_STEPS)
 
         start = last._replace(count=jnp.zeros_like(last.count), steps=jnp.zeros_like(last.steps))
         return lax.while_loop(goes_on, lambda march: _event(method, tables, limits, march), start)

@@ -10,15 +10,15 @@ from collections.abc import Callable
 import numpy as np
 
 from lsvib.bench.jit import allocating_kernel, kernel
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import Clock, Hybrid, fields
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
 from lsvib.engine.motion import enter
 from lsvib.errors import InputError
 
 _DONE, _FULL, _LOST = 0, 1, 2
-_REFINEMENTS = 3
-_MOST_STEPS = 3e8
+_REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
+_MOST_STEPS = 3e8  # of a run, a minute or so
 
 
 class _Stepped:
@@ -26,10 +26,10 @@ class _Stepped:
         self.hybrid, self.status = hybrid, status
         self.state, self.times, self.kinds, self.extremes = state, times, kinds, extremes
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return what is compared: events, final state, steady amplitude."""
-        return Run(
-            end_state=self.state,
+        return Record(
+            end=self.state,
             times=self.times,
             kinds=[self.hybrid.names[int(kind)] for kind in self.kinds],
             extremes=(float(self.extremes[0]), float(self.extremes[1])),

@@ -5,10 +5,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, Integrate
+from lsvib.bench.rivals.hybrid import RETRIES, Clock, GaveUp, Hybrid, Integrate
 
 _IMPLICIT = ("Radau", "BDF", "LSODA")
-_RETRIES = 8
 
 
 def prepare(
@@ -42,7 +41,7 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
         if solver == "LSODA":
             matrix = hybrid.modes[mode].matrix
             jacobian = {"jac": lambda t, x: matrix}
-        for _ in range(_RETRIES):
+        for _ in range(RETRIES):
             found = solve_ivp(field, (now, end), state, events=events, **limits, **jacobian)
             if not found.success:
                 raise GaveUp(found.message)

@@ -13,7 +13,7 @@ import numpy as np
 from sksundae.cvode import CVODE
 
 from lsvib.bench.jit import kernel
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import Clock, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.drives.coefficients import coefficients
@@ -21,7 +21,7 @@ from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
-_STEPS = 2_000_000
+_STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
 _STANDS = 5.0  # a screw slower than so many ε stands
 
 
@@ -29,15 +29,15 @@ class _Sampled:
     def __init__(self, scene: RaceScene, width: float, found) -> None:
         self.scene, self.width, self.found = scene, width, found
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return what is compared; a smoothed motion has no events."""
         times, states = np.asarray(self.found.t), np.asarray(self.found.y)
         if not self.found.success:
-            return Run(end_state=states[-1], failure=str(self.found.message))
+            return Record(end=states[-1], failure=str(self.found.message))
         first = max(int(np.searchsorted(times, self.scene.window)) - 1, 0)  # the step in which the window begins
         standing = np.abs(states[:, 1] + self.scene.drive.input_speed) < _STANDS * self.width
-        return Run(
-            end_state=states[-1],
+        return Record(
+            end=states[-1],
             stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
             extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], self.scene.window),
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lsvib.bench.record import Run
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, arc_extremes, counted
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
@@ -15,14 +15,14 @@ class _Followed:
     def __init__(self, hybrid: Hybrid, motion: Motion) -> None:
         self.hybrid, self.motion = hybrid, motion
 
-    def run(self) -> Run:
+    def run(self) -> Record:
         """Return what is compared: events, final state, steady amplitude."""
         motion, scene = self.motion, self.hybrid.scene
         ours = counted(motion.kind)
         modes, starts, _, _ = motion.arcs()
         times = [0.0, *motion.time]
-        return Run(
-            end_state=motion.end_state,
+        return Record(
+            end=motion.end_state,
             times=motion.time[ours],
             kinds=[self.hybrid.names[int(kind)] for kind in motion.kind[ours]],
             extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, scene.window),

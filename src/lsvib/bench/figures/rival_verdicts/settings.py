@@ -1,0 +1,20 @@
+"""The settings of `rival_verdicts`."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from lsvib.figures.common.settings import FigureSettings, Seed, SweepFamily, Tolerances
+
+
+class Settings(FigureSettings):
+    """Other methods at the edge of the domain."""
+
+    seed: Seed
+    counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
+        min_length=1, description="Number of cases of each family that every method is asked."
+    )
+    more: dict[SweepFamily, Annotated[int, Field(ge=0, le=1_000_000)]] = Field(
+        description="Number of further cases that only the fixed-step methods are asked, of families in counts."
+    )
+    methods: dict[str, Tolerances] = Field(description="Relative tolerances of each method; none leaves it out.")

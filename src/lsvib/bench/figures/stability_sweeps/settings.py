@@ -1,0 +1,22 @@
+"""The settings of `stability_sweeps`."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from lsvib.figures.common.settings import FigureSettings, Seed, SweepFamily, Unique
+
+
+class Settings(FigureSettings):
+    """The engine at the edge of the domain."""
+
+    seed: Seed
+    counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(
+        min_length=1, description="Number of cases of each family."
+    )
+    thorough: int = Field(ge=1, description="Cases of each family that the reference judges in any case.")
+    evaluations: int = Field(ge=0, description="Steps of the search for the worst case in each family.")
+    distances: Annotated[list[Annotated[float, Field(gt=0, le=0.5)]], *Unique] = Field(
+        min_length=1, description="Relative distances from the thresholds at which the attractor is found [1]."
+    )
+    periods: int = Field(ge=1, le=100_000_000, description="Periods of the long runs.")

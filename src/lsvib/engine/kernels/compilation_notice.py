@@ -1,0 +1,46 @@
+"""Say what is being compiled, once, before it is: the first use of the engine takes much longer than all later ones.
+
+What numba finds in its cache starts no compilation, so nothing is said then. The sentences go to the log of the
+package, which the ``lsvib`` command shows and other programs may.
+"""
+
+import logging
+
+from numba.core import event
+
+# What is compiled, by a word in the types of its arguments, with the processor time that was measured (7, 20 and 6 s).
+# Kernels without any of these words are small and are compiled for one of the others.
+_PARTS = (
+    ("BlockFlow", "the engine for models whose field is taken in blocks, once, half a minute or so"),
+    ("ModalFlow", "the engine for models with three or four states, once, about 20 s"),
+    ("Tables", "the engine for two-state models, once, about 10 s"),
+)
+_MAPPER = "the mapper of two-state models, once, about 6 s"
+_ROOMS = ("lsvib.engine.kernels.", "lsvib.basins.kernels.")
+
+
+def sentence(module: str, types: str) -> str | None:
+    """Return the sentence for a kernel of ``module`` and the names of its arguments' types; None if it has none."""
+    if not module.startswith(_ROOMS):
+        return None
+    if module.startswith("lsvib.basins.") and "ModalFlow" not in types and "BlockFlow" not in types:
+        return f"compiling {_MAPPER}"
+    return next((f"compiling {words}" for word, words in _PARTS if word in types), None)
+
+
+class Notice(event.Listener):
+    """Log one sentence for each part of the engine when numba starts to compile the first kernel of it."""
+
+    def __init__(self) -> None:
+        self.said: set[str] = set()
+
+    def on_start(self, event: event.Event) -> None:
+        """Say what is compiled, unless it has been said."""
+        kernel, types = event.data["dispatcher"].py_func, event.data["args"]
+        words = sentence(kernel.__module__, " ".join(map(str, types)))
+        if words is not None and words not in self.said:
+            self.said.add(words)
+            logging.getLogger("lsvib").info(words)
+
+    def on_end(self, event: event.Event) -> None:
+        """Say nothing."""

@@ -1,0 +1,33 @@
+"""A whole figure: dataset, checks and picture, the same from Python, from the command and in the workflow.
+
+The workflow calls the two halves in jobs of their own, or this whole for a quick look.
+"""
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from lsvib.data.checks import Check
+from lsvib.figures.compute import compute_figure
+from lsvib.figures.draw import FULL, draw_figure
+
+
+def build_figure(
+    figure: str,
+    given: Mapping[str, Any],
+    dataset_file: str | os.PathLike[str],
+    checks_file: str | os.PathLike[str],
+    png: str | os.PathLike[str],
+    pdf: str | os.PathLike[str] | None = None,
+    *,
+    resolution: float = FULL,
+) -> list[Check]:
+    """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
+
+    ``figure``: its name, such as ``fig8_06``. ``given``: settings as in its section of ``config/config.yaml``; those
+    that it does not name have their defaults. ``pdf`` None for no PDF; ``resolution`` of the PNG [dots per inch].
+    Raises ``InputError`` about the name and the settings and ``LsvibError`` about files, in one sentence.
+    """
+    checks = compute_figure(figure, given, dataset_file, checks_file)
+    draw_figure(figure, dataset_file, png, pdf, resolution=resolution)
+    return checks

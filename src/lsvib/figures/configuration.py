@@ -1,0 +1,221 @@
+"""The configuration of the workflow: its types, its JSON schema, and one sentence about what is wrong with one.
+
+The values are those of ``config/config.yaml``, to which the file beside this module is a link (an installed package
+holds a copy); the type of each section is the class ``Settings`` in the folder of its figure. The JSON schema, for
+editors and people, follows from the types:
+
+    python -m lsvib.figures.configuration > workflow/schemas/config.schema.yaml
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, create_model
+
+from lsvib.errors import InputError
+from lsvib.figures.common.settings import FigureSettings, Section, Unique
+from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
+from lsvib.numbers import shown
+
+DEFAULT = Path(__file__).with_name("config.yaml")
+SCHEMA_HEADER = "# Written by python -m lsvib.figures.configuration from the types of the settings; do not edit.\n"
+_BOUNDS = {  # keyword of the schema: how it stands in a range, before or after the name
+    "minimum": ("{:.10g} <= ", ""),
+    "exclusiveMinimum": ("{:.10g} < ", ""),
+    "maximum": ("", " <= {:.10g}"),
+    "exclusiveMaximum": ("", " < {:.10g}"),
+}
+_OUTSIDE = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+_LENGTH = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
+_NO_TYPE = {  # complaint of pydantic: what the value should be
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "string_type": "text",
+    "bool_type": "true or false",
+    "model_type": "a set of names and values",
+    "dict_type": "a set of names and values",
+}
+_ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; no part of its place
+_DEFAULT_FIGURES, _ACCURACY_FIGURES = default_figures(), accuracy_figures()
+
+
+class Selection(Section):
+    """What is built, and how; each figure has a section of its own beside it."""
+
+    figures: Annotated[list[Literal[*_DEFAULT_FIGURES]], *Unique] = Field(
+        default=list(_DEFAULT_FIGURES), min_length=1, description="Figures to build; all if it is left out."
+    )
+    accuracy_figures: Annotated[list[Literal[*_ACCURACY_FIGURES]], *Unique] = Field(
+        default=list(_ACCURACY_FIGURES), min_length=1, description="Figures of the target `accuracy`, as `figures`."
+    )
+    draft: bool = Field(
+        default=False,
+        description="Whether the figures are a quick look, computed and drawn several in one process, without PDF.",
+    )
+
+
+class Assessments(Selection):
+    """The drives that the target `assessments` assesses."""
+
+    assessments: Annotated[list[Annotated[str, Field(min_length=6)]], *Unique] = Field(
+        min_length=1, description="Data sheets of the target `assessments`, YAML files."
+    )
+    assessment_samples: int = Field(
+        ge=64, le=2**30, description="Drives drawn from the uncertainties of each sheet, a power of two."
+    )
+    assessment_shares: int = Field(ge=1, le=4096, description="Jobs among which the samples of a drive are divided.")
+
+
+def check(configuration: Mapping[str, Any]) -> None:
+    """Check a complete configuration, that of a run of the workflow; raises ``InputError`` in one sentence."""
+    _checked(_configuration(), configuration)
+    for name in (*selected(configuration), *selected(configuration, "accuracy_figures")):
+        complete_settings(name, configuration.get(name, {}))
+
+
+def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
+    """Return the section of one figure, empty if there is none; raises ``InputError`` about anything but sections."""
+    known = (*_configuration_keys(), *default_figures(), *accuracy_figures())
+    for key in configuration:
+        if key not in known:
+            raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(known)}.")
+    _checked(Selection, {key: value for key, value in configuration.items() if key in Selection.model_fields})
+    found = configuration.get(figure, {})
+    _checked(settings_of(figure), found, (figure,))
+    return found
+
+
+def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
+    """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
+    return tuple(configuration.get(key, Selection.model_fields[key].default))
+
+
+def complete_settings(figure: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of a figure: those given, as they are, and its defaults; ``InputError`` in one sentence."""
+    settings = _checked(settings_of(figure), given, (figure,))
+    absent = set(type(settings).model_fields) - set(given)
+    return {**given, **settings.model_dump(mode="json", include=absent, exclude_none=True)}
+
+
+def settings_of(figure: str) -> type[FigureSettings]:
+    """Return the type of the settings of a figure; raises ``InputError`` if there is no such figure."""
+    found: type[FigureSettings] = import_module(settings_module(figure)).Settings
+    return found
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON schema of the configuration, as it follows from the types."""
+    found = _tidy(_configuration().model_json_schema())
+    # The sections stand in their places; what several of them share is stated once.
+    own = {name: found["$defs"].pop(name) for name in list(found["$defs"]) if name.endswith("Settings")}
+    for key, rule in found["properties"].items():
+        name = rule.get("$ref", "").rpartition("/")[2]
+        if name in own:
+            found["properties"][key] = own[name]
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
+
+
+@cache
+def _configuration() -> type[Section]:
+    names = (*default_figures(), *accuracy_figures())
+    # A section that is missing is no fault unless its figure is to be built.
+    sections: dict[str, Any] = {name: (settings_of(name), None) for name in names}
+    return create_model(
+        "Configuration",
+        __base__=Assessments,
+        __doc__="Configuration of the workflow; SI units throughout.",
+        attraction=(settings_of("attraction"), ...),
+        **sections,
+    )
+
+
+def _configuration_keys() -> tuple[str, ...]:
+    return (*Assessments.model_fields, "attraction")
+
+
+def _checked(model: type[Section], values: Any, place: Sequence[str] = ()) -> Any:
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise InputError(_sentence(model, error, place)) from None
+
+
+def _sentence(model: type[Section], error: ValidationError, place: Sequence[str]) -> str:
+    """One sentence about the first complaint of pydantic; of a misspelt key the misspelling is the news."""
+    first = min(error.errors(), key=lambda found: found["type"] == "missing")
+    sort, context = first["type"], first.get("ctx", {})
+    parts = [str(part) for part in first["loc"] if part not in _ALTERNATIVES]
+    rule = _rule(model.model_json_schema(), parts)
+    if (parts and parts[-1] == "[key]") or sort in ("extra_forbidden", "invalid_key"):
+        around = _rule(model.model_json_schema(), parts[: -2 if parts[-1] == "[key]" else -1])
+        known = around.get("properties", around.get("propertyNames", {}).get("enum", ()))
+        path = ".".join([*place, *(part for part in parts if part != "[key]")])
+        return f"{path} is not a known key; the known keys are {', '.join(known)}."
+    path, value = ".".join([*place, *parts]), shown(first["input"])
+    if sort == "missing":
+        return f"{path} is missing."
+    if sort == "finite_number":
+        return f"{path} = {value} is not a finite number."
+    if sort in _OUTSIDE:
+        bounds = [(low, high, rule[key]) for key, (low, high) in _BOUNDS.items() if key in rule]
+        low = "".join(low.format(bound) for low, _, bound in bounds if low)
+        high = "".join(high.format(bound) for _, high, bound in bounds if high)
+        return f"{path} = {value} is outside the allowed range {low}{parts[-1]}{high}."
+    if sort in _LENGTH:
+        side, bound = _LENGTH[sort]
+        return f"{path} has {len(first['input'])} entries; it needs {side} {context[bound]}."
+    if sort == "literal_error":
+        return f"{path} = {value} is not one of {', '.join(map(str, rule.get('enum', [rule.get('const')])))}."
+    if sort in _NO_TYPE:
+        hint = "; write it with a point, such as 1.0e-3" if isinstance(first["input"], str) else ""
+        return f"{path} = {value} is not {_NO_TYPE[sort]}{hint}."
+    if sort == "of_the_whole":
+        return f"{path} {first['msg']}."
+    if sort == "of_the_value":
+        return f"{path} = {value} {first['msg']}."
+    return f"{path} = {value} is not acceptable: {first['msg']}."
+
+
+def _rule(whole: Mapping[str, Any], parts: Sequence[str]) -> Mapping[str, Any]:
+    """Return the part of a JSON schema that holds at a place; empty if there is none."""
+    rule: Mapping[str, Any] = whole
+    for part in (*parts, None):
+        if "oneOf" in rule:  # a number or an axis: only of an axis there is a place inside
+            rule = next(option for option in rule["oneOf"] if ("$ref" in option) == (part is not None))
+        if "$ref" in rule:
+            rule = whole["$defs"][rule["$ref"].rpartition("/")[2]]
+        if part is None:
+            return rule
+        if part in rule.get("properties", {}):
+            rule = rule["properties"][part]
+        elif part.isdigit() and len(rule.get("prefixItems", ())) > int(part):
+            rule = rule["prefixItems"][int(part)]
+        else:
+            inside = {**rule.get("patternProperties", {}), "": rule.get("additionalProperties", {})}
+            other = rule.get("items", {}) if part.isdigit() else next(iter(inside.values()))
+            rule = other if isinstance(other, Mapping) else {}
+    return rule
+
+
+def _tidy(part: Any) -> Any:
+    """Leave out what pydantic adds to a schema and nobody reads: titles, and defaults that are all or nothing."""
+    if isinstance(part, list):
+        return [_tidy(inner) for inner in part]
+    if not isinstance(part, dict):
+        return part
+    kept = {key: value for key, value in part.items() if not (key == "title" and isinstance(value, str))}
+    if kept.get("default", 0) is None or isinstance(kept.get("default"), list):
+        del kept["default"]
+    return {key: _tidy(value) for key, value in kept.items()}
+
+
+if __name__ == "__main__":
+    import yaml
+
+    print(SCHEMA_HEADER + yaml.safe_dump(schema(), sort_keys=False, allow_unicode=True, width=120), end="")

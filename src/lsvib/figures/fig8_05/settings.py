@@ -1,0 +1,12 @@
+"""The settings of Figure 8.5."""
+
+from lsvib.figures.common.settings import DriveChanges, Duration, FigureSettings, Samples, Starts
+
+
+class Settings(FigureSettings):
+    """Phase plane under negative damping, contact force against the motion."""
+
+    drive: DriveChanges
+    starts: Starts
+    duration: Duration
+    samples: Samples
