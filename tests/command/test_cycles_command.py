@@ -2,7 +2,10 @@
 
 import json
 
+import pytest
 from test_cli import refused, run  # noqa: F401
+
+pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
 def test_commands(run):  # noqa: F811
