@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,13 @@ def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
 _MOST_POINTS = 100_000
 
 
+class Attracts(IntEnum):
+    """Whether all multipliers of a cycle lie inside the unit circle by more than their error."""
+
+    NO = 0
+    YES = 1
+
+
 def followed(
     drive: RigidParameters, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
 ) -> CycleBranch:
@@ -121,7 +129,7 @@ def followed(
 
 
 def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
-    """Return a branch of cycles as a dataset along ``point``, with its changes along ``change``."""
+    """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
     about = described(type(drive), branch.parameter)
     cycles = [point.cycle for point in branch.points]
     count = max(cycle.multipliers.size for cycle in cycles)
@@ -135,25 +143,17 @@ def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
         ),
         "attracting": (
             np.array([cycle.attracting for cycle in cycles], dtype=np.int8),
-            attributes("1", "whether the cycle attracts: 1, or 0"),
+            attributes("1", "whether the cycle attracts", **flags(Attracts)),
         ),
         "period": ([cycle.period for cycle in cycles], attributes("s", "period of the cycle", "$T$")),
         "amplitude": ([cycle.amplitude for cycle in cycles], attributes("rad", "amplitude, half its peak-to-peak")),
         "multiplier_error": ([c.multiplier_error for c in cycles], attributes("1", "bound of the multipliers' errors")),
         "period_residual": ([cycle.residual for cycle in cycles], attributes("1", "change of the state over a period")),
-        "itinerary": ([_words(cycle) for cycle in cycles], attributes("1", "events of a period")),
     }
     data: dict[str, Any] = {name: ("point", np.array(values), attrs) for name, (values, attrs) in columns.items()}
     for part, name in (("real", "multiplier_real_part"), ("imag", "multiplier_imaginary_part")):
         long_name = f"{'real' if part == 'real' else 'imaginary'} part of the Floquet multipliers"
         data[name] = (("point", "multiplier_number"), getattr(multipliers, part), attributes("1", long_name))
-    data["change_kind"] = ("change", np.array([c.kind for c in branch.changes]), attributes("1", "kind of change"))
-    data["change_what"] = ("change", np.array([c.what for c in branch.changes]), attributes("1", "what changes"))
-    data["change_value"] = (
-        "change",
-        np.array([c.value for c in branch.changes]),
-        attributes(about["unit"], f"{about['long_name']} at the change"),
-    )
     return xr.Dataset(
         data,
         attrs={
@@ -161,6 +161,7 @@ def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
             "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
             "references": "doi:10.1007/978-1-4419-1752-2_8",
             "model": drive.model,
+            "changes": json.dumps(branch_json(branch)["changes"]),
             "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
         },
     )
@@ -184,7 +185,3 @@ def branch_json(branch: CycleBranch) -> dict[str, Any]:
         ],
         "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
     }
-
-
-def _words(cycle: Cycle) -> str:
-    return ", ".join(f"{kind} into {mode}" for kind, mode in cycle.itinerary)
