@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from lsvib.basins.exact_basin import Basin
     from lsvib.basins.grid import Grid
     from lsvib.cycles.attractors import Attractor, SteadyState
+    from lsvib.cycles.continuation import CycleBranch
+    from lsvib.cycles.periodic import Cycle
+    from lsvib.data.cycles import Cycles
     from lsvib.drives.scene import Scene
     from lsvib.engine.automaton import Automaton
 
@@ -143,6 +146,50 @@ class _Drive(RigidParameters):
         state = scene.kind.initial_state(self, scene.initial)
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
+
+    def cycles(self, *, resume: str = "contact_sign", physics: Sequence[str] | None = None) -> "Cycles":
+        """Return the cycles of the drive, attracting ones first; of the rigid drive repelling ones as well.
+
+        Arguments as of :meth:`automaton`. Each of ``cycles`` has period, itinerary, extremes, means, work, impulses and
+        Floquet multipliers with a bound of their error (see docs/cycles.md); ``proved`` says what else is certain.
+        Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
+        >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
+        [(True, '0.745892'), (False, '1.557142')]
+        """
+        from lsvib.data.cycles import find_cycles
+
+        return find_cycles(self, self.automaton(resume=resume, physics=physics))
+
+    def follow(
+        self,
+        cycle: "Cycle",
+        parameter: str,
+        span: tuple[float, float],
+        *,
+        resume: str = "contact_sign",
+        physics: Sequence[str] | None = None,
+        points: int = 1000,
+    ) -> "CycleBranch":
+        """Follow a cycle of this drive over a parameter, both ways, through folds, as far as it goes within a span.
+
+        Arguments: one of :meth:`cycles`; name of the parameter; its smallest and largest value [SI unit], with this
+        drive's own between them; ``resume`` and ``physics`` as of :meth:`automaton`; most ``points`` each way. Raises
+        ``InputError`` for a parameter or span that is not acceptable.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+        >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
+        >>> [f"{force:.10f} N" for force in branch.folds]
+        ['-18.3754629689 N']
+        """
+        from lsvib.data.cycles import followed
+
+        return followed(
+            self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
+        )
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.

@@ -131,6 +131,11 @@ class ReturnSection:
         """Number d of directions along the section."""
         return len(self._axes)
 
+    @property
+    def axes(self) -> np.ndarray:
+        """Rows (d, n) that give y of a displacement along the section."""
+        return self._axes
+
     def state(self, place: np.ndarray) -> np.ndarray:
         """Return the state (n) at y = ``place`` (d)."""
         return self.origin + self.directions @ place

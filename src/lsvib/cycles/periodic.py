@@ -1,0 +1,299 @@
+r"""Periodic motions of any model, attracting or repelling, by Newton's method on the exact return map.
+
+A section is the set of states with which an event of one kind ends (:mod:`lsvib.cycles.return_map`); the return map P
+of it is followed from event to event in closed form, and its derivative P′ is the exact product of
+:mod:`lsvib.cycles.variational`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
+
+Floquet multipliers: the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
+has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
+eigenvalue; what the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former.
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes
+from lsvib.cycles.energy import Work, means, work
+from lsvib.cycles.impulses import Impulses, event_impulses
+from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.variational import Derivative, derivative
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion, follow
+
+_NEWTON = 40  # steps; a start that Newton's method likes needs six
+_AT_REST = 4 * flow_planar.EPS  # of a step: rounding
+_SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
+_LONGER = 2.0  # a return may take so many times what it did
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A periodic motion of ``drive``.
+
+    ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: change of the state over it, relative to
+    the size of the motion; ``multipliers`` (n − 1), complex, the largest first, and ``multiplier_error``, a bound of
+    their errors; ``found_by``: how it was found.
+    """
+
+    drive: RigidParameters
+    orbit: Motion
+    residual: float
+    multipliers: np.ndarray
+    multiplier_error: float
+    found_by: str = "start"
+    section: ReturnSection = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
+
+    @property
+    def state(self) -> np.ndarray:
+        """State (n) in which the period begins."""
+        return self.orbit.start_state
+
+    @property
+    def period(self) -> float:
+        """Period [s]."""
+        return self.orbit.end_time
+
+    @property
+    def label(self) -> Attractor:
+        """Sprag–slip if it sprags, stick–slip if it rests, else other; neutral if it is one of a family."""
+        automaton = self.orbit.automaton
+        codes = automaton.codes[self.orbit.arcs()[0]]
+        if self.neutral:
+            return Attractor.NEUTRAL_FAMILY
+        if np.isin(self.orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
+            return Attractor.SPRAG_SLIP_CYCLE
+        return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
+
+    @property
+    def leading(self) -> float:
+        """Largest magnitude of a multiplier [1]."""
+        return float(np.abs(self.multipliers).max(initial=0.0))
+
+    @property
+    def attracting(self) -> bool:
+        """Whether all multipliers lie inside the unit circle by more than their error."""
+        return self.leading + self.multiplier_error < 1
+
+    @property
+    def repelling(self) -> bool:
+        """Whether a multiplier lies outside the unit circle by more than its error."""
+        return self.leading - self.multiplier_error > 1
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the largest multiplier is on the unit circle, to its error."""
+        return not (self.attracting or self.repelling)
+
+    @property
+    def itinerary(self) -> tuple[tuple[str, str], ...]:
+        """Events of a period, (kind, mode that is entered), without touches; the last one ends the period."""
+        model = find_model(self.drive.model)
+        return tuple(
+            (model.events(int(kind)).name.lower(), model.modes(int(self.orbit.automaton.codes[mode])).name.lower())
+            for kind, mode in zip(self.orbit.kind, self.orbit.mode, strict=True)
+            if kind != GRAZE_KIND
+        )
+
+    @cached_property
+    def extremes(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value of each coordinate and observable, at the roots of their rates in closed form."""
+        automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
+        found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
+        return found | {name: orbit_extremes(self.orbit, rows) for name, rows in automaton.observables.items()}
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad]."""
+        low, high = self.extremes["angle_deviation"]
+        return 0.5 * (high - low)
+
+    @cached_property
+    def means(self) -> dict[str, float]:
+        """Means of the observables over a period, without the impulses of seizures."""
+        return means(self.orbit)
+
+    @cached_property
+    def work(self) -> Work:
+        """Work over a period."""
+        return work(self.drive, self.orbit)
+
+    @property
+    def impulses(self) -> Impulses:
+        """Impulses of each event of the period; zero but for seizures."""
+        return event_impulses(self.drive, self.orbit)
+
+    def to_json_multipliers(self) -> list[float | list[float]]:
+        """Return the multipliers: numbers, or real and imaginary parts."""
+        return [_number(value) for value in self.multipliers]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what :class:`Cycle` says, as plain numbers and names."""
+        impulses, taken = self.impulses, self.work
+        return {
+            "label": self.label.name.lower(),
+            "attracting": self.attracting,
+            "stability": "attracting" if self.attracting else "repelling" if self.repelling else "neutral",
+            "period": self.period,
+            "amplitude": self.amplitude,
+            "multipliers": self.to_json_multipliers(),
+            "multiplier_error": self.multiplier_error,
+            "state": [float(x) for x in self.state],
+            "residual": self.residual,
+            "found_by": self.found_by,
+            "itinerary": [{"event": kind, "mode": mode} for kind, mode in self.itinerary],
+            "extremes": {name: list(ends) for name, ends in self.extremes.items()},
+            "means": self.means,
+            "work": {
+                "motor": taken.motor,
+                "load": taken.load,
+                "friction": taken.friction,
+                "damping": taken.damping,
+                "impacts": taken.impacts,
+                "balance": taken.balance,
+                "efficiency": taken.efficiency,
+            },
+            "normal_impulses": [float(x) for x in impulses.normal if x],
+        }
+
+
+def _number(value: complex) -> float | list[float]:
+    """A real multiplier as a number, a complex one as its real and imaginary part."""
+    return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
+
+
+def solve(section: ReturnSection) -> tuple[Motion, float] | None:
+    """Return the periodic motion near the origin of a section and its residual [1]; None if Newton's method fails.
+
+    The residual is the change of the state over the period relative to ``section.size``; it is rounding, times the
+    growth of neighbours over a period.
+    """
+    place, best = np.zeros(section.dimension), None
+    for _ in range(_NEWTON):
+        orbit = section.come_back(section.state(place))
+        if orbit is None or orbit.time.size == 0 or orbit.time[-1] == 0.0:
+            break
+        gap = section.place(orbit.end_state) - place
+        residual = float(np.max(np.abs(orbit.end_state - orbit.start_state) / section.size))
+        better = best is None or residual < best[1]
+        if better:
+            best = orbit, residual
+        if section.dimension == 0:
+            break
+        step = newton_step(section_derivative(section, orbit).matrix, gap)
+        if step is None or (not better and np.abs(step).max() < _CLOSE):
+            break
+        place = place + step
+        if np.abs(step).max() <= _AT_REST * max(1.0, float(np.abs(place).max())):
+            break
+    return best if best is not None and best[1] < _CLOSE else None
+
+
+_CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
+
+
+def newton_step(slopes: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
+    """Return (I − P′)⁻¹ (P(y) − y); None if there is no derivative, or the matrix is singular."""
+    if not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
+        return None
+    try:
+        step = np.linalg.solve(np.eye(len(gap)) - slopes, gap)
+    except np.linalg.LinAlgError:
+        return None
+    return step if np.isfinite(step).all() else None
+
+
+def section_derivative(section: ReturnSection, orbit: Motion) -> Derivative:
+    """Return P′ (d, d) of a section along a motion that returns to it, with the bound of its rounding."""
+    total, axes, along = derivative(orbit), section.axes, section.directions
+    return Derivative(axes @ total.matrix @ along, np.abs(axes) @ total.rounding @ np.abs(along))
+
+
+def multipliers(section: ReturnSection, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
+    """Return the n − 1 multipliers of a cycle, the largest first, and a bound of their errors [1]; nan without P′."""
+    count = max(section.origin.size - 1, section.dimension)
+    found = section_derivative(section, orbit)
+    if not np.isfinite(found.matrix).all():
+        return np.full(count, math.nan, dtype=complex), math.nan
+    if section.dimension == 0:
+        return np.zeros(count, dtype=complex), 0.0
+    values, condition = eigenvalues(found.matrix)
+    lost = found.rounding * orbit.automaton.condition
+    uncertain = (residual + _AT_REST) / max(_least(np.eye(section.dimension) - found.matrix), flow_planar.EPS)
+    place = section.place(orbit.start_state)
+    for direction in np.eye(section.dimension):
+        beside = section.come_back(section.state(place + _SENSITIVITY * direction))
+        if beside is not None:
+            change = np.abs(section_derivative(section, beside).matrix - found.matrix) / _SENSITIVITY
+            lost = lost + np.where(np.isfinite(change), change, 0.0) * min(uncertain, _SENSITIVITY)
+    size = float(np.linalg.norm(lost))
+    error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
+    padded = np.concatenate([values, np.zeros(count - len(values))])
+    return padded[np.argsort(-np.abs(padded), kind="stable")], error
+
+
+def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
+    if len(matrix) == 1:
+        return matrix[0].astype(complex), 1.0
+    values, right = np.linalg.eig(matrix)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return values.astype(complex), math.inf
+    return values.astype(complex), float(np.max(np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)))
+
+
+def _least(matrix: np.ndarray) -> float:
+    return float(np.linalg.svd(matrix, compute_uv=False).min())
+
+
+def cycle_from(
+    drive: RigidParameters, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
+) -> Cycle | None:
+    """Return the cycle near the motion of so many events from a state (n) in a mode; None if there is none.
+
+    The motion should be nearly periodic. The section is chosen among its events as the attractors' is.
+    """
+    guess = follow(automaton, state, math.inf, mode=mode, max_events=2 * events)
+    key = section_key(guess)
+    if key is None or ACCUMULATION_KIND in guess.kind:
+        return None
+    watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
+    if not watched.size:
+        return None
+    size = np.maximum(np.abs(guess.after).max(axis=0), np.abs(guess.before).max(axis=0))
+    size[size == 0] = 1.0
+    section = ReturnSection(
+        automaton, key, guess.after[watched[0]], size, len(watched), _LONGER * float(guess.end_time)
+    )
+    return cycle_on(drive, section, found_by)
+
+
+def cycle_of(drive: RigidParameters, steady: SteadyState) -> Cycle | None:
+    """Return the cycle that a motion was found to end on, solved again; None for an equilibrium or a neutral family."""
+    if steady.orbit is None or steady.label == Attractor.NEUTRAL_FAMILY:
+        return None
+    orbit = steady.orbit
+    size = np.maximum(np.abs(orbit.after).max(axis=0), np.abs(orbit.before).max(axis=0))
+    size[size == 0] = 1.0
+    key = int(orbit.kind[-1]), int(orbit.end_mode)
+    section = ReturnSection(orbit.automaton, key, steady.state, size, steady.returns, _LONGER * orbit.end_time)
+    return cycle_on(drive, section, "start")
+
+
+def cycle_on(drive: RigidParameters, section: ReturnSection, found_by: str) -> Cycle | None:
+    """Return the cycle near the origin of a section; None if Newton's method does not find one."""
+    found = solve(section)
+    if found is None:
+        return None
+    orbit, residual = found
+    values, error = multipliers(section, orbit, residual)
+    return Cycle(drive, orbit, residual, values, error, found_by, section)

@@ -1,0 +1,215 @@
+"""All cycles that a search finds: attracting ones from starts, repelling ones where return maps cross the diagonal.
+
+Every cycle without rest of a drive with two states meets Q = 0 or θ′ = 0, because within a mode only steady sliding
+lasts; with rest it is superstable, hence reached from starts. So the return maps of these two lines are searched for
+P(y) = y: their displacement P(y) − y is sampled in both directions over seven decades, and closer and closer towards
+the places beyond which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero
+is narrowed down first, since two cycles that are about to meet lie on either side of it. Cycles are then solved by
+Newton's method. A search is no proof: what a map does between two samples without an extremum that shows stays unseen.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.cycles.periodic import Cycle, cycle_from, cycle_of, cycle_on
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import columns
+from lsvib.errors import EngineError
+
+_DECADES = (-4.0, 3.0)  # of the distance along a line, in sizes of a swing of the screw
+_SAMPLES = 160  # in each direction: a tenth from one to the next
+_GOLDEN = 0.3819660112501051  # (3 − √5) / 2
+_NARROW = 60  # steps of the golden section: 1e-12 of the bracket
+_HALVINGS = 60  # of a bracket, if Newton's method leaves it
+_CLOSER = np.append(0.7 ** np.arange(1, 40), 0.0)  # of the distance to an end, down to a millionth: there maps bend
+_SAME = 1e-7  # relative: cycles that differ by less, and are of one stability, are one
+_SWINGS = 200.0  # turns of the slowest oscillator that a return may take
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
+
+    state: np.ndarray
+    mode: int
+    events: int
+    found_by: str
+
+
+def swing(drive: RigidParameters) -> tuple[float, float]:
+    """Sizes of a swing of the screw under law −1: u [rad] and w [rad/s]; the speed is that of the motor."""
+    inertia = float(coefficients(drive).gamma[-1])
+    return abs(drive.input_speed) * math.sqrt(inertia / drive.coupling_stiffness), abs(drive.input_speed)
+
+
+def starts(drive: RigidParameters) -> list[tuple[float, float]]:
+    """Starts (u [rad], w [rad/s]): next to steady sliding, at standstill, and far out on both sides."""
+    u, w = swing(drive)
+    still = -drive.input_speed
+    standing = [(part * u, still) for part in (0.0, -0.5, 0.5)]
+    return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
+
+
+def search(
+    drive: RigidParameters,
+    automaton: Automaton,
+    states: Iterable[np.ndarray],
+    seeds: Sequence[Seed] = (),
+) -> tuple[list[Cycle], list[SteadyState]]:
+    """Return the cycles found from seeds, from ``states`` (n), and for two states on the lines; and neutral families.
+
+    Attractors that cannot be told are left out. The attracting cycles come first, then by period.
+    """
+    found: list[Cycle] = []
+    families: list[SteadyState] = []
+    for seed in seeds:
+        _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
+    for state in states:
+        steady = steady_state(automaton, state)
+        if steady.label == Attractor.NEUTRAL_FAMILY:
+            families = families or [steady]
+        _add(found, cycle_of(drive, steady))
+    if len(automaton.states) == 2 and not automaton.contracts:
+        for key, line in _lines(automaton):
+            for cycle in _on_line(drive, automaton, key, line):
+                _add(found, cycle)
+    return sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period)), families
+
+
+def _add(found: list[Cycle], cycle: Cycle | None) -> None:
+    if cycle is not None and not any(_same(cycle, other) for other in found):
+        found.append(cycle)
+
+
+def _same(one: Cycle, other: Cycle) -> bool:
+    if one.attracting != other.attracting or abs(one.period - other.period) > _SAME * one.period:
+        return False
+    ends = zip(one.extremes["angle_deviation"], other.extremes["angle_deviation"], strict=True)
+    return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
+
+
+def _lines(automaton: Automaton) -> list[tuple[tuple[int, int], np.ndarray]]:
+    """Kinds and modes of events on whose surface a cycle without rest may be watched, with the surface's row."""
+    tables, found = automaton.tables, {}
+    for mode in range(len(automaton.codes)):
+        if automaton.codes[mode] in automaton.rest_codes:
+            continue
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            transition = tables.guard_transition[guard]
+            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+                kind, after = int(tables.branch_kind[branch]), int(tables.branch_mode[branch])
+                if automaton.codes[after] in automaton.rest_codes or kind == EventKind.RELEASE:
+                    continue
+                row = tables.surfaces[tables.guard_surface[guard]]
+                if tables.transition_reset[transition] >= 0:  # a seizure ends on θ′ = 0
+                    reset = tables.resets[tables.transition_reset[transition]]
+                    row = np.array([-reset[1, 0], 1.0, -reset[1, 2]])
+                found[kind, after] = row
+    return list(found.items())
+
+
+def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int], row: np.ndarray):
+    """Yield the cycles that the return map of a line shows."""
+    sizes = np.array(swing(drive))
+    normal = row[:2] * sizes
+    middle = -row[2] * normal / (normal @ normal) * sizes  # the point of the line next to the origin, in these sizes
+    section = ReturnSection(automaton, key, middle, sizes, 1, _patience(automaton))
+    if section.dimension != 1:
+        return
+    steps = np.logspace(*_DECADES, _SAMPLES)
+    coarse = np.concatenate([-steps[::-1], [0.0], steps])
+    places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
+    gaps = [_gap(section, y) for y in places]
+    brackets = []
+    for k in range(len(places) - 1):
+        here, after = gaps[k], gaps[k + 1]
+        if here * after <= 0:
+            brackets.append((places[k], places[k + 1]))
+        elif k > 0 and gaps[k - 1] * here > 0 and here * after > 0 and abs(here) <= min(abs(gaps[k - 1]), abs(after)):
+            nearest = _extremum(section, places[k - 1], places[k + 1], math.copysign(1.0, here))
+            if _gap(section, nearest) * here <= 0:
+                brackets += [(places[k - 1], nearest), (nearest, places[k + 1])]
+    for low, high in brackets:
+        cycle = _within(drive, section, low, high)
+        if cycle is not None:
+            yield cycle
+
+
+def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> np.ndarray:
+    """The places, and more of them towards each end of a stretch from which motions come back."""
+    more = [places]
+    for k in range(len(places) - 1):
+        if math.isfinite(gaps[k]) == math.isfinite(gaps[k + 1]):
+            continue
+        inside, outside = (places[k], places[k + 1]) if math.isfinite(gaps[k]) else (places[k + 1], places[k])
+        first = inside
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
+        more.append(inside + (first - inside) * _CLOSER)
+    return np.unique(np.concatenate(more))
+
+
+def _patience(automaton: Automaton) -> float:
+    """Time [s] that a return is waited for."""
+    scales = automaton.tables.flow[:, columns.TIME_SCALE]
+    return _SWINGS * float(scales.max())
+
+
+def _gap(section: ReturnSection, place: float) -> float:
+    """P(y) − y; nan if there is no return."""
+    return float(section.excess(np.array([place]))[0])
+
+
+def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> float:
+    """Where ``sign`` × (P(y) − y) is smallest between two places, by the golden section; stops where it is negative."""
+
+    def height(place: float) -> float:
+        value = sign * _gap(section, place)
+        return value if math.isfinite(value) else math.inf
+
+    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+    at_left, at_right = height(left), height(right)
+    for _ in range(_NARROW):
+        if min(at_left, at_right) < 0:
+            break
+        if at_left < at_right:
+            high, right, at_right = right, left, at_left
+            left = low + _GOLDEN * (high - low)
+            at_left = height(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = high - _GOLDEN * (high - low)
+            at_right = height(right)
+    return left if at_left < at_right else right
+
+
+def _within(drive: RigidParameters, section: ReturnSection, low: float, high: float) -> Cycle | None:
+    """The cycle in a bracket, where P(y) − y changes sign: Newton's method, from halves of the bracket if need be."""
+    first = _gap(section, low)
+    width = high - low
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        try:
+            state, patience = section.state(np.array([middle])), _patience(section.automaton)
+            there = ReturnSection(section.automaton, section.key, state, section.size, 1, patience)
+            cycle = cycle_on(drive, there, "return map")
+        except EngineError:
+            cycle = None
+        if cycle is not None:
+            place = float(section.place(cycle.state)[0])
+            if low - 1e-9 * width <= place <= high + 1e-9 * width:
+                return cycle
+        here = _gap(section, middle)
+        if not math.isfinite(here):
+            return None
+        low, high = (middle, high) if here * first > 0 else (low, middle)
+    return None

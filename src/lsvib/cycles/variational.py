@@ -1,0 +1,162 @@
+r"""Derivatives of motions with respect to their start: the flow of a mode, and what an event does to a neighbour.
+
+In a mode x′ = A x + b, so that neighbours separate as e^{Aτ}. A neighbour meets the surface gᵀx + g_0 = 0 of an event
+earlier or later; seen from event to event, with the field f before it and the affine reset x ↦ R x + r of the event,
+
+    D = R (I − f gᵀ / gᵀf) e^{Aτ}
+
+is the derivative of the state after the event with respect to that after the one before. Times and the field after the
+event do not enter: the product over a period is the derivative of the return map, whose eigenvalues are the Floquet
+multipliers without the trivial 1. (With it, the saltation matrix is R + (f⁺ − R f) gᵀ / gᵀf.) Release from rest of the
+rigid drive has g = ±(1, 0) and f = (−Ω, 0), so that D is zero: a rest phase makes a cycle superstable.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import columns, flow_blocks, flow_planar
+from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.tables import BlockFlow
+from lsvib.engine.motion import Motion
+
+_TERMS = 8.0  # roundings in a term of a product of two matrices with up to five rows, at most
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one; a bound (n, n) of its ``rounding``."""
+
+    matrix: np.ndarray
+    rounding: np.ndarray
+
+
+def inner_coordinates(automaton: Automaton, mode: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the matrices (q + 1, n + 1) into and (n + 1, q + 1) out of the coordinates that the flow is held in."""
+    flow, n = automaton.tables.flow, len(automaton.states)
+    if isinstance(flow, np.ndarray):
+        return np.eye(n + 1), np.eye(n + 1)
+    into, out = (flow.to_blocks, flow.from_blocks) if isinstance(flow, BlockFlow) else (flow.to_modal, flow.from_modal)
+    q = into.shape[1] if isinstance(flow, BlockFlow) else int(2 * flow.pairs[mode] + flow.singles[mode])
+    unit = np.eye(max(n, q) + 1)
+    columns = np.concatenate([out[mode][:, :q], out[mode][:, -1:]], axis=1)
+    return np.vstack([into[mode, :q], unit[n, : n + 1]]), np.vstack([columns, unit[q, : q + 1]])
+
+
+def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
+    """Return the affine flow of a mode over a time [s] in its inner coordinates with a one, (q + 1, q + 1)."""
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        row = flow[mode]
+        c, s, s_rate = flow_planar.responses(row, time)
+        moved = flow_planar.integrated_response(row, time)
+        a0, b = row[columns.A0], row[columns.B]
+        return np.array([[c, s, b * moved], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
+    if isinstance(flow, BlockFlow):
+        q = flow.matrix.shape[1]
+        found, work = np.eye(q + 1), np.empty((2, q, q))
+        for j in range(q):
+            column = np.empty(q)
+            flow_blocks.carry(flow, mode, np.eye(q)[j], time, column, work)
+            found[:q, j] = column
+        return found
+    pairs, singles = int(flow.pairs[mode]), int(flow.singles[mode])
+    found = np.eye(2 * pairs + singles + 1)
+    for pair in range(pairs):
+        row = flow.oscillators[mode, pair]
+        c, s, s_rate = flow_planar.responses(row, time)
+        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[columns.A0] * s, s_rate]]
+    for single in range(singles):
+        k, rate, push = 2 * pairs + single, float(flow.rates[mode, single]), float(flow.pushes[mode, single])
+        more = math.expm1(min(rate * time, flow_planar.OVERFLOW))
+        found[k, k], found[k, -1] = 1.0 + more, push * (more / rate if rate else time)
+    return found
+
+
+def flow_derivative(automaton: Automaton, mode: int, time: float) -> Derivative:
+    """Return e^{Aτ} of a mode after a time τ [s]."""
+    n = len(automaton.states)
+    into, out = inner_coordinates(automaton, mode)
+    inner = propagator(automaton, mode, time)
+    size = np.abs(out) @ np.abs(inner) @ np.abs(into)
+    return Derivative((out @ inner @ into)[:n, :n], _TERMS * flow_planar.EPS * size[:n, :n])
+
+
+def field(automaton: Automaton, mode: int, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return x′ (n) at a state (n) in a mode, and the sizes (n) of the terms that it is summed from."""
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        row = flow[mode]
+        rows = np.array([[0.0, 1.0, 0.0], [-row[columns.A0], -row[columns.A1], row[columns.B]]])
+    else:
+        rows = flow.field[mode]
+    return rows[:, :-1] @ state + rows[:, -1], np.abs(rows[:, :-1]) @ np.abs(state) + np.abs(rows[:, -1])
+
+
+def crossed_guard(automaton: Automaton, mode: int, kind: int, after: int, before: np.ndarray) -> int:
+    """Return the guard of ``mode`` that an event of ``kind`` into the mode ``after`` belongs to; −1 if there is none.
+
+    Of several it is the one whose surface is nearest to the state ``before`` the event: that one is met to rounding.
+    """
+    tables, found, nearest = automaton.tables, -1, math.inf
+    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+        transition = tables.guard_transition[guard]
+        branches = slice(tables.branch_start[transition], tables.branch_start[transition + 1])
+        if not ((tables.branch_mode[branches] == after) & (tables.branch_kind[branches] == kind)).any():
+            continue
+        row = tables.surfaces[tables.guard_surface[guard]]
+        size = np.abs(row[:-1]) @ np.abs(before) + abs(row[-1])
+        distance = abs(row[:-1] @ before + row[-1]) / size if size else 0.0
+        if distance < nearest:
+            found, nearest = guard, distance
+    return found
+
+
+def event_derivative(automaton: Automaton, mode: int, kind: int, after: int, before: np.ndarray) -> Derivative:
+    """Return R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before`` (n).
+
+    nan if the surface is only touched by the field, or infinitely many events end here: there is no derivative.
+    """
+    n, tables = before.size, automaton.tables
+    if kind == GRAZE_KIND:
+        return Derivative(np.eye(n), np.zeros((n, n)))
+    guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(automaton, mode, kind, after, before)
+    f, f_size = field(automaton, mode, before)
+    normal = tables.surfaces[tables.guard_surface[guard], :-1] if guard >= 0 else np.zeros(n)
+    speed = normal @ f
+    if speed == 0.0:
+        return Derivative(np.full((n, n), math.nan), np.full((n, n), math.nan))
+    matrix = np.eye(n) - np.outer(f, normal) / speed
+    # The quotient's own rounding, that of its parts, and of the difference in gᵀf.
+    lost = np.outer(f_size, np.abs(normal)) / abs(speed)
+    lost = lost + np.abs(np.outer(f, normal)) * (np.abs(normal) @ f_size) / speed**2
+    lost = _TERMS * flow_planar.EPS * (lost + np.abs(matrix))
+    reset = tables.transition_reset[tables.guard_transition[guard]]
+    if reset < 0:
+        return Derivative(matrix, lost)
+    back = tables.resets[reset][:, :-1]
+    return Derivative(back @ matrix, np.abs(back) @ lost)
+
+
+def then(first: Derivative, second: Derivative) -> Derivative:
+    """Return the derivative of ``second`` after ``first``."""
+    size = np.abs(second.matrix) @ np.abs(first.matrix)
+    lost = second.rounding @ np.abs(first.matrix) + np.abs(second.matrix) @ first.rounding
+    return Derivative(second.matrix @ first.matrix, lost + _TERMS * flow_planar.EPS * size)
+
+
+def derivative(motion: Motion) -> Derivative:
+    """Return the derivative of the state after a motion's last event with respect to its start.
+
+    nan if an event has none. The start's own mode is kept: neighbours start in it.
+    """
+    automaton, n = motion.automaton, motion.start_state.size
+    total = Derivative(np.eye(n), np.zeros((n, n)))
+    modes, _, _, durations = motion.arcs()
+    for k in range(motion.time.size):
+        mode, after = int(modes[k]), int(motion.mode[k])
+        total = then(total, flow_derivative(automaton, mode, float(durations[k])))
+        total = then(total, event_derivative(automaton, mode, int(motion.kind[k]), after, motion.before[k]))
+    return total

@@ -1,0 +1,187 @@
+"""All cycles of a drive, with what is proved about them: exact boundaries of basins, attractors, and return maps."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.basins.exact_basin import Basin, Boundary, basin
+from lsvib.cycles.attractors import Attractor, SteadyState
+from lsvib.cycles.continuation import CycleBranch, follow_cycle
+from lsvib.cycles.periodic import Cycle
+from lsvib.cycles.search import Seed, search, starts
+from lsvib.data.attributes import attributes, flags
+from lsvib.drives.parameters import RigidParameters, described
+from lsvib.drives.registry import find_model
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import columns
+from lsvib.errors import InputError, LsvibError
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The ``cycles`` of a drive, attracting ones first, and ``families`` of neutral oscillations, one of each.
+
+    ``proved`` is a sentence on what is certain beyond the cycles themselves; empty if nothing is.
+    """
+
+    cycles: tuple[Cycle, ...]
+    families: tuple[SteadyState, ...]
+    proved: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the cycles, the families and what is proved, as plain numbers and names."""
+        return {
+            "cycles": [cycle.to_json() for cycle in self.cycles],
+            "neutral_families": [{"period": family.period, "state": family.state.tolist()} for family in self.families],
+            "proved": self.proved,
+        }
+
+
+def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
+    """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
+
+    Of the rigid drive attracting and repelling ones, of others those that some starts reach.
+    """
+    if len(automaton.states) > 2:
+        model = find_model(drive.model)
+        states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
+        return Cycles(*map(tuple, search(drive, automaton, states)), "")
+    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
+        return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
+    try:
+        found = basin(drive)
+    except LsvibError:  # steady sliding attracts nothing, or its basin is of a shape that is not covered
+        found = None
+    if found is not None and found.boundary == Boundary.NONE:
+        return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
+    states = [np.array(start) for start in starts(drive)]
+    cycles, families = search(drive, automaton, states, _boundary(found, automaton) if found else ())
+    proved = ""
+    if found is not None:
+        kind = found.boundary.name.lower().replace("_", " ")
+        proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
+    return Cycles(tuple(cycles), tuple(families), proved)
+
+
+def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
+    """The cycle that bounds a basin, as a start of the search."""
+    if found.boundary != Boundary.CYCLE:
+        return []
+    codes = rigid_automaton(found.drive).codes
+    arcs = [piece for piece in found.curves[0] if hasattr(piece, "mode")]
+    mode = automaton.codes.tolist().index(codes[arcs[0].mode])
+    return [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
+
+
+_MOST_POINTS = 100_000
+
+
+class Attracts(IntEnum):
+    """Whether all multipliers of a cycle lie inside the unit circle by more than their error."""
+
+    NO = 0
+    YES = 1
+
+
+def followed(
+    drive: RigidParameters, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
+) -> CycleBranch:
+    """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
+
+    Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
+    """
+    kind = type(drive)
+    if cycle.drive != drive:
+        raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
+    if not isinstance(parameter, str) or parameter not in kind.model_fields:
+        raise InputError(
+            f"{numbers.shown(parameter)} is not a known key; the known keys are {', '.join(kind.model_fields)}."
+        )
+    try:
+        low, high = (numbers.number(value) for value in span)
+        most = numbers.whole(points)
+    except (numbers.NotNumber, TypeError, ValueError):
+        raise InputError(
+            f"span = {numbers.shown(span)} and points = {numbers.shown(points)} are not two numbers and a whole one."
+        ) from None
+    here = float(getattr(drive, parameter))
+    if not low < high or not low <= here <= high:
+        raise InputError(
+            f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
+        )
+    if not 2 <= most <= _MOST_POINTS:
+        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= {_MOST_POINTS}.")
+    for end in (low, high):
+        drive.replace(**{parameter: end})
+
+    def made(value: float) -> tuple[RigidParameters, Automaton]:
+        there = drive.replace(**{parameter: value})
+        return there, build(there)
+
+    return follow_cycle(cycle, made, parameter, (low, high), most)
+
+
+def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
+    """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
+    about = described(type(drive), branch.parameter)
+    cycles = [point.cycle for point in branch.points]
+    count = max(cycle.multipliers.size for cycle in cycles)
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
+    columns = {
+        branch.parameter: ([p.value for p in branch.points], attributes(about["unit"], about["long_name"])),
+        "along": ([p.along for p in branch.points], attributes("1", "length of the branch from its start")),
+        "attractor": (
+            np.array([int(cycle.label) for cycle in cycles], dtype=np.int8),
+            attributes("1", "kind of cycle", **flags(Attractor)),
+        ),
+        "attracting": (
+            np.array([cycle.attracting for cycle in cycles], dtype=np.int8),
+            attributes("1", "whether the cycle attracts", **flags(Attracts)),
+        ),
+        "period": ([cycle.period for cycle in cycles], attributes("s", "period of the cycle", "$T$")),
+        "amplitude": ([cycle.amplitude for cycle in cycles], attributes("rad", "amplitude, half its peak-to-peak")),
+        "multiplier_error": ([c.multiplier_error for c in cycles], attributes("1", "bound of the multipliers' errors")),
+        "period_residual": ([cycle.residual for cycle in cycles], attributes("1", "change of the state over a period")),
+    }
+    data: dict[str, Any] = {name: ("point", np.array(values), attrs) for name, (values, attrs) in columns.items()}
+    for part, name in (("real", "multiplier_real_part"), ("imag", "multiplier_imaginary_part")):
+        long_name = f"{'real' if part == 'real' else 'imaginary'} part of the Floquet multipliers"
+        data[name] = (("point", "multiplier_number"), getattr(multipliers, part), attributes("1", long_name))
+    return xr.Dataset(
+        data,
+        attrs={
+            "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+            "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+            "references": "doi:10.1007/978-1-4419-1752-2_8",
+            "model": drive.model,
+            "changes": json.dumps(branch_json(branch)["changes"]),
+            "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
+        },
+    )
+
+
+def branch_json(branch: CycleBranch) -> dict[str, Any]:
+    """Return a branch as plain numbers and names."""
+    return {
+        "parameter": branch.parameter,
+        "points": [
+            {
+                "value": point.value,
+                "label": point.cycle.label.name.lower(),
+                "attracting": point.cycle.attracting,
+                "period": point.cycle.period,
+                "amplitude": point.cycle.amplitude,
+                "multipliers": point.cycle.to_json_multipliers(),
+                "residual": point.cycle.residual,
+            }
+            for point in branch.points
+        ],
+        "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
+    }

@@ -1,0 +1,182 @@
+"""Cycles of all models: multipliers against 40 digits and Liouville's formula, work that balances, the rigid limit."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+import lsvib
+from lsvib.bench.reference import rigid_digits
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.continuation import _other_sections
+from lsvib.cycles.periodic import cycle_of, cycle_on
+from lsvib.cycles.search import search, starts
+from lsvib.drives.threads import seated_state
+from lsvib.engine.kernels import flow_planar
+
+NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
+SUPPORTED = lsvib.SupportDrive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
+REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force=10)
+
+
+def by_differences(drive, x):
+    """Derivative of the map from θ′ = 0 at u = x to the next seizure, by central differences with 40 digits."""
+    step, ends = mpf(10) ** -12, []
+    with mp.workdps(40):
+        for sign in (1, -1):
+            events = rigid_digits.simulate(dict(drive), mpf(float(x)) + sign * step, -drive.input_speed, 0.1).events
+            assert events[0].kind == "seizure"
+            ends.append(events[0].u_after)
+        return float((ends[0] - ends[1]) / (2 * step))
+
+
+@pytest.mark.parametrize("force", [-18.3754, -18.37, -18.36, -15.0])
+def test_multipliers_of_cycles_of_seizures_are_those_of_40_digits(force):
+    """Attracting ones, and repelling ones where there are any."""
+    drive = NEAR_FOLD.replace(axial_force=force)
+    cycles = drive.cycles().cycles
+    assert [cycle.attracting for cycle in cycles] == ([True, False] if force < -18.3 else [True])
+    for cycle in cycles:
+        reference = by_differences(drive, cycle.state[0])
+        error = abs(cycle.multipliers[0].real - reference)
+        assert error <= 1e-9
+        assert error <= cycle.multiplier_error + 1e-15
+        assert cycle.repelling is (reference > 1)
+
+
+@pytest.mark.parametrize("drive", [SLIP, SLIP.replace(axial_force=30), REPELLING_SLIP])
+def test_multiplier_of_slip_is_that_of_liouville(drive):
+    """Where no rest and no seizure is, the multiplier is exp(−Σ a₁ τ): areas on both sides of Q = 0 join smoothly."""
+    (cycle,) = [cycle for cycle in drive.cycles().cycles if cycle.label == Attractor.OTHER_CYCLE]
+    modes, _, _, durations = cycle.orbit.arcs()
+    expected = math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, flow_planar.A1] * durations)))
+    assert cycle.multipliers[0].real == pytest.approx(expected, rel=1e-12)
+    assert abs(cycle.multipliers[0].real - expected) <= 2 * cycle.multiplier_error
+
+
+def test_rest_makes_a_cycle_superstable():
+    (cycle,) = SLIP.replace(axial_force=40).cycles().cycles
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
+    assert cycle.multipliers.tolist() == [0]
+    assert "release" in [kind for kind, _ in cycle.itinerary]
+
+
+FOUND = [
+    (NEAR_FOLD, {"u": -0.1, "w": -40.0}),
+    (SLIP, {"u": 0.01, "w": 0.0}),
+    (SLIP.replace(axial_force=40), {"u": 0.01, "w": 0.0}),
+    (lsvib.ThreadsDrive(mass=11, axial_force=50), {"u": 0.01, "w": 0.0}),
+    (
+        lsvib.ThreadsDrive(translation_damping=1e3, axial_force=25, contact_stiffness=1e6, contact_damping=1e3),
+        {"u": 0.01, "w": 0.0},
+    ),
+    (lsvib.NutDrive(mass=9, support_damping=1e-3), {"u": 0.01, "w": 0.0}),
+    (SUPPORTED, {"u": 0.02, "w": 0.0}),
+    (SUPPORTED.replace(screw_mass=40.0), {"u": 0.02, "w": 0.0}),
+]
+
+
+def cycle_after(drive, initial):
+    from lsvib.drives.registry import find_model
+
+    steady = steady_state(drive.automaton(), find_model(drive.model).initial_state(drive, initial))
+    return cycle_of(drive, steady), steady
+
+
+@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
+def test_work_balances(drive, initial):
+    """Motor and load put in what friction, dampers and impacts take out; each is formed from another law."""
+    cycle, steady = cycle_after(drive, initial)
+    work = cycle.work
+    assert min(work.friction, work.damping) > 0
+    assert work.impacts >= 0
+    assert (work.impacts > 0) == bool(cycle.to_json()["normal_impulses"])
+    assert abs(work.balance) <= 1e-12
+    assert cycle.amplitude == pytest.approx(steady.amplitude, rel=1e-9)
+    json.dumps(cycle.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
+def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
+    cycle, _ = cycle_after(drive, initial)
+    seen = 0
+    for other in _other_sections(cycle):
+        again = cycle_on(drive, other.section, "start")
+        if again is None:
+            continue
+        seen += 1
+        error = cycle.multiplier_error + again.multiplier_error
+        assert abs(cycle.leading - again.leading) <= max(2 * error, 1e-15)
+    assert seen or len(cycle.itinerary) == 1
+
+
+def test_the_mean_coupling_torque_is_the_work_of_the_motor():
+    cycle, _ = cycle_after(*FOUND[3])
+    drive = cycle.drive
+    mean = cycle.means["coupling_torque"]
+    assert drive.input_speed * mean * cycle.period == pytest.approx(cycle.work.motor, rel=1e-12)
+
+
+def test_return_maps_show_the_pair_near_the_fold_without_a_start():
+    """The search finds both cycles 6e-5 N inside the threshold from their return map alone, as the exact basin does."""
+    drive = NEAR_FOLD.replace(axial_force=-18.3754)
+    found, _ = search(drive, drive.automaton(), [])
+    known = drive.cycles().cycles
+    assert [cycle.attracting for cycle in found] == [True, False]
+    assert [cycle.found_by for cycle in known] == ["start", "boundary of the basin"]
+    for cycle, other in zip(found, known, strict=True):
+        assert cycle.period == pytest.approx(other.period, rel=1e-10)
+
+
+def test_no_cycle_is_proved_where_steady_sliding_is_globally_stable():
+    assert "globally stable" in NEAR_FOLD.replace(axial_force=-18.376).cycles().proved
+    assert "smaller" in lsvib.RigidDrive(mass=8).cycles().proved
+    assert not lsvib.RigidDrive(mass=8).cycles().cycles
+
+
+def test_undamped_oscillations_are_a_family():
+    found = lsvib.RigidDrive(mass=1, support_damping=0).cycles()
+    assert not found.cycles
+    assert len(found.families) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_every_attractor_of_random_starts_is_listed(seed):
+    rng = np.random.default_rng(seed)
+    drive = lsvib.RigidDrive(
+        mass=float(10 ** rng.uniform(0, 1.3)),
+        translation_damping=float(rng.choice([0, 10 ** rng.uniform(1, 4)])),
+        support_damping=float(10 ** rng.uniform(-5, -2)),
+        axial_force=float(rng.uniform(-60, 60)),
+        input_speed=float(rng.choice([-40, 40])),
+    )
+    listed = [cycle.period for cycle in drive.cycles().cycles if cycle.attracting]
+    for _ in range(20):
+        steady = steady_state(drive.automaton(), (rng.uniform(-0.3, 0.3), rng.uniform(-120, 120)))
+        if steady.orbit is not None and steady.label != Attractor.NEUTRAL_FAMILY:
+            assert any(abs(period - steady.period) <= 1e-6 * period for period in listed)
+    assert starts(drive)
+
+
+def test_compliant_multipliers_tend_to_the_rigid_one():
+    """With k_c = c_c = κ its error falls with orders that rise to 1: 0.60 from 1e6 to 1e7, 0.77 to 1e8, 0.85 to 1e9.
+
+    One multiplier belongs to the contact, which relaxes at the rate k_c / c_c = 1/s and has no rigid counterpart; one
+    is zero, by rest.
+    """
+    rigid = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    (limit,) = rigid.cycles().cycles
+    errors = []
+    for stiffness in (1e6, 1e7, 1e8):
+        drive = lsvib.ThreadsDrive.of(rigid, contact_stiffness=stiffness, contact_damping=stiffness)
+        cycle = cycle_of(drive, steady_state(drive.automaton(), seated_state(drive, -0.05, -30.0)))
+        contact, slip, rest = cycle.multipliers
+        assert contact.real == pytest.approx(math.exp(-cycle.period), abs=300 / stiffness)
+        assert rest == 0
+        errors.append(abs(slip.real - limit.multipliers[0].real))
+    first, second = (math.log10(errors[k] / errors[k + 1]) for k in range(2))
+    assert 0.55 < first < second < 1
