@@ -10,8 +10,8 @@ from cyclopts import CycloptsError
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from lsvib import cli
-from lsvib.terminal import told
+from lsvib.command.assess import app
+from lsvib.command.terminal import told
 
 BASE = {
     "name": "a drive",
@@ -136,7 +136,7 @@ def refused(arguments: list, monkeypatch, capsys) -> str:
     monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # which the command replaces
     tokens = ["assess", *map(str, arguments)]
     with pytest.raises(SystemExit) as end:
-        told(lambda: cli.app(tokens, exit_on_error=False, print_error=False), CycloptsError)
+        told(lambda: app(tokens, exit_on_error=False, print_error=False), CycloptsError)
     assert end.value.code == 2
     return capsys.readouterr().err
 

@@ -65,7 +65,7 @@ def test_stability_loads_no_engine(kind):
 
 
 def test_config_loads_no_engine():
-    names = loaded("import sys\nsys.argv = ['lsvib', 'config']\nfrom lsvib.cli import main\nmain()")
+    names = loaded("import sys\nsys.argv = ['lsvib', 'config']\nfrom lsvib.command.app import main\nmain()")
     assert not names & {"numba", "matplotlib", "xarray"}
 
 

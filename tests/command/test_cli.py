@@ -11,7 +11,7 @@ import xarray as xr
 import yaml
 
 import lsvib
-from lsvib import cli
+from lsvib.command.app import main
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
@@ -49,7 +49,7 @@ def run(monkeypatch, capsys, tmp_path):
         monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
         code = 0
         try:
-            cli.main()
+            main()
         except SystemExit as end:
             code = end.code or 0
         return code, *capsys.readouterr()
@@ -311,7 +311,7 @@ def test_corrupt_scene_is_refused(run, tmp_path, text, words):
 
 def test_installed_command_and_help():
     """In a process of its own: exit code and streams, not only what ``main`` raises."""
-    command = [sys.executable, "-c", "from lsvib.cli import main; main()"]
+    command = [sys.executable, "-c", "from lsvib.command.app import main; main()"]
     bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 0 < mass <= 1e+09.\n"

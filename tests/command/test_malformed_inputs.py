@@ -9,7 +9,7 @@ import yaml
 from reference.malformed import ARGUMENTS, FIGURES, PYTHON, SCENES, SECTIONS, SETTINGS, START
 
 import lsvib
-from lsvib import cli
+from lsvib.command.app import main
 
 # Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
 pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
@@ -51,7 +51,7 @@ def refused(folder, monkeypatch, capsys):
         before = state_of(folder)
         monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            main()
         out, error = capsys.readouterr()
         assert (end.value.code, out) == (2, "")
         assert error.startswith("lsvib: ")

@@ -37,7 +37,7 @@ def run(line: str, folder: Path) -> str:
     """Run a command that a reader would type; what it says it writes is there, and can be read."""
     program, *arguments = line.split()
     assert program == "lsvib"
-    command = [sys.executable, "-c", "from lsvib.cli import main; main()", *arguments]
+    command = [sys.executable, "-c", "from lsvib.command.app import main; main()", *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout

@@ -54,7 +54,7 @@ def test_without_any_folder_the_engine_is_compiled_in_memory_and_says_so_once(tm
         "import sys, tempfile\n"
         f"tempfile.gettempdir = lambda: {NOWHERE!r}\n"
         "sys.argv = 'lsvib simulate --initial u=0.1 w=0 --t-end 0.1 --out motion.nc'.split()\n"
-        "from lsvib.cli import main; main()\n"
+        "from lsvib.command.app import main; main()\n"
     )
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     run = subprocess.run(

@@ -46,7 +46,7 @@ UNIMPORTED = {
         "lsvib.figures.fig8_09.picture",
         "lsvib.figures.fig8_08.dataset",
         "lsvib.figures.fig8_09.dataset",
-        "lsvib.cli",
+        "lsvib.command.app",
     ),
     "attraction_limit": ("lsvib.drives.threads",),
 }

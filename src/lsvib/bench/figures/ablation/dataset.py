@@ -21,7 +21,7 @@ MODULES = {  # what a rule of the workflow imports
     "figure": "lsvib.figures.fig8_08.picture",
     "eigenvalues": "lsvib.figures.fig8_08.dataset",
     "motion": "lsvib.figures.fig8_09.dataset",
-    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.cli",
+    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.command.app",
 }
 _PACKAGES = ("numba", "matplotlib", "xarray")
 _NUMBERS = {

@@ -1,8 +1,12 @@
 """The results of the commands as text, for people; ``--json`` prints the same as one object."""
 
 import json
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from lsvib.data.checks import Check
 
 
 def print_json(value: Mapping[str, Any]) -> None:
@@ -75,6 +79,16 @@ def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
     print(f"{result['cells_per_second']:.3g} cells per second")
+
+
+def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> None:
+    """Print the checks of a figure and where its picture lies."""
+    if as_json:
+        print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
+        return
+    for check in checks:
+        print(check.sentence())
+    print(f"wrote {picture}, its PDF, dataset and checks")
 
 
 def print_parameters(fields: Mapping[str, Any]) -> None:

@@ -1,0 +1,26 @@
+"""The application that the commands join, and its entry point."""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from cyclopts import App, CycloptsError
+
+from lsvib import __version__, command
+from lsvib.command.terminal import told
+
+app = App(
+    name="lsvib",
+    help="Friction-induced vibration of lead-screw drives, computed exactly from event to event.",
+    version=__version__,
+    result_action="return_value",
+)
+
+
+def main() -> None:
+    """Run the command; unacceptable input ends in one sentence on the error stream and exit code 2.
+
+    All modules of this package are imported first, so that their commands join ``app``: a new command is a new file.
+    """
+    for module in iter_modules(command.__path__, f"{command.__name__}."):
+        import_module(module.name)
+    told(lambda: app(exit_on_error=False, print_error=False), CycloptsError)

@@ -1,0 +1,52 @@
+"""The command that assesses a drive from its data sheet."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import AsJson
+from lsvib.command.printing import print_json
+from lsvib.command.terminal import Progress
+from lsvib.errors import InputError
+
+
+@app.command
+def assess(
+    sheet: Path,
+    *,
+    out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
+    samples: Annotated[str, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = "4096",
+    seed: Annotated[str, Parameter(help="Seed of the samples.")] = "1",
+    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    share: Annotated[str | None, Parameter(help="K/N: only compute the K-th of N shares of the samples.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Assess a drive from its data sheet: will it vibrate, how close is it, and what should be changed.
+
+    Examples of use:
+
+        lsvib assess examples/powered_seat.yaml --out report
+
+        lsvib assess drive.yaml --samples 1048576 --threads 8 --out report
+
+    Parameters
+    ----------
+    sheet:
+        YAML file of the data sheet; see docs/assess.md.
+    """
+    try:
+        from lsvib.assess import run
+    except ModuleNotFoundError as error:
+        raise InputError(f"assess needs the library {error.name}: pip install lsvib[assess].") from None
+
+    if share is not None:
+        print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
+        return
+    result = run.assess_file(sheet, out, samples, seed, threads, Progress("blocks of samples"))
+    if as_json:
+        print_json(result)
+        return
+    print(result["sentence"])
+    print(f"wrote {out / 'index.html'}, assessment.nc and assessment.json")

@@ -1,0 +1,90 @@
+"""The command that maps a region of attraction."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.printing import print_json, print_map
+from lsvib.command.terminal import Progress
+from lsvib.errors import InputError
+
+Axes = Annotated[
+    list[str],
+    Parameter(consume_multiple=True, help="Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", **ONE_VALUE),
+]
+Quantities = Annotated[
+    list[str],
+    Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **ONE_VALUE),
+]
+
+
+@app.command
+def attraction(
+    *,
+    grid: Axes,
+    out: Path,
+    model: Annotated[str, MODEL] = "rigid",
+    changes: Changes = None,
+    resume: Annotated[str, RESUME] = "contact_sign",
+    quantities: Quantities = ["label"],  # noqa: B006
+    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
+    figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Map the region of attraction: the attractor of the motion from every start of a grid.
+
+    Examples of use:
+
+        lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
+        w=-150:150:2000 --out map.nc --threads 2
+
+        lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write; one that is there is replaced.
+    """
+    from lsvib.api import drive_class, map_attraction
+    from lsvib.basins.grid import Grid
+    from lsvib.data.attraction_map import summary
+    from lsvib.data.writer import write_dataset
+    from lsvib.files import Outputs
+
+    pictures = _pictures(figure)
+    outputs = Outputs([(out, "netCDF"), *pictures])
+    starts = Grid.parse(grid)
+    if pictures and refine:
+        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
+    if pictures and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
+        raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
+    drive = drive_class(model).of(pairs(changes))
+    found = map_attraction(drive, starts, quantities, resume, threads, refine, Progress())
+    dataset, counts = found.dataset, found.counts
+    area = dataset["basin_area"].item() if "basin_area" in dataset else None
+    result = summary(counts, area, found.seconds)
+    with outputs.writing() as parts:
+        write_dataset(dataset, parts[0], "lsvib.attraction")
+        if pictures:
+            from lsvib.figures.attraction.picture import draw
+            from lsvib.figures.drawing.style import save
+
+            save(draw(dataset), *parts[1:])
+    if as_json:
+        print_json(result)
+        return
+    print(f"wrote {out}")
+    print_map(result, counts)
+
+
+def _pictures(figure: Path | None) -> list[tuple[Path, str]]:
+    """Return the files to draw the map to and what they are called in messages; none if no figure is asked for."""
+    if figure is None:
+        return []
+    if figure.suffix != ".png":
+        raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+    return [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]

@@ -1,0 +1,119 @@
+"""The commands about a drive that stays at rest on the desk: its parameters, thresholds and stability."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import MODEL, AsJson, Changes, pairs
+from lsvib.command.printing import print_json, print_parameters, print_stability, print_thresholds
+from lsvib.errors import InputError
+
+
+@app.command
+def config(
+    *,
+    model: Annotated[str | None, Parameter(help="rigid (the default), threads, support or nut.")] = None,
+    changes: Changes = None,
+    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show the effective parameters of a drive, with units and allowed ranges.
+
+    Examples of use:
+
+        lsvib config
+
+        lsvib config --set lead_angle_deg=4 --json
+
+        lsvib config --model threads
+    """
+    from lsvib.api import drive_class
+    from lsvib.drives.parameters import allowed_range, described, names_and_values
+
+    start = _known_keys(scene) if scene else {}
+    kind = drive_class(model or start.get("model", "rigid"))
+    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**pairs(changes))
+    fields = {}
+    for key, value in drive:
+        about = described(kind, key)
+        allowed = allowed_range(kind, key)
+        fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
+    if as_json:
+        print_json(fields)
+        return
+    print_parameters(fields)
+
+
+@app.command
+def thresholds(
+    *,
+    model: Annotated[str, MODEL] = "rigid",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compute thresholds of a drive.
+
+    Of the rigid model the chapter's: critical mass and friction, the forces of Fig. 8.6, that of global stability. Of
+    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds.
+
+    Examples of use:
+
+        lsvib thresholds
+
+        lsvib thresholds --set translation_damping=2000 --json
+
+        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
+    """
+    from lsvib.steady_sliding.summary import threshold_table
+
+    changed = pairs(changes)
+    if model == "rigid" and "axial_force" in changed:
+        raise InputError(
+            "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."
+        )
+    table = threshold_table(changed, model)
+    if as_json:
+        print_json(table)
+        return
+    print_thresholds(table)
+
+
+@app.command
+def stability(
+    *,
+    model: Annotated[str, MODEL] = "rigid",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
+
+    Examples of use:
+
+        lsvib stability --set mass=11
+
+        lsvib stability --set mass=1 --set translation_damping=1000 --set axial_force=25 --json
+
+        lsvib stability --model threads --set mass=9 --set contact_stiffness=1e8 --set contact_damping=5e4
+
+        lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
+    """
+    from lsvib.steady_sliding.stability_table import stability_table
+
+    table = stability_table(pairs(changes), model)
+    if as_json:
+        print_json(table)
+        return
+    print_stability(table)
+
+
+def _known_keys(scene: Path) -> dict[str, Any]:
+    """Read the file of a scene; every key is one of a scene."""
+    from lsvib.drives.scene import Scene, read_yaml
+
+    values = read_yaml(scene)
+    for key in values:
+        if key not in Scene.model_fields:
+            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
+    return values

@@ -1,0 +1,111 @@
+"""The commands that follow motions: one of them, or many over a range of parameters."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.printing import print_json, print_motion, print_sweep
+from lsvib.command.terminal import Progress
+
+
+@app.command
+def simulate(
+    *,
+    out: Path,
+    model: str | None = None,
+    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    changes: Changes = None,
+    initial: Annotated[
+        list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
+    ] = None,
+    t_end: Annotated[str | None, Parameter(help="End time [s].")] = None,
+    samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
+    resume: Annotated[str | None, RESUME] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a drive exactly and write its motion and events as netCDF.
+
+    Examples of use:
+
+        lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --initial u=0.1 w=0
+        --t-end 0.5 --out motion.nc
+
+        lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write; one that is there is replaced.
+    model:
+        Model of the drive: rigid (the default), threads, support or nut.
+    """
+    from lsvib.data.simulation import as_scene, attractor_of, motion_file, run, summary
+    from lsvib.data.writer import write_dataset
+    from lsvib.files import Outputs
+
+    outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
+    given: dict[str, Any] = {"model": model, "t_end": t_end, "samples": samples, "resume": resume}
+    given = {key: value for key, value in given.items() if value is not None}
+    if initial:
+        given["initial"] = pairs(initial)
+    checked = as_scene(scene, given, pairs(changes))
+    motion = run(checked)
+    steady = attractor_of(motion)
+    result = summary(checked, motion, steady)
+    with outputs.writing() as (part,):
+        write_dataset(motion_file(checked, motion, steady), part, "lsvib.simulate")
+    if as_json:
+        print_json(result)
+        return
+    print(f"wrote {out}")
+    print_motion(result)
+
+
+@app.command
+def sweep(
+    *,
+    over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **ONE_VALUE)],
+    changes: Changes = None,
+    initial: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **ONE_VALUE),
+    ] = None,
+    resume: Annotated[str, RESUME] = "contact_sign",
+    workers: Annotated[str, Parameter(help="Number of processes.")] = "1",
+    out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Sweep parameters of the rigid drive: what the motion ends on, how large and how fast, and the forces.
+
+    Examples of use:
+
+        lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
+
+        lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
+    """
+    from time import perf_counter
+
+    from lsvib.api import RigidDrive, rule
+    from lsvib.data.sweep import evenly
+    from lsvib.data.sweep import summary as swept_summary
+    from lsvib.data.sweep import sweep as swept
+    from lsvib.data.writer import write_dataset
+    from lsvib.files import Outputs
+
+    outputs = Outputs([(out, "netCDF")] if out else [])
+    axes = {name: evenly(name, text) for name, text in pairs(over).items()}
+    start = pairs(initial) if initial else None
+    begin = perf_counter()
+    found = swept(RigidDrive.of(pairs(changes)), axes, start, rule(resume), workers, Progress("points"))
+    seconds = perf_counter() - begin
+    with outputs.writing() as parts:
+        for part in parts:
+            write_dataset(found, part)
+    result = swept_summary(found, seconds)
+    if as_json:
+        print_json(result)
+        return
+    print_sweep(result)

@@ -1,0 +1,33 @@
+"""Options that several commands share, and how KEY=VALUE items are read."""
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from lsvib.errors import InputError
+
+# For options with several values: no --no-OPTION, or --empty-OPTION, beside them.
+ONE_VALUE = {"negative_iterable": ""}
+MODEL = Parameter(help="rigid, threads, support or nut.")
+RESUME = Parameter(help="Motion after a seizure: contact_sign or at_once.")
+Changes = Annotated[
+    list[str] | None,
+    Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **ONE_VALUE),
+]
+AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
+
+
+def pairs(items: list[str] | None) -> dict[str, str]:
+    """Split KEY=VALUE items; the values stay text, which the models read and check.
+
+    Raises :class:`~lsvib.errors.InputError` if an item has another form or a key is given twice.
+    """
+    found: dict[str, str] = {}
+    for item in items or []:
+        key, equals, value = item.partition("=")
+        if not equals or not key or not value:
+            raise InputError(f"{item!r} is not of the form KEY=VALUE.")
+        if key in found:
+            raise InputError(f"{key} is given twice, as {found[key]} and as {value}; give it once.")
+        found[key] = value
+    return found
