@@ -47,7 +47,9 @@ class Page:
         self._stepping = False
         self._shares: dict[Attractor, float] = {}
         self._frames: Any = None
-        self._alert = Div(text=escape(complaint), name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
+        self._alert = Div(
+            text=escape(complaint), name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"}
+        )
         self._words = Div(name="words", width=620, html_attributes={"role": "status", "aria-live": "polite"})
         self._legend = Div(name="legend", width=620)
         self._links = Div(name="links", width=620)
@@ -210,7 +212,7 @@ class Page:
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
 
-    def _say_words(self, points: Sequence[answers.Point] = () = None) -> None:
+    def _say_words(self, points: Sequence[answers.Point] = ()) -> None:
         """Say in words what the drawings show."""
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]

@@ -69,7 +69,9 @@ def _curve(drive: RigidParameters, section: Mapping[str, Any]) -> dict[str, Any]
     for key, span in section.items():
         if key in type(drive).model_fields and isinstance(span, Mapping) and "start" in span:
             return {"over": key, "low": float(span["start"]), "high": float(span["stop"])}
-    ends = sorted(math.copysign(end, drive.axial_force) for end in (_DEFAULT.low, max(_DEFAULT.high, 2 * abs(drive.axial_force))))
+    ends = sorted(
+        math.copysign(end, drive.axial_force) for end in (_DEFAULT.low, max(_DEFAULT.high, 2 * abs(drive.axial_force)))
+    )
     return {"over": "axial_force", "low": ends[0], "high": ends[1]}
 
 

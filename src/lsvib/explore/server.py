@@ -11,7 +11,6 @@ from bokeh.document import Document
 from bokeh.server.server import Server
 from tornado.web import RequestHandler
 
-from lsvib import numbers
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -21,7 +20,6 @@ from lsvib.explore.presets import presets
 from lsvib.explore.view import View
 
 HOST = "localhost"  # nobody else is let in
-_PORTS = "0 <= port <= 65535"  # 0: any that is free
 
 
 class Export(RequestHandler):
@@ -48,17 +46,6 @@ class Icon(RequestHandler):
     def get(self) -> None:
         """Send nothing."""
         self.set_status(204)
-
-
-def port_number(given: object) -> int:
-    """Return the number of a port; raises ``InputError`` in one sentence."""
-    try:
-        port = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(f"port = {numbers.shown(given)} {error}; the allowed range is {_PORTS}.") from None
-    if not 0 <= port <= 65535:
-        raise InputError(f"port = {port} is outside the allowed range {_PORTS}.")
-    return port
 
 
 def make_server(port: int) -> Server:
@@ -89,10 +76,10 @@ def make_server(port: int) -> Server:
     return server
 
 
-def serve(port: object, show: bool) -> None:
+def serve(port: int, show: bool) -> None:
     """Compile the engine, serve the page until the command is interrupted, and open it in a browser if ``show``."""
     asyncio.set_event_loop(asyncio.new_event_loop())
-    server = make_server(port_number(port))
+    server = make_server(port)
     compile_engine()
     answers.labels(View().drive, answers.window_around(View().drive, answers.followed(View())), answers.DRAGGED)
     address = f"http://{HOST}:{server.port}/"
