@@ -1,4 +1,4 @@
-"""What the explorer computes and says without a browser: views, links, presets, exports, and that it answers quickly."""
+"""What the explorer computes and says without a browser: views, links, presets, exports, how soon it answers."""
 
 import math
 import random
@@ -119,7 +119,7 @@ def test_the_amplitude_curve_is_the_sweep():
 
 
 def test_rigid_drives_are_redrawn_within_a_tenth_of_a_second():
-    """All that is computed while a parameter is dragged, of drives that are all new; the best of some, as CI is busy."""
+    """All that is computed while a parameter is dragged, of new drives each time; the best of some, as CI is busy."""
     seconds = []
     for k in range(12):
         view = View(DRIVE.replace(mass=11 + 1e-3 * k), u=0.1, window=WINDOW)

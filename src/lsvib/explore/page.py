@@ -10,7 +10,7 @@ import numpy as np
 from bokeh.document import Document
 from bokeh.events import RangesUpdate, Tap
 from bokeh.layouts import column, row
-from bokeh.models import ColumnDataSource, CustomJS, Div
+from bokeh.models import CustomJS, Div
 
 from lsvib import numbers
 from lsvib.basins.clipping import Window
@@ -30,6 +30,10 @@ _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, 8 s
 _POINTS = {"rigid": 61}  # of the amplitude curve
 _FEW_POINTS = 21  # of that of other models, a point of which may take half a second
+_TO_ADDRESS = """
+const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
+if (link) window.history.replaceState(null, "", link.getAttribute("href"));
+"""
 
 
 class Page:
@@ -53,11 +57,8 @@ class Page:
         self._words = Div(name="words", width=620, html_attributes={"role": "status", "aria-live": "polite"})
         self._legend = Div(name="legend", width=620)
         self._links = Div(name="links", width=620)
-        self._address = ColumnDataSource({"query": [""]}, name="address")
-        self._address.js_on_change(
-            "data", CustomJS(code="window.history.replaceState(null, '', '?' + cb_obj.data.query[0])")
-        )
-        self.plots.plane.js_on_event("reset", CustomJS(args={"address": self._address}, code=""))
+        # The first link in the text, that to this view, becomes the address of the page.
+        self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
         self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
@@ -165,7 +166,6 @@ class Page:
     def _settle(self) -> None:
         """The hand rests: say in words and links what is shown, and begin what takes longer."""
         self._settling = None
-        self._address.data = {"query": [self.view.query()]}
         self._say_links()
         self._shares = {}
         self._say_words()

@@ -23,9 +23,9 @@ _RANGE = ("over", "low", "high")
 class View:
     """A drive, a motion of it, a part of its phase plane and a parameter to vary.
 
-    ``u`` [rad] and ``w`` [rad/s], where the motion starts; ``duration`` [s]; ``window`` of the phase plane [rad, rad/s],
-    None for one that holds the motion and its limit cycle; ``over``, the parameter of the amplitude curve, from ``low``
-    to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
+    ``u`` [rad] and ``w`` [rad/s], where the motion starts; ``duration`` [s]; ``window`` of the phase plane
+    [rad, rad/s], None for one that holds the motion and its limit cycle; ``over``, the parameter of the amplitude
+    curve, from ``low`` to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
     """
 
     drive: RigidParameters = field(default_factory=RigidDrive)
