@@ -261,6 +261,62 @@ def slide(seed: int) -> Sheet:
     )
 
 
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"friction": {"coefficient": 0.218, "slope": "-0.05 s/m"}},
+        {"friction": {"coefficient": 0.218, "slope": "0.05 s/m"}},
+        {"support": {"stiffness": "1e5 N/m", "damping": "3 N*s/m"}},
+        {"contact": {"stiffness": "1e6 N/m", "damping": "30 N*s/m"}},
+    ],
+)
+def test_no_point_of_the_window_is_worse_than_its_corners(more):
+    """Against random points of the window, for random masses and dampings."""
+    rng = np.random.default_rng(4)
+    for _ in range(15):
+        given = sheet(
+            load={
+                "mass": f"{rng.uniform(0.5, 14)} kg",
+                "force": [f"{rng.uniform(-80, -1)} N", f"{rng.uniform(1, 80)} N"],
+                "orientation": f"{rng.uniform(-90, 90)} deg",
+            },
+            operation={"speed": [f"{rng.uniform(1, 20)} rad/s", f"{rng.uniform(25, 90)} rad/s"]},
+            damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{rng.uniform(0, 1500)} N*s/m"},
+            screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
+            **more,
+        )
+        values = values_of(given)
+        found = worst(given, values)
+        speed = rng.uniform(values["speed_low"], values["speed_high"], 3000)
+        force = rng.uniform(values["force_low"], values["force_high"], 3000)
+        for direction in (1, -1):
+            inside = reserves(given, values, direction, speed, force)
+            for name, one in found.items():
+                assert one.reserve[0] <= inside[name].min() + 1e-9, name
+
+
+@pytest.mark.parametrize(("force", "verdict"), [(50, "steady"), (10, "steady until pushed")])
+def test_a_push_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdict):
+    """R = −50 N is globally attracting, R = −10 N is not: the push that is survived leads back, a larger one not."""
+    given = sheet(load={"mass": "11 kg", "force": f"{force} N"}, damping={"rotational": "1e-3 N*m*s/rad"})
+    found = assess(given, samples=64)
+    assert found.verdict == verdict
+    if verdict == "steady":
+        return
+    values = values_of(given)
+    corner = found.mechanisms["push_needed"].corner
+    push, _ = found.nominal.push
+    drive = drive_of(given, values, *corner)
+    ends = {
+        (sign, part): steady_state(rigid_automaton(drive), [0.0, sign * part * push]).label
+        for sign in (1, -1)
+        for part in (0.999, 1.001)
+    }
+    assert ends[1, 0.999] == ends[-1, 0.999] == Attractor.STEADY_SLIDING
+    assert {ends[1, 1.001], ends[-1, 1.001]} & {Attractor.SPRAG_SLIP_CYCLE}
+
+
 def test_derivatives_are_those_of_the_closed_forms():
     """Complex steps against the closed derivatives of the kinematic reserve, and all others against differences."""
     given = sheet(

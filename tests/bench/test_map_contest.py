@@ -108,7 +108,7 @@ def test_the_dataset_of_a_small_contest(tmp_path):
     window = dict(zip(("left", "right", "bottom", "top"), NEAR.window, strict=True))
     box = {"drive": {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}, "window": window, "ratio_floor": 2.0}
     settings = {
-        "boxes": {"near": box}, "cells": {"engine": 60, "single": 60, "rk4_coarse": 40, "lsoda": 0}, "repeats": 3,
+        "boxes": {"near": box}, "cells": {"engine": 60, "rk4_coarse": 40, "lsoda": 0}, "repeats": 3,
         "distances": {"start": 1e-12, "stop": 1e-1, "count": 12}, "starts": 10, "seed": 1,
     }  # fmt: skip
     dataset = map_precision.build(settings).assign_attrs(settings=json.dumps(settings))
@@ -116,10 +116,10 @@ def test_the_dataset_of_a_small_contest(tmp_path):
     dataset = read_dataset(tmp_path / "map.nc")
     assert all(check.passed for check in map_precision.checks(dataset))
     assert len(figure.draw(dataset).axes) >= 2
-    assert 0 < float(dataset.reach[1, 0]) < 1e-5  # single precision has its limit
+    assert 0 < float(dataset.reach[1, 0]) < 1e-3  # steps have their limit
     for name, index in (("wrong_cells", (0, 0)), ("undecided_near", (0, 0, 5))):
         spoilt = dataset.copy(deep=True)
         spoilt[name].values[index] = 1
         assert not map_precision.checks(spoilt)[0].passed
-    slow = dataset.assign(time_per_label=dataset.time_per_label.copy(data=np.ones((3, 1))))
+    slow = dataset.assign(time_per_label=dataset.time_per_label.copy(data=np.ones((2, 1))))
     assert not map_precision.checks(slow)[-1].passed

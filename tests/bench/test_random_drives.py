@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import fate
 from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.paths import exact_path, quick_path, watched_path
+from lsvib.bench.sweeps.paths import engine_path, exact_path, quick_path, watched_path
 from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.motion import follow
 
 SEED = 7
 CHAPTER = {  # what the chapter's drives do, by the figures
@@ -114,6 +117,33 @@ def test_more_motions_and_stability_of_random_drives_are_right():
         records = [command.judged(model, SEED, k, ("stability", "motion")) for k in range(count)]
         table = command.summary(records)
         assert not any(table[stage][verdict] for stage in table for verdict in judges.BAD), records
+
+
+def test_a_small_undamped_motion_does_not_come_to_rest():
+    """R = 0 and no damping: a start at 1e-10 of the drive's size stays on its closed orbit."""
+    drive = RigidParameters.of(axial_force=0.0, support_damping=0.0, translation_damping=0.0, mass=5.0)
+    constants = watch.constants(dict(drive))
+    start = 1e-10 * constants.scale, 1e-10 * constants.speed
+    assert fate(constants, *start).name == "neutral_family"
+
+
+def test_events_at_the_corner_need_no_reference(monkeypatch):
+    """With R = 0 seizures accumulate at θ′ = 0, Q = 0 and their number is free; other events and the end are not."""
+    wide = wide_drive("rigid", 1, 335, 16)
+    constants, case = watch.constants(dict(wide.drive)), judges.motion_case(wide, 10)
+    monkeypatch.setattr(judges, "exact_path", None)  # not called
+    assert judges._motion(wide, 10, constants, rigid_automaton(wide.drive)).verdict == judges.CORNER
+    path = engine_path(follow(rigid_automaton(wide.drive), case.start, case.duration), case)
+    other = watched_path(case, constants, path.size)
+    assert path.kinds != other.kinds
+    assert judges._at_corner(path, other, case) == judges.CORNER
+    fewer = replace(path, kinds=path.kinds[:-2] + path.kinds[-1:], times=np.delete(path.times, -2))
+    first = replace(path, times=path.times + np.eye(path.times.size)[0] * 1e-6 * case.duration)
+    elsewhere = replace(path, end=path.end + 1e-8 * path.size)
+    for spoilt in (fewer, first, elsewhere):
+        assert judges._at_corner(spoilt, other, case) == ""
+    loaded = case._replace(drive=RigidParameters.of({**dict(case.drive), "axial_force": 1.0}))
+    assert judges._at_corner(path, other, loaded) == ""
 
 
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])

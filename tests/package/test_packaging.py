@@ -30,7 +30,7 @@ def test_requirements_pin_what_the_project_declares():
     with (ROOT / "pyproject.toml").open("rb") as file:
         project = tomllib.load(file)["project"]
     extras = project["optional-dependencies"]
-    names = [re.split("[>=]", text)[0] for text in project["dependencies"] + extras["workflow"]]
+    names = [re.split("[>=]", text)[0] for text in project["dependencies"] + extras["workflow"] + extras["assess"]]
     tools = [re.split("[>=]", text)[0] for text in extras["dev"]]
     assert set(pins("requirements.txt")) == set(names)
     assert set(pins("requirements-dev.txt")) == set(tools)

@@ -148,12 +148,36 @@ def _mechanisms(sheet: Sheet, values: dict[str, float], spread: Uncertainty) -> 
     for name, one in lowest.items():
         corner = tuple(float(x) for x in places[int(one.corner[0])])
         corner = (int(corner[0]), *corner[1:])
-        probability = spread.probability[name]
+        share, interval = spread.probability[name].value, spread.probability[name].interval
+        occurs = _occurs(sheet, values, name, places, float(one.reserve[0]))
+        if name == "push_needed" and occurs and sheet.support is None:
+            occurs, corner = _most_pushed(sheet, values, places, corner)
+        if spread.samples == 1:  # nothing is uncertain
+            share, interval = float(occurs), (float(occurs), float(occurs))
         found[name] = Mechanism(
-            name, _occurs(sheet, values, name, places, float(one.reserve[0])), float(one.reserve[0]), corner,
-            probability.value, probability.interval, edges[name], slopes[name],
+            name, occurs, float(one.reserve[0]), corner,
+            share, interval, edges[name], slopes[name],
         )  # fmt: skip
     return found
+
+
+def _most_pushed(
+    sheet: Sheet, values: dict[str, float], places: list, corner: tuple[int, float, float]
+) -> tuple[bool, tuple[int, float, float]]:
+    """Whether some push starts a vibration of the rigid drive at a corner, and the corner where the smallest does.
+
+    Beyond a certain force against the motion none does (end of Sect. 8.7), although Γ₊ is negative.
+    """
+    pushes = {
+        (int(place[0]), float(place[1]), float(place[2])): survived_push(sheet, values, place)[0]
+        for place in places
+        if mechanisms.reserves(sheet, values, *place)["push_needed"] < 0
+    }
+    known = {place: push for place, push in pushes.items() if push is not None}
+    if not known:
+        return True, corner
+    first = min(known, key=known.__getitem__)
+    return bool(np.isfinite(known[first])), first
 
 
 def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, reserve: float) -> bool:
@@ -175,7 +199,7 @@ def _verdict(found: dict[str, Mechanism], spread: Uncertainty) -> str:
         name = "vibrates"
     elif spread.any.value > 0:
         name = "may vibrate"
-    elif found["push_needed"].occurs or found["push_needed"].probability > 0:
+    elif found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
         name = "steady until pushed"
     elif min(one.reserve for one in steady) == 0:
         name = "steady without reserve"
@@ -190,7 +214,7 @@ def _critical(found: dict[str, Mechanism]) -> str:
     """The mechanism with the lowest reserve; vibration after a push counts only where nothing else occurs."""
     own = {name: one for name, one in found.items() if name != "push_needed"}
     name = min(own, key=lambda key: own[key].reserve)
-    return "push_needed" if own[name].reserve > 0 > found["push_needed"].reserve else name
+    return "push_needed" if own[name].reserve > 0 and found["push_needed"].occurs else name
 
 
 def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str, Mechanism]) -> Motion:
@@ -198,6 +222,8 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str,
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = tuple(float(x) for x in places[int(lowest[name].corner[0])])
     corner = (int(corner[0]), *corner[1:])
+    if name == "push_needed" and sheet.support is None:
+        corner = _most_pushed(sheet, values, places, corner)[1]
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
     if name == "falling_friction" and lowest[name].reserve[0] < 0:
         beyond = Vibration("rigid", "unknown", reason=_BEYOND)
@@ -211,7 +237,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str,
 
 
 def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> Motion:
-    """The motion at the worst values within the uncertainties, of the mechanism that they bring nearest."""
+    """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
     name = _critical_of_samples(sheet, found, spread)
     shares = worst_shares(sheet, name, spread.lowest[name])
     draw = draw_of(sheet, shares[:, None])
@@ -225,7 +251,7 @@ def _critical_of_samples(sheet: Sheet, found: dict[str, Mechanism], spread: Unce
         return float(worst(sheet, quantities(sheet, draw))[name].reserve[0])
 
     own = {name: lowest(name) for name in found if name != "push_needed"}
-    name = min(own, key=own.__getitem__)
+    name = min(own, key=lambda key: (-found[key].probability, own[key]))
     return "push_needed" if own[name] > 0 > lowest("push_needed") else name
 
 

@@ -88,7 +88,8 @@ def _row(folder: str, verdict: dict[str, Any]) -> list[object]:
     low, high = short["interval"]
     spread = "" if low == high else page.small(f"95 % sure: {percent(low)} to {percent(high)}")
     worst, nearest = short["worst_case"], short["nearest_change"]
-    motion = "does not vibrate" if worst["frequency"] is None else f"{shown(worst['frequency'], 'Hz')}"
+    still = "not known beyond its onset" if worst["attractor"] == "unknown" else "does not vibrate"
+    motion = still if worst["frequency"] is None else shown(worst["frequency"], "Hz")
     swing = "" if worst["amplitude"] is None else page.small(f"± {shown(worst['amplitude'], 'm')} at the load")
     moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
     reserve = page.small(f"reserve {short['reserve']:+.2f}")

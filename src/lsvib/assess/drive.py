@@ -45,11 +45,13 @@ def nominal_draw(sheet: Sheet) -> dict[str, float]:
 
 def random_entries(sheet: Sheet) -> list[str]:
     """Return the entries that are uncertain: all but ranges of force and speed, which are the operating window."""
-    window = ("load.force", "operation.speed")
-    return [
-        path for path, entry in sheet.spreads().items()
-        if entry.uncertain and not (path in window and entry.kind == "uniform")
-    ]  # fmt: skip
+    return [path for path, entry in sheet.spreads().items() if entry.uncertain and not is_window(sheet, path)]
+
+
+def is_window(sheet: Sheet, path: str) -> bool:
+    """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
+    entry = sheet.spreads().get(path)
+    return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
 
 
 def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
@@ -80,8 +82,8 @@ def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
     for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
-        entry = sheet.spreads().get(path)
-        if entry is not None and entry.kind == "uniform":
+        if is_window(sheet, path):
+            entry = sheet.spreads()[path]
             found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
         else:
             found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale

@@ -11,9 +11,10 @@ from lsvib.assess.drive import QUANTITIES, random_entries
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
-from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, VERDICTS
+from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, SHORT, VERDICTS
 
 _TONES = {"vibrates": "bad", "may vibrate": "warn", "steady until pushed": "warn", "steady without reserve": "warn"}
+_ADVICE = 3  # changes that the summary names
 _MARGINS = 3  # causes whose margins are drawn
 _NEAR = 10.0  # factor within which a margin is worth a bar
 _UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
@@ -61,19 +62,16 @@ def _summary(assessment: Assessment) -> str:
     occurring = [one for one in found if one.occurs]
     if occurring:
         one = occurring[0]
-        best = next((row for row in one.margins if row.factor is not None), None)
-        advice = (
-            f" The smallest single change that ends it: the {CHANGES[best.quantity]} {change(best.factor)}."
-            if best
-            else ""
-        )
-        return f"The cause is {MECHANISMS[one.name][0].lower()}, first {_where(one, assessment)}.{advice}"
+        best = [row for row in one.margins if row.factor is not None][:_ADVICE]
+        changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
+        advice = f" The smallest single changes that end it: {changes}." if best else ""
+        return f"The cause is {SHORT[one.name]}, first {_where(one, assessment)}.{advice}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         return "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
-        f"The nearest cause of vibration is {MECHANISMS[one.name][0].lower()}: it would set in with the "
+        f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
         f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}."
     )
 
@@ -109,7 +107,8 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         where = _where(one, assessment) if one.occurs else ""
         verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(where) if where else ''}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
-        rows.append((cause, verdict, f"{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
+        most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
+        rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
     absent = []
     if "mode_coupling" not in assessment.mechanisms:
         absent.append("Mode coupling of the support was not examined: the data sheet gives no support.")
@@ -136,7 +135,7 @@ def _changes(assessment: Assessment) -> list[Html]:
     first = names[0]
     best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
     text = (
-        f"Per cent for per cent, the strongest single lever on {MECHANISMS[first][0].lower()} is the "
+        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
         f"{CHANGES[best[0]]}: 1 % more changes the reserve by {0.01 * best[1]:+.4f}."
     )
     return [
@@ -156,7 +155,7 @@ def _changes(assessment: Assessment) -> list[Html]:
             ),
             page.picture(
                 pictures.embedded(pictures.sensitivity_chart, assessment, first),
-                f"What 1 % more of each quantity does to the reserve against {MECHANISMS[first][0].lower()}.",
+                f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
             ),
         ),
         page.paragraph(text),
@@ -272,7 +271,7 @@ def _uncertainty(assessment: Assessment) -> list[Html]:
         charts.append(
             page.picture(
                 pictures.embedded(pictures.sobol_chart, assessment, name),
-                f"Which uncertainty causes the spread of the reserve against {MECHANISMS[name][0].lower()} (Sobol "
+                f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol "
                 "indices). The longest bar is what to measure first.",
             )
         )

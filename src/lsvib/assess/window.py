@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess.drive import is_window, point
 from lsvib.assess.mechanisms import applicable, reserves
 from lsvib.assess.sheet import Sheet
 
 # A curve bends within the window, where friction may be worst; straight lines have their extremes at the corners.
 _SPEEDS_OF_CURVE = 65
+_FORCES_OF_SLOPE, _BESIDE = 33, 1e-9  # forces on each side of R̃ = 0, and how near the first one is, as a share
 
 
 @dataclass(frozen=True)
@@ -30,15 +32,35 @@ def directions(sheet: Sheet) -> tuple[int, ...]:
 def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any]]:
     """Return direction, speed [rad/s] and force [N] of the points of the window where a reserve can be lowest.
 
-    All reserves depend on speed and force through the sign and the size of R̃ = R − r_m tan λ c_x Ω alone, which is
-    linear in both; so the corners decide. With a friction curve 65 speeds between the ends are looked at.
+    All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
+    sign, for which the corners decide, and with a slope of friction through its size. Then 33 forces on each side of R̃
+    = 0 are looked at as well, from next to it on, and with a curve of friction 65 speeds.
     """
     low, high = values["speed_low"], values["speed_high"]
-    count = 1 if low is high else 2 if sheet.friction.curve is None else _SPEEDS_OF_CURVE
+    count = 1 if not is_window(sheet, "operation.speed") else 2 if sheet.friction.curve is None else _SPEEDS_OF_CURVE
     speeds = [low + share * (high - low) for share in np.linspace(0.0, 1.0, count)]
-    forces = [values["force_low"], values["force_high"]]
-    forces = forces[:1] if forces[0] is forces[1] else forces
-    return [(direction, speed, force) for direction in directions(sheet) for speed in speeds for force in forces]
+    found = []
+    for direction in directions(sheet):
+        for speed in speeds:
+            found += [(direction, speed, force) for force in _forces(sheet, values, direction, speed)]
+    return found
+
+
+def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any) -> list[Any]:
+    low, high = values["force_low"], values["force_high"]
+    if not is_window(sheet, "load.force"):
+        return [low]
+    if sheet.friction.curve is None and sheet.friction.slope is None:
+        return [low, high]
+    p = point(sheet, values, direction, speed, 0.0).parameters
+    free = p["axial_force"] - p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
+    forces = [low, high]
+    for end in (low, high):
+        for share in np.linspace(_BESIDE, 1.0, _FORCES_OF_SLOPE):
+            force = free + share * (end - free)
+            force = np.where(np.real(force) < np.real(low), low, force)
+            forces.append(np.where(np.real(force) > np.real(high), high, force))
+    return forces
 
 
 def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:

@@ -35,6 +35,16 @@ MECHANISMS = {
 }
 """Name and plain meaning of each mechanism."""
 
+SHORT = {
+    "negative_damping": "negative damping (friction feeds the swing instead of braking it)",
+    "kinematic_constraint": "kinematic constraint (the threads wedge and let go)",
+    "mode_coupling": "mode coupling of the support (turning and shifting of the screw lock together)",
+    "falling_friction": "friction that falls with speed",
+    "thread_contact": "springy thread contact",
+    "push_needed": "vibration after a push",
+}
+"""The same in a few words, for the middle of a sentence."""
+
 CHANGES = {
     "lead": "lead of the thread",
     "pitch_diameter": "pitch diameter of the thread",

@@ -1,4 +1,4 @@
-"""The ways to map a region of attraction that are compared: this engine in double and single precision, and rivals."""
+"""The ways to map a region of attraction that are compared: this engine and its rivals."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +11,6 @@ from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.mapper import Mapper
 from lsvib.bench.maps import map_kernels
-from lsvib.bench.maps.single_precision import in_single, twin
 from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
@@ -37,26 +36,17 @@ class Rule(IntEnum):
 
 @dataclass(frozen=True)
 class MapMethod:
-    """A way to map: ``prepare`` makes the function that is timed; ``dtype`` of the starts."""
+    """A way to map: ``prepare`` makes the function that is timed."""
 
     label: str
     rule: Rule
     prepare: Callable[[Mapper], Label]
-    dtype: type = np.float64
 
 
 def _engine(mapper: Mapper) -> Label:
-    return _mapped(labelling.map_labels, mapper.automaton.tables, mapper.sections.known)
-
-
-def _single(mapper: Mapper) -> Label:
-    tables, known = in_single(mapper.automaton.tables), in_single(mapper.sections.known)
-    return _mapped(twin("labelling").map_labels, tables, known)
-
-
-def _mapped(kernel, tables, known) -> Label:
+    tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
-    return lambda x, y, labels: kernel(tables, known, x, y, 0, _BUDGET, labels, none)
+    return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
 def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
@@ -143,7 +133,6 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
 
 METHODS: dict[str, MapMethod] = {
     "engine": MapMethod("lsvib", Rule.PROOF, _engine),
-    "single": MapMethod("lsvib, float32", Rule.PROOF, _single, np.float32),
     "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _followed(3)),
     "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _stepped(1e-4, 0)),
     "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _stepped(1e-5, 0)),

@@ -17,7 +17,7 @@ from lsvib.basins.curves import Arc, Piece, state_on
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.kernels.labelling import UNRESOLVED
 from lsvib.basins.mapper import mapper
-from lsvib.bench.maps.map_methods import METHODS, Label, MapMethod
+from lsvib.bench.maps.map_methods import METHODS, Label
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels import flow_planar
@@ -76,12 +76,12 @@ def contest(
     truth = np.array([exact.contains(start) for start in starts.reshape(-1, 2)])
     outcomes, labels_of = {}, {name: METHODS[name].prepare(maps) for name in cells}
     for name, edge in cells.items():
-        labels = _points(labels_of[name], METHODS[name], starts.reshape(-1, 2))
+        labels = _points(labels_of[name], starts.reshape(-1, 2))
         wrong, undecided = _judged(labels, truth)
         share = [part.reshape(distances.size, -1).mean(axis=1) for part in (wrong, undecided)]
         x, y = box.grid(edge)
         inside_cells = np.array([[exact.contains((u, w)) for u in x] for w in y])
-        found = _judged(_cells(labels_of[name], METHODS[name], x, y), inside_cells)
+        found = _judged(_cells(labels_of[name], x, y), inside_cells)
         outcomes[name] = MapOutcome(math.inf, edge**2, int(found[0].sum()), int(found[1].sum()), *share)
     _take_times(box, cells, labels_of, outcomes, repeats)
     return outcomes, length
@@ -156,18 +156,18 @@ def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return ~undecided & ((labels == Attractor.STEADY_SLIDING) != truth), undecided
 
 
-def _points(label: Label, method: MapMethod, starts: np.ndarray) -> np.ndarray:
+def _points(label: Label, starts: np.ndarray) -> np.ndarray:
     """Labels (n) of single starts (n, 2)."""
-    labels, starts = np.empty((len(starts), 1, 1), dtype=np.int8), starts.astype(method.dtype)
+    labels = np.empty((len(starts), 1, 1), dtype=np.int8)
     for found, start in zip(labels, starts, strict=True):
         label(start[:1], start[1:], found)
     return labels[:, 0, 0]
 
 
-def _cells(label: Label, method: MapMethod, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _cells(label: Label, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Labels (rows, columns) of a grid."""
     labels = np.empty((y.size, x.size), dtype=np.int8)
-    label(x.astype(method.dtype), y.astype(method.dtype), labels)
+    label(x, y, labels)
     return labels
 
 
@@ -175,10 +175,7 @@ def _take_times(
     box: Box, cells: Mapping[str, int], labels_of: Mapping[str, Label], outcomes: Mapping[str, MapOutcome], repeats: int
 ) -> None:
     """Enter the least processor time of each method, all in turn, so that a busy machine slows all alike."""
-    grids = {}
-    for name, edge in cells.items():
-        x, y = (axis.astype(METHODS[name].dtype) for axis in box.grid(edge))
-        grids[name] = x, y, np.empty((edge, edge), dtype=np.int8)
+    grids = {name: (*box.grid(edge), np.empty((edge, edge), dtype=np.int8)) for name, edge in cells.items()}
     spent = dict.fromkeys(grids, 0.0)
     for _ in range(repeats):
         for name, (x, y, labels) in grids.items():

@@ -39,7 +39,7 @@ from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.motion import follow
+from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError, LsvibError
 from lsvib.steady_sliding.stability_table import stability_table
 
@@ -75,10 +75,11 @@ Stage = tuple[str, Callable[[], list[Finding] | Callable[[], list[Finding]]]]
 
 def stages(wide: WideDrive, questions: Iterable[str] = QUESTIONS) -> Iterator[Stage]:
     """Yield the questions that are asked about a drive."""
-    return (stage for stage in _stages(wide) if stage[0] in questions)
+    wanted = set(questions)
+    return (stage for stage in _stages(wide, wanted) if stage[0] in wanted)
 
 
-def _stages(wide: WideDrive) -> Iterator[Stage]:
+def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
     yield "stability", lambda: [_stability(wide)]
     if wide.model != "rigid":
         cases = lru_cache(lambda: four_cases(wide))
@@ -98,10 +99,10 @@ def _stages(wide: WideDrive) -> Iterator[Stage]:
                 yield question, lambda k=k, answer=answer: _four_label(wide, k, answer, truth)
         return
     constants = watch.constants(dict(wide.drive))
-    truths = [fate(constants, *start) for start in wide.starts]
     automaton = lru_cache(lambda: rigid_automaton(wide.drive))  # its first use counts its construction
     for k in range(len(wide.starts)):
         yield "motion", lambda k=k: [_motion(wide, k, constants, automaton())]
+    truths = [fate(constants, *start) for start in wide.starts] if wanted & {"attractor", "label"} else []
     for k, truth in enumerate(truths):
         yield "attractor", lambda k=k, truth=truth: [_attractor(wide, k, truth, automaton())]
     yield "threshold", lambda: _thresholds(wide)
@@ -131,23 +132,47 @@ def _motion(wide: WideDrive, k: int, constants: watch.WatchConstants, automaton:
     if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
         return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
     other = watched_path(case, constants, path.size)
-    if other is not None and case_judge.agree(path, other, case):
-        drawn = balance(motion, wide.drive)
-        if not drawn.residual > case_judge.allowed_residual(drawn.rounding):
-            return Finding(RIGHT, k)
+    if other is not None:
+        verdict = RIGHT if case_judge.agree(path, other, case) else _at_corner(path, other, case)
+        if verdict and _balanced(motion, wide):
+            return Finding(verdict, k)
     exact = exact_path(case, wide.drive, case.start)
     if exact is None:
         return Finding(UNDECIDED, k, "the reference does not decide")
-    if case.start[1] == -wide.drive.input_speed and _same_after_an_instant(path, exact, case):
+    if _starts_on_speed(case) and _same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
     # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
     if not (path.complete or exact.complete) and _same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
         return Finding(RIGHT, k)
-    if constants.net_force == 0 and case_judge.same_end(
-        path, exact
-    ):  # rest ends on Q = 0: a corner on every such orbit
+    # Without a net force rest ends on Q = 0: a corner on every such orbit.
+    if constants.net_force == 0 and case_judge.same_end(path, exact):
         return Finding(CORNER, k)
     return _by_reference(wide, k, case)
+
+
+def _balanced(motion: Motion, wide: WideDrive) -> bool:
+    """Whether the energy of a motion balances."""
+    drawn = balance(motion, wide.drive, wide.physics)
+    return not drawn.residual > case_judge.allowed_residual(drawn.rounding)
+
+
+def _at_corner(path: Path, other: Path, case: Case) -> str:
+    """Return CORNER if two motions differ only where they may, else nothing; the reference need not be asked then.
+
+    They may differ by events at once after a start on θ′ = 0 and, with R = 0, by events at the corner θ′ = 0, Q = 0.
+    All events before the first that differs have the same times, and the final states agree.
+    """
+    if _starts_on_speed(case) and _same_after_an_instant(path, other, case):
+        return CORNER
+    pairs = zip(path.kinds, other.kinds, strict=False)
+    same = next((k for k, (one, two) in enumerate(pairs) if one != two), min(len(path.kinds), len(other.kinds)))
+    cornered = case.drive.axial_force == 0 and _same_first(path, other, same, case)
+    return CORNER if cornered and case_judge.agree_but_corners(path, other, case) else ""
+
+
+def _starts_on_speed(case: Case) -> bool:
+    """Whether a motion starts on θ′ = 0."""
+    return case.start[1] == -case.drive.input_speed
 
 
 def _four_motion(
@@ -162,10 +187,8 @@ def _four_motion(
     if not any(case.start) and linear_judge.carries_no_force(wide):  # the equilibrium, on N = 0
         return [Finding(WRONG if path.kinds or path.end.any() else RIGHT, k)]
     other = strides_path(case, constants)
-    if other is not None and case_judge.agree(path, other, case):
-        drawn = balance(motion, wide.drive, wide.physics)
-        if not drawn.residual > case_judge.allowed_residual(drawn.rounding):
-            return [Finding(RIGHT, k)]
+    if other is not None and case_judge.agree(path, other, case) and _balanced(motion, wide):
+        return [Finding(RIGHT, k)]
     return lambda: [_by_strides(wide, k, case, path, other)]
 
 

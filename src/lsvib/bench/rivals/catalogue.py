@@ -119,7 +119,6 @@ def _with_diffrax(label: str, **options) -> Method:
 
 METHODS = {
     "exact": Method("lsvib", MethodFamily.EXACT, _exact, "none"),
-    "exact_single": Method("lsvib, float32 tables", MethodFamily.EXACT, _exact, "none", {"single": True}),
     "rk45": _with_scipy("RK45", solver="RK45"),
     "dop853": _with_scipy("DOP853", solver="DOP853"),
     "dop853_capped": _with_scipy("DOP853, step cap", solver="DOP853", capped=True),

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.bench.jit import allocating_kernel, inlined_kernel, kernel
 
 _SPLIT = 134217729.0  # 2^27 + 1 cuts a double into two halves of 26 digits
 

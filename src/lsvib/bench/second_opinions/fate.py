@@ -93,8 +93,12 @@ def _fate(c: WatchConstants, u: float, w: float, mode: int, leaps: int) -> Fate:
 
 
 def _vanishes(c: WatchConstants, u: float, w: float) -> bool:
-    """Whether a motion is so small that it has come to an equilibrium on Q = 0; any other it would settle to."""
-    return c.net_force == 0 and abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed)
+    """Whether a motion has become so small that it has come to an equilibrium on Q = 0; any other it would settle to.
+
+    Without damping no motion becomes small: it loses energy only where θ′ passes zero.
+    """
+    damped = c.flow[1, 0] != 0  # C of law −1 is zero only if both dampings are
+    return damped and c.net_force == 0 and abs(u) < _CORNER * c.scale and abs(w) < _CORNER * abs(c.speed)
 
 
 def _watch(c: WatchConstants, u: float, w: float, mode: int, room: int) -> _WatchedEvents:

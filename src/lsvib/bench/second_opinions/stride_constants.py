@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp, mpf
 
+from lsvib.bench.jit import allocating_kernel
 from lsvib.bench.reference import threads_digits
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
 from lsvib.bench.second_opinions import double_doubles
 from lsvib.bench.second_opinions.endings import DIGITS
-from lsvib.engine.kernels.jit import allocating_kernel
 
 ABSENT, FORCE = -2, -1  # kinds of conditions; 0, 1: a speed (of slip, of the second body)
 ORDERS = 5  # of derivatives of a condition, from 0

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
+from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
 
 KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
 _REVERSAL_OF_CONTACT, _STICK, _REVERSAL, _RELEASE, _SEIZURE = range(5)

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
+from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions.endings import AMBIGUOUS, DIGITS, EVENTS_FULL, SETTLED, SLOW, TIME_REACHED
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
 
 KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
 CONTACT_REVERSAL, STICK, REVERSAL, RELEASE, SEIZURE = range(5)

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.engine.kernels import dispatch, flow_planar
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.motion import Motion
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)

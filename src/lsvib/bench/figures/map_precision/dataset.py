@@ -1,4 +1,4 @@
-"""Maps of the region of attraction in double and single precision, and by other methods: speed and wrong labels."""
+"""Maps of the region of attraction by this engine and by other methods: speed and wrong labels."""
 
 import json
 import os
@@ -13,7 +13,6 @@ import xarray as xr
 from lsvib.basins.clipping import Window
 from lsvib.bench.maps.map_methods import METHODS, Rule
 from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
-from lsvib.bench.maps.single_precision import double_arithmetic, twin
 from lsvib.data.attributes import attributes, flags
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
@@ -22,7 +21,6 @@ from lsvib.drives.parameters import RigidParameters
 
 _SOURCE = "docs/attraction.md"
 _CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
-_SINGLE = 1e-5  # distance from which on none of single precision may be
 _CHANGED = ("mass", "support_damping", "axial_force")  # in which the drives of the boxes may differ
 _PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 
@@ -44,7 +42,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths = [length for _, length in found]
     floors = [box["ratio_floor"] for box in settings["boxes"].values()]
-    doubles = len(double_arithmetic(twin("labelling").map_labels))
     return xr.Dataset(
         _measured(rows, distances, lengths)
         | {
@@ -64,11 +61,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
             ),
             "ratio_floor": ("box", floors, attributes("1", "ratio to RK4 with the coarse step that is asked for")),
-            "double_instructions": (
-                (),
-                doubles,
-                attributes("1", "instructions in double precision in the compiled map in single precision"),
-            ),
         },
         coords={
             **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
@@ -81,7 +73,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
         },
         attrs={
-            "title": "Maps of the region of attraction in double and single precision, and by other methods",
+            "title": "Maps of the region of attraction by this engine and by other methods",
             "source": "lsvib; labels judged by the exact boundary of the basin",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
             "timing": "processor time of one thread for a grid, methods in turn, least of the repeats; without "
@@ -95,15 +87,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that no label of the engine is wrong, where those in single precision are, and the ratios of speed."""
+    """Check that no label of the engine is wrong or undecided, and how much faster than Runge–Kutta it is."""
     names = dataset.method.attrs["flag_meanings"].split()
     boxes = np.atleast_1d(dataset.box.attrs["flag_meanings"].split())
-    engine, single, coarse = (dataset.isel(method=names.index(n)) for n in ("engine", "single", "rk4_coarse"))
+    engine, coarse = (dataset.isel(method=names.index(n)) for n in ("engine", "rk4_coarse"))
     far = dataset.boundary_distance.values >= _CERTAIN * 0.99  # a distance is a power of ten only to rounding
     near = (engine.wrong_near + engine.undecided_near).values[:, far]
     on_grid = int((engine.wrong_cells + engine.undecided_cells).sum())
-    reach = float(single.reach.max())
-    gain = (engine.time_per_label / single.time_per_label).values
     ratio = (coarse.time_per_label / engine.time_per_label).values
     return [
         Check.holds(
@@ -111,24 +101,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             _SOURCE,
             f"{on_grid} of {int(engine.cells.sum())} cells, largest share at a distance {near.max():g}",
             on_grid == 0 and not near.any(),
-        ),
-        Check.holds(
-            "The map in single precision has no instruction in double precision",
-            _SOURCE,
-            f"{int(dataset.double_instructions)} instructions",
-            int(dataset.double_instructions) == 0,
-        ),
-        Check.holds(
-            f"Wrong and undecided labels in single precision lie within {_SINGLE:g} widths of the boundary",
-            _SOURCE,
-            f"farthest at {reach:.1e}",
-            reach < _SINGLE,
-        ),
-        Check.holds(
-            "Single precision does not make a map twice as fast",
-            _SOURCE,
-            ", ".join(f"{box}: {x:.2f}" for box, x in zip(boxes, gain, strict=True)),
-            bool((gain < 2).all()),
         ),
         *(
             Check.holds(

@@ -10,7 +10,6 @@ from lsvib.figures.drawing import style
 
 _STYLES = {  # colour, dashes
     "engine": (style.BLACK, "-"),
-    "single": (style.VERMILION, "-"),
     "followed": (style.PURPLE, "--"),
     "rk4_coarse": (style.BLUE, "-"),
     "rk4_fine": (style.SKY, "-"),
@@ -65,7 +64,12 @@ def _near(axes: Axes, box: xr.Dataset, names: list[str]) -> None:
         colour, dashes = _STYLES[name]
         width = 1.6 if name == "engine" else 1.0
         axes.plot(
-            box.boundary_distance, method.wrong_near, dashes, color=colour, linewidth=width, zorder=3 if k < 2 else 2
+            box.boundary_distance,
+            method.wrong_near,
+            dashes,
+            color=colour,
+            linewidth=width,
+            zorder=3 if name == "engine" else 2,
         )
         if method.undecided_near.any():
             either = method.wrong_near + method.undecided_near

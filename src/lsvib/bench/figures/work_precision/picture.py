@@ -12,7 +12,6 @@ from lsvib.figures.drawing import style
 
 _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset has more
     "exact": (style.BLACK, "*", "-"),
-    "exact_single": (style.BLACK, "P", ":"),
     "dop853": (style.BLUE, "o", "-"),
     "dop853_capped": (style.BLUE, "o", ":"),
     "radau": (style.PURPLE, "v", "-"),

@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.record import Run
 from lsvib.bench.rivals.hybrid import Clock, Hybrid, fields
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.motion import enter
 from lsvib.errors import InputError
 

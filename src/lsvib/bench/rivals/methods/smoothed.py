@@ -12,13 +12,13 @@ from collections.abc import Callable
 import numpy as np
 from sksundae.cvode import CVODE
 
+from lsvib.bench.jit import kernel
 from lsvib.bench.record import Run
 from lsvib.bench.rivals.hybrid import Clock, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state
-from lsvib.engine.kernels.jit import kernel
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
 _STEPS = 2_000_000

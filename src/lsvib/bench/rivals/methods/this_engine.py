@@ -1,4 +1,4 @@
-"""This engine; and the same with its tables rounded to single precision."""
+"""This engine, run as its rivals are."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,6 @@ import numpy as np
 from lsvib.bench.record import Run
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, arc_extremes, counted
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import Tables
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 
@@ -30,17 +29,9 @@ class _Followed:
         )
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, single: bool = False) -> Callable:
-    """Return a function that runs the engine on the scene; ``single``: with tables and start rounded to float32.
-
-    The rounded tables are computed with in double precision, so its error is the least that a float32 engine has: it
-    has no digits to spare. (In single precision throughout it exists for maps:
-    :mod:`lsvib.bench.maps.single_precision`.)
-    """
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+    """Return a function that runs the engine on the scene; ``setting`` and ``clock`` are not needed."""
     automaton, state = hybrid.automaton, np.array(hybrid.scene.state)
-    if single:
-        automaton = type(automaton)(**{**vars(automaton), "tables": _rounded(automaton.tables)})
-        state = state.astype(np.float32).astype(float)
 
     def run() -> _Followed:
         """Follow the motion by the engine."""
@@ -53,14 +44,3 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, singl
         return _Followed(hybrid, motion)
 
     return run
-
-
-def _rounded(tables: Tables) -> Tables:
-    def round_floats(value):
-        """Return an array of floats rounded to single precision, also within tuples; anything else as it is."""
-        if isinstance(value, tuple):
-            return type(value)(*map(round_floats, value))
-        real = isinstance(value, np.ndarray) and value.dtype.kind == "f"
-        return value.astype(np.float32).astype(float) if real else value
-
-    return tables._replace(**{name: round_floats(value) for name, value in tables._asdict().items()})
