@@ -85,14 +85,11 @@ class Controls:
         for key in kind.model_fields:
             about = described(kind, key)
             unit = "" if about["unit"] == "1" else f" [{about['unit']}]"
-            title, allowed = f"{about['symbol']}{unit}", allowed_range(kind, key)
-            self.fields[key] = TextInput(
-                title=title, width=100, description=f"{about['long_name']}: {allowed}", name=key,
-                html_attributes={"aria-label": f"{about['long_name']}{unit}, {allowed}"},
-            )  # fmt: skip
+            name = f"{about['long_name']} {about['symbol']}{unit}"
+            self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)
             self.sliders[key] = Slider(
-                title=about["long_name"], start=0, end=1, value=0, step=0.1, width=190, show_value=False,
-                name=f"slider_{key}", html_attributes={"aria-label": f"{about['long_name']}{unit}"},
+                start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",
+                html_attributes={"role": "group", "aria-label": name},
             )  # fmt: skip
             self.fields[key].on_change("value", self._tell(key))
             self.sliders[key].on_change("value", self._tell(f"slider:{key}"))
