@@ -301,6 +301,7 @@ def map_attraction(
     """
     from lsvib.basins import refinement
     from lsvib.basins.mapper import mapper
+    from lsvib.basins.planar_mapper import PlanarMapper
     from lsvib.data.attraction_map import attraction_map, refined_map
 
     workers = _threads(threads)
@@ -314,7 +315,7 @@ def map_attraction(
         raise InputError("refine is for labels of the rigid drive, without other quantities.")
     mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
     begin = perf_counter()
-    if refine:
+    if refine and isinstance(mapped, PlanarMapper):
         blocks = refinement.refine(mapped, starts)
         seconds = perf_counter() - begin
         return AttractionMap(refined_map(mapped, blocks), blocks.counts(), seconds)

@@ -17,8 +17,8 @@ class Quantity:
 class Condition:
     """A condition of instability; it ``hold``s exactly if each of its inequalities has a positive margin.
 
-    ``margins``: by name, in SI units of the quantity that the name says. A margin that does not exist is left out, and
-    the condition does not hold then.
+    ``margins``: by name, in SI units of the quantity that the name says. Missing margins are omitted; a condition
+    without margins does not hold.
     """
 
     hold: bool

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reference import many_starts
 
+from lsvib.basins.cells import QUANTITIES
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import QUANTITIES, mapper
+from lsvib.basins.mapper import mapper
 from lsvib.basins.refinement import refine
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters

@@ -13,7 +13,7 @@ from lsvib.drives.second_body.nut import nut_automaton
 from lsvib.drives.second_body.support import support_automaton
 from lsvib.drives.threads import threads_automaton
 from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.motion import follow
 
 LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
@@ -68,17 +68,17 @@ def test_wrong_parameter_is_seen(name):
     assert balance(motion, wrong, physics).residual > 1e-8
 
 
-@pytest.mark.parametrize("column", [flow_planar.A0, flow_planar.A1, flow_planar.B])
+@pytest.mark.parametrize("column", [columns.A0, columns.A1, columns.B])
 def test_wrong_field_is_seen(column):
     """The flow of a mode with a coefficient that is off by 1e-6; those of its closed form are tied to A0 and A1."""
     drive = RigidParameters.of(LOADED)
     automaton = rigid_automaton(drive)
     flow = automaton.tables.flow.copy()
     row = flow[1]
-    a0, a1, b = row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.B]
-    values = {flow_planar.A0: a0, flow_planar.A1: a1, flow_planar.B: b}
+    a0, a1, b = row[columns.A0], row[columns.A1], row[columns.B]
+    values = {columns.A0: a0, columns.A1: a1, columns.B: b}
     values[column] *= 1 + 1e-6
-    row[:] = oscillator(1.0, values[flow_planar.A1], values[flow_planar.A0], values[flow_planar.B])
+    row[:] = oscillator(1.0, values[columns.A1], values[columns.A0], values[columns.B])
     motion = follow(replace(automaton, tables=automaton.tables._replace(flow=flow)), (0.1, 0.0), 0.05)
     assert 1 in motion.mode
     assert balance(motion, drive).residual > 1e-9

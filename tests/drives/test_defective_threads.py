@@ -15,7 +15,7 @@ from reference.dense import simulate
 from reference.threads_comparison import compare
 
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.tables import BlockFlow
 
 BASE = ThreadsParameters.of(mass=2.0, axial_force=100.0)
 

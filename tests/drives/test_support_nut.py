@@ -18,7 +18,7 @@ from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParam
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
 from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
-from lsvib.engine.kernels import dispatch, flow_planar
+from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.kernels.status import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
@@ -143,9 +143,7 @@ def test_steady_sliding_is_the_linear_model(model, force):
     np.testing.assert_allclose(field[:, :4], expected, rtol=1e-13, atol=0)
     assert np.abs(field[:, 4]).max() <= 1e-30
     rows = automaton.tables.flow.oscillators[mode]
-    found = np.concatenate(
-        [np.roots([1, row[flow_planar.A1], row[flow_planar.A0]]) for row in rows if row[flow_planar.A0]]
-    )
+    found = np.concatenate([np.roots([1, row[columns.A1], row[columns.A0]]) for row in rows if row[columns.A0]])
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(np.linalg.eigvals(expected)), rtol=1e-10)
 
 
@@ -322,7 +320,7 @@ def test_energy_balance():
         motion = follow(automaton, start, 0.02, max_events=60)
         for mode, first, last, duration in zip(*motion.arcs(), strict=True):
             rows = flow.oscillators[mode]
-            rate = np.max(np.abs(rows[:, flow_planar.ALPHA]) + rows[:, flow_planar.BETA] + rows[:, flow_planar.DELTA])
+            rate = np.max(np.abs(rows[:, columns.ALPHA]) + rows[:, columns.BETA] + rows[:, columns.DELTA])
             pieces = max(1, math.ceil(rate * duration))
             times = ((np.arange(pieces)[:, None] + 0.5 * (NODES + 1)) / pieces * duration).ravel()
             states = np.empty((times.size, 4))

@@ -25,7 +25,7 @@ from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.impulses import mean_load, seizure_impulses
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import follow
 
 TOLERANCE = 1e-11
@@ -97,7 +97,7 @@ def integrals(motion, function):
     sums = []
     for mode, start, _, duration in zip(*motion.arcs(), strict=True):
         row = flow[mode]
-        rate = abs(row[flow_planar.ALPHA]) + row[flow_planar.BETA] + row[flow_planar.DELTA]
+        rate = abs(row[columns.ALPHA]) + row[columns.BETA] + row[columns.DELTA]
         pieces = max(1, math.ceil(rate * duration))
         times = (np.arange(pieces)[:, None] + 0.5 * (NODES + 1)) / pieces * duration
         states = np.empty((times.size, 2))

@@ -16,9 +16,8 @@ from lsvib.engine.exact.block_form import block_flow, block_mode
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch, flow_blocks, search_blocks
-from lsvib.engine.kernels.flow_blocks import BlockFlow
-from lsvib.engine.kernels.flow_modal import ModalFlow
 from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
 DIGITS = 60
 CHAIN = [[-3, 1, 0, 0, 0.1], [0, -3, 1, 0, 0], [0, 0, -3, 0, 0.7], [0, 0, 0, -50, 1]]

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.modal_form import modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal, guard_sums, search_modal
-from lsvib.engine.kernels.flow_planar import A0, ALPHA, BETA, R1, R2
+from lsvib.engine.kernels.columns import A0, ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.status import Found
 
 EPS = float(np.finfo(float).eps)

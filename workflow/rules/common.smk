@@ -12,6 +12,7 @@ import grimp
 from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
 from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.drives.registry import MODELS
 from lsvib.drives.scene import read_yaml
 from lsvib.settings import check
 from snakemake.exceptions import WorkflowError
@@ -48,7 +49,7 @@ UNIMPORTED = {
         "lsvib.figures.fig8_09.dataset",
         "lsvib.command.app",
     ),
-    "attraction_limit": ("lsvib.drives.threads",),
+    "attraction_limit": (MODELS["threads"],),
 }
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
@@ -102,14 +103,12 @@ def sources(kind):
 
 def map_sources():
     """Return the source files that the map depends on; the model, imported by its name, is unknown to the graph."""
-    ending = f".{MAP.get('model', 'rigid')}"
-    drives = [m for m in import_graph().modules if m.startswith("lsvib.drives.") and m.endswith(ending)]
-    return source_files(imports("lsvib.data.tiles").union(*map(imports, drives)))
+    return source_files(imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")]))
 
 
 def needs_engine(figure):
-    """Return whether the figure's dataset reaches ``lsvib.engine.kernels``."""
-    return any(module.startswith("lsvib.engine.kernels.") for module in imports(dataset_module(figure)))
+    """Return whether the figure's dataset reaches compiled code; all of it imports ``lsvib.engine.kernels.jit``."""
+    return "lsvib.engine.kernels.jit" in imports(dataset_module(figure))
 
 
 def engine(wildcards):

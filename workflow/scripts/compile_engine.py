@@ -4,8 +4,9 @@ import hashlib
 import sys
 from pathlib import Path
 
+from lsvib.basins.cells import QUANTITIES
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import QUANTITIES, mapper
+from lsvib.basins.mapper import mapper
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.files import write_text

@@ -16,7 +16,7 @@ PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_hig
 
 _DECADES = 3  # factors from a thousandth to a thousandfold are looked at
 _PER_DECADE = 200  # steps of 1.2 %; a narrower island of stability between two of them is not seen
-_ROUNDS, _PARTS = 5, 1000  # a step of 1.2 % is cut into a thousand parts five times, which leaves the last bits
+_ROUNDS, _PARTS = 10, 32  # a step of 1.2 % is cut into 32 parts ten times, which leaves the last bits
 _STEP = 1e-30  # of the complex step: its square, relative, lies far below rounding
 
 

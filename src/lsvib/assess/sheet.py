@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -218,6 +219,10 @@ class Sheet(_Part):
 
     def spreads(self) -> dict[str, Spread]:
         """Return the quantities that are given, by name."""
+        return self._spreads
+
+    @cached_property
+    def _spreads(self) -> dict[str, Spread]:
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
 
 

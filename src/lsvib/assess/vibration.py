@@ -13,8 +13,10 @@ from lsvib.assess.sheet import Sheet
 from lsvib.basins.exact_basin import basin
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
+from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model, find_model
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
@@ -26,7 +28,8 @@ _GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is sh
 _DOUBLINGS = 6  # of the time shown; slower growth is shown in part
 _SAMPLES = 1200
 _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
-_EVENTS = 20_000  # after which a motion counts as unresolved: a fraction of a second of work
+_EVENTS = 4_000  # after which a motion counts as unresolved: a second of work or two
+_LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
 _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
 _MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
 
@@ -170,8 +173,15 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
     and bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
     unstable, None if it is not known; and a sentence.
     """
+    drive = drive_of(sheet, values, *corner)
     try:
-        region = basin(drive_of(sheet, values, *corner))
+        if rigid_automaton(drive).contracts and drive.support_damping > 0:
+            return math.inf, "Steady motion comes back after any push."
+        c = coefficients(drive)
+        ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
+        if not c.paradox and 0 < ratio < _LEAST_DAMPING:
+            return None, "The largest push is not computed for a drive with so little damping."
+        region = basin(drive)
     except InputError as error:
         text = str(error)
         return (0.0 if "attracts nothing" in text else None), text

@@ -12,8 +12,8 @@ from lsvib.assess.mechanisms import applicable, reserves
 from lsvib.assess.sheet import Sheet
 
 # A curve bends within the window, where friction may be worst; straight lines have their extremes at the corners.
-_SPEEDS_OF_CURVE = 65
-_FORCES_OF_SLOPE, _BESIDE = 33, 1e-9  # forces on each side of R̃ = 0, and how near the first one is, as a share
+_SPEEDS_OF_CURVE = 17
+_FORCES_OF_SLOPE, _BESIDE = 9, 1e-9  # forces on each side of R̃ = 0, and how near the first one is, as a share
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     """Return direction, speed [rad/s] and force [N] of the points of the window where a reserve can be lowest.
 
     All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
-    sign, for which the corners decide, and with a slope of friction through its size. Then 33 forces on each side of R̃
-    = 0 are looked at as well, from next to it on, and with a curve of friction 65 speeds.
+    sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
+    monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide; with a support, whose reserve
+    need not be, 9 forces on each side are looked at, and with a curve of friction 17 speeds.
     """
     low, high = values["speed_low"], values["speed_high"]
     count = 1 if not is_window(sheet, "operation.speed") else 2 if sheet.friction.curve is None else _SPEEDS_OF_CURVE
@@ -56,7 +57,7 @@ def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any)
     free = p["axial_force"] - p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
     forces = [low, high]
     for end in (low, high):
-        for share in np.linspace(_BESIDE, 1.0, _FORCES_OF_SLOPE):
+        for share in np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else _FORCES_OF_SLOPE):
             force = free + share * (end - free)
             force = np.where(np.real(force) < np.real(low), low, force)
             forces.append(np.where(np.real(force) > np.real(high), high, force))
@@ -69,10 +70,23 @@ def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
     ``push_needed`` is among them, see :func:`lsvib.assess.mechanisms.reserves`. NaN where the friction is so strong
     that the drive cannot move at all.
     """
-    rows = [reserves(sheet, values, *corner) for corner in corners(sheet, values)]
+    places = corners(sheet, values)
+    rows = []
+    for direction in directions(sheet):
+        speeds, forces = (_stacked([place[k] for place in places if place[0] == direction]) for k in (1, 2))
+        rows.append(reserves(sheet, values, direction, speeds, forces))
+    size = len(places) // len(rows)
     found = {}
     for name in (*applicable(sheet), "push_needed"):
-        table = np.stack(np.broadcast_arrays(*(np.atleast_1d(row[name]) for row in rows)))
+        parts = [np.atleast_1d(row[name]) for row in rows]
+        width = max(part.shape[-1] for part in parts)
+        table = np.concatenate([np.broadcast_to(part, (size, width)) for part in parts])
         lowest = np.argmin(np.where(np.isnan(np.real(table)), -np.inf, np.real(table)), axis=0)
         found[name] = Worst(np.take_along_axis(table, lowest[None], 0)[0], lowest)
     return found
+
+
+def _stacked(numbers: list[Any]) -> NDArray[np.float64]:
+    """Floats (k) as (k, 1), arrays (k of n) as (k, n)."""
+    table = np.stack(np.broadcast_arrays(*numbers))
+    return table[:, None] if table.ndim == 1 else table

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.engine.kernels import flow_planar, search_planar
+from lsvib.engine.kernels import columns, flow_planar, search_planar
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Found
 
-_DIGITS = 40
+_DIGITS = 40  # of an area: the strips under the pieces of a boundary nearly cancel, and 24 digits may go
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def _strip(flow: np.ndarray, piece: Piece):
     (u, w), (u_end, w_end) = ([mpf(float(x)) for x in point] for point in (piece.start, piece.end))
     if isinstance(piece, Segment):
         return (w + w_end) * (u_end - u) / 2
-    a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (flow_planar.A0, flow_planar.A1, flow_planar.B))
+    a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (columns.A0, columns.A1, columns.B))
     # The end to 40 digits: of the state in double, the difference of energies would keep too few.
     time, root = mpf(piece.duration), mp.sqrt(mp.mpc(a1 * a1 / 4 - a0))
     y, first, second = u - b / a0, -a1 / 2 + root, -a1 / 2 - root
@@ -111,7 +111,7 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
     if isinstance(piece, Segment):
         return [piece]
     row = flow[piece.mode]
-    acceleration = np.array([-row[flow_planar.A0], -row[flow_planar.A1], row[flow_planar.B]])
+    acceleration = np.array([-row[columns.A0], -row[columns.A1], row[columns.B]])
     return split(flow, piece, sign_changes(flow, piece, acceleration))
 
 

@@ -1,15 +1,18 @@
 r"""The region of attraction of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
-The boundary is found by following one motion backwards; why that is all is shown in docs/basin.md. With Ω > 0 (the
-mirrored drive otherwise), M_0 the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0 (eq. 8.17):
+The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
+(otherwise the drive is mirrored), let M_0 be the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0
+(eq. 8.17). There are two cases.
 
-* Γ₊ > 0. The motion is continuous in its start, so that the basin is the inside of the innermost closed orbit, or the
-  whole plane. A motion from near the equilibrium, followed backwards, winds on to that orbit, or away without bound.
-* Γ₊ ≤ 0, the Painlevé region, R̃ Ω < 0. The motion that touches Q = 0 at T is followed backwards. It may come from Q = 0
-  itself: then no motion that has stood still settles, and the basin is what these two enclose. Otherwise it comes from
-  θ′ = 0, from a state (x, −Ω), and whatever stands or lands there with u > x settles. If a seizure that ends in that
-  state begins beyond T, its slip is followed backwards in turn, and so on, until x reaches a cycle without rest, which
-  repels, or goes to −∞. Seizures carry (x, −Ω) up and down: beyond M_0 the boundary goes on along u = x.
+* Γ₊ > 0. The motion depends continuously on its start, so the basin is the inside of the innermost closed orbit, or the
+  whole plane if there is none. A motion that starts near the equilibrium and is followed backwards winds on to that
+  orbit, or grows without bound.
+* Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0. The motion that touches Q = 0, at a point T, is followed backwards. If it
+  comes from Q = 0 itself, no motion that has stood still settles, and this motion and the line Q = 0 enclose the basin.
+  Otherwise it comes from θ′ = 0, from a state (x, −Ω), and every motion that stands or lands there with u > x settles.
+  If a seizure that ends in that state begins beyond T, the slip before the seizure is followed backwards in turn, and
+  so on, until x reaches a cycle without rest, which repels, or goes to −∞. A seizure changes w only, so beyond M_0 the
+  boundary goes on along the line u = x.
 """
 
 import math
@@ -28,24 +31,24 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 
-_NEAR = 0.5  # a start for the motion backwards: so far from the equilibrium, in distances to the first guard
-_EVENTS = 32  # of a motion backwards, before its return map is looked at
-_ROUNDS = 10_000
-_FAR = 1e9
+_NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
+_EVENTS = 32  # of a motion backwards, after which its return map is looked at
+_ROUNDS = 10_000  # of _EVENTS events each, after which the boundary is given up with an error
+_FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
 _CLOSED = 1e-9  # relative gap of an orbit that is closed
-_BRIEF = 1e-3  # in time scales of slip, 2π of which make a turn
+_BRIEF = 1e-3  # shortest turn, in time scales of slip; a turn has about 2π of them
 
 
 class Boundary(IntEnum):
     """What bounds the basin."""
 
     NONE = 0  # steady sliding is globally stable
-    TOUCHING_MOTION = 1  # the motion that touches Q = 0, and Q = 0: what has stood still never settles
+    TOUCHING_MOTION = 1  # the motion that touches Q = 0, and the line Q = 0; no motion that has stood still settles
     TOUCHING_SLIP = 2  # the slip from θ′ = 0 that touches Q = 0
     CYCLE = 3  # a cycle that repels
 
@@ -120,7 +123,7 @@ def _require_attraction(c: Coefficients) -> None:
 
 
 def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
-    """The basin for Γ₊ > 0: the inside of the cycle to which a motion from the equilibrium winds backwards."""
+    """Return the basin for Γ₊ > 0: the inside of the cycle on to which a motion winds that is followed backwards."""
     if c.damping[1] < 0 and c.damping[1] ** 2 >= 4 * drive.exact().coupling_stiffness * c.gamma[1]:
         raise InputError(
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
@@ -139,7 +142,7 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
 
 
 def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
-    """The basin in the Painlevé region, by the motion that touches Q = 0."""
+    """Return the basin in the Painlevé region, from the motion that touches Q = 0."""
     touch = _touch(drive, c)
     if touch is None:
         return Boundary.NONE, []
@@ -147,11 +150,11 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     start, mode = np.array([float(touch[0]), -float(touch[1])]), _index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
     trace = _trace(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
-        return Boundary.NONE, []  # it comes from far away: slip from θ′ = 0 never gets as far as T
+        return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
     end = start * [1, -1]
     arcs = _forward_arcs(trace, drive_forward)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
-    if trace.before[0, 1] != drive.input_speed:  # it comes from Q = 0
+    if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[*arcs[-1:], Segment(end, arcs[-1].start)]]
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
     if c.q_row[1] == 0:
@@ -167,9 +170,9 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
 
 
 def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] | None:
-    """The state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
+    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
 
-    There u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so that Q′ = κ w + ρ along the line.
+    On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
     """
     d = drive.exact()
     q_u, q_w, q_0 = c.q_row
@@ -189,7 +192,7 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
 
 
 def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float) -> None:
-    """Refuse the drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although slip from rest does not."""
+    """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
     d = drive.exact()
     with localcontext(prec=PLACES):
         upper = 1 if d.axial_force >= 0 else -1
@@ -204,20 +207,20 @@ def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float)
 
 
 def _wind_up(back: Automaton, state, mode: int) -> Motion | None:
-    """One turn of the cycle that a motion backwards winds on to; None if it grows without bound or does not come back.
+    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
 
-    The turns only grow (docs/basin.md). Where they have grown by ``_FAR`` the constants of the drive are lost in the
-    state, each turn is in proportion to the last, and growth goes on.
+    The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
+    each turn is in proportion to the one before, so they grow for ever.
     """
     start = state = np.array(state, dtype=float)
-    scale = back.tables.flow[mode, flow_planar.TIME_SCALE]
+    scale = back.tables.flow[mode, columns.TIME_SCALE]
     for _ in range(_ROUNDS):
         trace = _trace(back, state, mode, _EVENTS)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():
             return None
         state, mode = trace.end_state, trace.end_mode
         found = steady_state(back, state, mode=mode, max_events=1)
-        # An event that recurs at once is no turn.
+        # An event that recurs at once is not a turn.
         if found.orbit is not None and found.residual < _CLOSED and found.period > _BRIEF * found.returns * scale:
             once = found.orbit.time.size // found.returns
             return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
@@ -225,7 +228,7 @@ def _wind_up(back: Automaton, state, mode: int) -> Motion | None:
 
 
 def _trace(back: Automaton, state: np.ndarray, mode: int, events: int) -> Motion | None:
-    """The motion backwards over some events; None if it leaves the range of numbers, as slip that comes from afar."""
+    """Follow a motion backwards over some events; None if it leaves the range of numbers, as it does far away."""
     try:
         return follow(back, state, math.inf, mode=mode, max_events=events)
     except EngineError:
@@ -233,7 +236,7 @@ def _trace(back: Automaton, state: np.ndarray, mode: int, events: int) -> Motion
 
 
 def _forward_arcs(trace: Motion, drive_forward: Automaton) -> list[Arc]:
-    """The arcs of a motion backwards as arcs forward in time, the earliest first; without those of no duration."""
+    """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
     codes = drive_forward.codes.tolist()
     turned = np.array([1.0, -1.0])
     return [
@@ -244,7 +247,7 @@ def _forward_arcs(trace: Motion, drive_forward: Automaton) -> list[Arc]:
 
 
 def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
-    """The boundary through slip from (x, −Ω), with what seizures add to it: the line u = x, below and above."""
+    """Return the boundary along slip from (x, −Ω), continued along the line u = x, on which seizures end and begin."""
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     x = slip.start[0]
     seizure = np.array([x, -(q_u * x + q_0) / q_w])
@@ -257,7 +260,7 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
 
 
 def _everything() -> Curve:
-    """A curve with the whole plane on its right."""
+    """Return a curve that has the whole plane on its right."""
     low, high = np.array([-1e300, -math.inf]), np.array([-1e300, math.inf])
     return [Segment(low, high)]
 
@@ -267,7 +270,7 @@ def _index(automaton: Automaton, mode: MotionMode) -> int:
 
 
 def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
-    """The basin of a drive from that of the drive with both Ω and R reversed: the plane turned by half a turn."""
+    """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
     codes = rigid_automaton(found.drive).codes.tolist()
     automaton = rigid_automaton(drive)
 

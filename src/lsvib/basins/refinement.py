@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import Mapper
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.cycles.attractors import Attractor
 
 _COARSEST = 256  # blocks along an axis of the coarsest level, about
@@ -76,11 +76,11 @@ class RefinedMap:
         return window
 
 
-def refine(mapper: Mapper, grid: Grid, seed: int = 0) -> RefinedMap:
+def refine(mapper: PlanarMapper, grid: Grid, seed: int = 0) -> RefinedMap:
     """Map a grid, computing only what lies near boundaries between labels.
 
     Arguments: mapper; grid; ``seed`` of the sample of cells that is checked. The cells computed have the same bits as
-    in :meth:`Mapper.cells`.
+    in :meth:`PlanarMapper.cells`.
     """
     top = max(0, (max(grid.x.count, grid.y.count) // _COARSEST).bit_length() - 1)
     levels = [Blocks(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int8)) for _ in range(top + 1)]
@@ -105,7 +105,7 @@ def _height(grid: Grid, level: int) -> int:
     return -(-grid.y.count >> level)
 
 
-def _follow(mapper: Mapper, grid: Grid, levels: list[Blocks], level: int, wanted: np.ndarray) -> None:
+def _follow(mapper: PlanarMapper, grid: Grid, levels: list[Blocks], level: int, wanted: np.ndarray) -> None:
     """Compute blocks of a level, and all blocks that touch one of another label, until there are no more."""
     half = (1 << level) >> 1
     while wanted.size:

@@ -1,27 +1,28 @@
 r"""What becomes of motions that start on a surface between two modes: labels as a function of one coordinate.
 
-A *section* is a mode together with a surface on which the mode is entered. Every event of a motion of two states ends
-on a section, comes to rest, or is the last one; so the label of a motion is that of its state after the first event.
-Along a section labels are constant between finitely many points, which are found here to the last bit.
+A *section* is a mode together with a surface on which the mode is entered. After every event a motion with two states
+is on a section or at rest, unless the event was its last one; so the label of a motion is that of its state after the
+first event. Along a section the label is constant between finitely many points, which are found here to the last bit.
 
-Why comparing two ends is enough. Write down, for the motion from a point of a section, the guard of every event and the
-signs of all conditions of its transition: its *itinerary*. If two points of a section have the same itinerary, so has
-every point between them. For one event: the two arcs do not meet (the motions are unique), nor do they cross the
-section's surface, which bounds the mode; with the pieces of the two surfaces between their ends they enclose a region
-that lies in the mode, since the mode is convex. The rate of a guard is affine along its surface, so between two points
-at which the field enters it enters everywhere, and between two at which it leaves it leaves everywhere. A motion from
-between the two points can thus leave the region only between the arrivals of the two. It does leave: else there were
-an equilibrium within, but the index of the field along such a boundary is zero. If both settle, the motions between
-stay between them. Conditions are affine, too: with the same sign at both ends, it has it in between. Then the next
-event starts from a section again, between two of its points.
+It is enough to compare two ends, for the following reason. For the motion from a point of a section, write down the
+guard of every event and the signs of all conditions of its transition; this is the *itinerary* of the point. If two
+points of a section have the same itinerary, every point between them has it, too. Consider one event. The two arcs do
+not meet, because motions are unique, and they do not cross the section's surface, which bounds the mode. Together with
+the pieces of the two surfaces between their ends they enclose a region, which lies in the mode because the mode is
+convex. The rate of a guard is affine along its surface, so between two points at which the field enters the mode it
+enters everywhere, and between two points at which it leaves the mode it leaves everywhere. Hence a motion that starts
+between the two points can leave the region only between the ends of the two arcs. It does leave the region: otherwise
+there would be an equilibrium in it, but the index of the field along such a boundary is zero. If both motions settle,
+the motions between them stay between them. The conditions are affine, too: a condition that has the same sign at both
+ends has it between them. So the next event starts again from a section, between two of its points.
 
-Itineraries end where the rest is known: (i) at rest, since everything that rests leaves at one and the same point;
-(ii) where a motion settles; (iii) in an *absorbing interval* around a point of a cycle, which the return map, monotone
-there since both ends have the same itinerary, maps into itself: all motions within go on for ever as the cycle does.
-Where the ends of an interval differ, the point up to which the itinerary of the one holds is found by bisection, and
-both parts are examined again. Nothing else is assumed; what rounding does to such a point is measured by repeating the
-search with motions that are pushed by a few units of rounding after every event, and what lies between is labelled
-unresolved.
+An itinerary ends where the rest of the motion is known: (i) at rest, because every rest ends in the same state; (ii)
+where the motion settles; (iii) in an *absorbing interval* around a point of a cycle. The return map takes this interval
+into itself, and it is monotone there because both ends have the same itinerary; so all motions that enter the interval
+go on for ever as the cycle does. Where the itineraries of the ends of an interval differ, bisection finds the point up
+to which the itinerary of one end holds, and both parts are examined again. Nothing else is assumed. The effect of
+rounding on such a point is measured: the search is repeated with motions that are pushed by a few units of rounding
+after every event, and the starts for which the results differ are labelled unresolved.
 """
 
 from heapq import heappop, heappush
@@ -47,31 +48,33 @@ from lsvib.basins.section_tables import (
 from lsvib.cycles import leaps, return_map
 from lsvib.cycles.attractors import Attractor, Passage, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
 
-_EVENTS = 256  # of an itinerary; what a motion does later is asked of its attractor
+_EVENTS = 256  # longest itinerary; a motion that goes on is labelled by a search for its attractor
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
-_WORK = 20_000_000  # events that may be followed for a drive, a few seconds
-_BISECTIONS = 60  # motions followed to find the place at which two courses part
-_FIRST_ROUND = 0.5  # of the work, which is shared out to the sections
-_SPLIT = 5_000  # events that the bookkeeping of a piece counts for, about
-_MANY = 200  # pieces of a section after which those narrower than _NOISE, relative, are not divided: where the speed
-_NOISE = 1e-6  # passes zero by less than its rounding, neighbours differ at random over the square root of that
-_NARROW = (1e-4, 1e-8)  # relative widths of pieces that wait for wider ones
-_CROWDED = 24  # pieces of a section at which, and at each double of it, a drift is looked for that joins them
+_WORK = 20_000_000  # events that may be followed for one drive; they take a few seconds
+_BISECTIONS = 60  # motions that are followed to find the place at which two courses part
+_FIRST_ROUND = 0.5  # part of the work that is shared out to all sections before any of them gets more
+_SPLIT = 5_000  # events that take about as long as the bookkeeping of one piece
+# Where the speed passes zero by less than its rounding, neighbours differ at random over the square root of that
+# rounding. So in a section of more than _MANY pieces those of a relative width below _NOISE are not divided.
+_MANY = 200
+_NOISE = 1e-6
+_NARROW = (1e-4, 1e-8)  # relative widths below which pieces wait for wider ones
+_CROWDED = 24  # number of pieces of a section at which, as at each doubling, a drift is looked for that joins them
 _BESIDE = 1e-9  # relative distance of a start beside a piece
-_PATIENT = 1e3  # times a return that one may take which starts farther away
-_LEAPS_COST = 400_000  # events that a search by leaps counts for, about
-_COST = 60_000  # events that a search for an attractor counts for, about
-_PROBES = (-0.5 * FAR, -30.0, -1.0, -0.1, 0.1, 1.0, 30.0, 0.5 * FAR)  # starts, in sizes of the drive's motions
-_LATER = 1000  # plus a label ends the course of a motion whose attractor was found beyond its itinerary
-_WINDOW = 1e-4  # half width, relative, around a change of label within which motions are pushed
-_FUTILE = 8  # searches that find no attractor, after which none is made: motions stay that long near a repelling cycle
-_IN_VAIN = 20  # searches with leaps that made none, after which motions are followed without
-_SLIVER = 1e-6  # widest piece, relative, that may be one of motions that touch a guard to rounding
-_ROUNDING = 64 * flow_planar.EPS  # push after every event, relative to what the state was computed from
+_PATIENT = 1e3  # time that a return from farther away may take, in times of a return that was seen
+_LEAPS_COST = 400_000  # events that take about as long as a search by leaps
+_COST = 60_000  # events that take about as long as a search for an attractor
+_PROBES = (-0.5 * FAR, -30.0, -1.0, -0.1, 0.1, 1.0, 30.0, 0.5 * FAR)  # first starts, in sizes of the drive's motions
+_LATER = 1000  # plus the label of an attractor that was found beyond the itinerary, it is the code at a course's end
+_WINDOW = 1e-4  # relative half width around a change of label in which motions are pushed
+_FUTILE = 8  # searches without a result after which none is made: motions stay that long only near a repelling cycle
+_IN_VAIN = 20  # searches that leapt over nothing, after which motions are followed without leaps
+_SLIVER = 1e-6  # largest relative width of a piece whose motions touch a guard to rounding
+_ROUNDING = 64 * flow_planar.EPS  # push after every event, relative to the terms that the state was computed from
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
 
 
@@ -95,7 +98,7 @@ class Sections:
             self._same_for_all()
             return
         for section in self.sections:
-            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, flow_planar.EQUILIBRIUM]):
+            if not (self._point(section, 0.0).any() or automaton.tables.flow[section.mode, columns.EQUILIBRIUM]):
                 self._absorb_by_corner(section, 1)
                 self._absorb_by_corner(section, -1)
         releases = releases_of(automaton, self.known)
@@ -105,7 +108,9 @@ class Sections:
             for part in _PROBES:
                 state = self._point(section, part * self.size[section.free])
                 if self._belongs(section, state):
-                    self._course(section, state[section.free], _PUSHES[0])  # meets what attracts it, if unknown
+                    self._course(
+                        section, state[section.free], _PUSHES[0]
+                    )  # finds its attractor, if that is not known yet
         found = self._all_labels()
         self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
         self.known = with_cycles(automaton, self.known, self.attractors, releases)
@@ -119,12 +124,12 @@ class Sections:
         self.known = with_common_labels(self.automaton, with_labels(self.known, found), found, self.size)
 
     def _all_labels(self) -> dict[LabelSection, Pieces]:
-        """Labels along all sections; what the work did not suffice for is tried again when the others are known."""
+        """Return labels along all sections; what is unresolved is tried again when the others are known."""
         found: dict[LabelSection, Pieces] = {}
         for part in (_FIRST_ROUND, 1.0):
             open_ones = [one for one in self.sections if one not in found or UNRESOLVED in found[one].labels]
             for k, section in enumerate(open_ones):
-                share = 1.0 if part == 1.0 else 1.0 / (len(open_ones) - k)  # what is not spent is passed on
+                share = 1.0 if part == 1.0 else 1.0 / (len(open_ones) - k)  # a section passes on what it does not spend
                 self._limit = self._work + share * max(part * _WORK - self._work, 0.0)
                 self._found.pop(section, None)
                 labels = self._labels(section)
@@ -146,7 +151,7 @@ class Sections:
         return bool((values[tables.guard_surface[guards] != section.surface] >= 0).all())
 
     def _ends(self, section: LabelSection) -> tuple[float, float]:
-        """The part of a section on which its mode can be entered: no other guard has fired, and its own one rises."""
+        """Return the part of a section on which its mode can be entered: its guard rises, and no other has fired."""
         tables, origin = self.automaton.tables, self._point(section, 0.0)
         along = self._point(section, self.size[section.free]) - origin
         rows = []
@@ -154,7 +159,7 @@ class Sections:
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
             if tables.guard_surface[guard] == section.surface:
                 flow = tables.flow[section.mode]
-                u, w, constant = -w * flow[flow_planar.A0], u - w * flow[flow_planar.A1], w * flow[flow_planar.B]
+                u, w, constant = -w * flow[columns.A0], u - w * flow[columns.A1], w * flow[columns.B]
             rows.append((u, w, constant))
         low, high = -FAR, FAR
         for u, w, constant in rows:
@@ -169,7 +174,7 @@ class Sections:
         return low * self.size[section.free], high * self.size[section.free]
 
     def _explore(self, state: np.ndarray, mode: int, learns: bool = True) -> Attractor:
-        """Find the attractor of a motion; a new cycle that never rests brings an absorbing interval."""
+        """Find the attractor of a motion; a new cycle without rest adds an absorbing interval."""
         if self._futile > _FUTILE:
             return Attractor.UNRESOLVED
         patience = _HASTE if self._in_vain < _IN_VAIN else _COST
@@ -205,7 +210,7 @@ class Sections:
                 return
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
-        """The widest of intervals that double, around a point of a cycle, that the return map maps into itself."""
+        """Double an interval around a point of a cycle while the return map takes it into itself; return the last."""
         orbit, near = cycle.orbit, ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
         for section in self.sections:
             points = orbit.after[orbit.mode == section.mode]
@@ -223,7 +228,7 @@ class Sections:
         return None
 
     def _returned(self, section: LabelSection, x: float, visits: int) -> tuple[list[bytes], float] | None:
-        """Itinerary and coordinate after so many returns to a section, or None if the motion does not come back."""
+        """Return itinerary and coordinate after so many returns to a section; None if it does not come back."""
         everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
         state, path = self._point(section, x), []
         for _ in range(visits):
@@ -236,9 +241,9 @@ class Sections:
         return path, float(state[section.free])
 
     def _course(self, section: LabelSection, x: float, push: tuple[float, bool], learns: bool = True) -> np.ndarray:
-        """The itinerary of the motion from a point of a section, with the code of its end as the last number.
+        """Return the itinerary of the motion from a point of a section, with the code of its end as the last number.
 
-        With ``learns`` an attractor that is met beyond the itinerary is added to what ends itineraries.
+        With ``learns`` an attractor that is found beyond the itinerary ends later itineraries.
         """
         before = None
         while True:
@@ -258,8 +263,8 @@ class Sections:
     def _absorb_by_corner(self, section: LabelSection, side: int) -> None:
         """Add the part of a section, if any, from which motions shrink to the equilibrium 0 on its surface.
 
-        Near an equilibrium on a surface, which the modes on both sides then share, the return map is linear: what holds
-        at one point holds at all that are nearer, if a motion 10³ times nearer has the same itinerary.
+        The modes on both sides of the surface share this equilibrium, and near it the return map is linear. So what
+        holds at one point holds at all nearer ones, if a motion that starts 10³ times nearer has the same itinerary.
         """
         width, found = ON_CYCLE * self.size[section.free], None
         while width < self.size[section.free]:
@@ -284,7 +289,7 @@ class Sections:
         return int((self.known.settled, self.known.resting, [*self._absorbed, *self._learned])[kind][index])
 
     def _labels(self, section: LabelSection) -> Pieces:
-        """Labels along a section; unresolved where motions that are pushed by rounding have different ones."""
+        """Return labels along a section; unresolved where motions that are pushed by rounding have different labels."""
         ends = self._ends(section)
         if not ends[0] < ends[1]:
             return Pieces([0.0, 0.0], [UNKNOWN])
@@ -310,7 +315,7 @@ class Sections:
         return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
 
     def _pushed(self, section: LabelSection, pieces: Pieces, push: tuple[float, bool]) -> Pieces:
-        """The labels along a section again, for motions that are pushed, near the places where labels change."""
+        """Find the labels again for motions that are pushed, near the places of a section where labels change."""
         edges, labels = [pieces.edges[0]], [pieces.labels[0]]
         for before, cut, after, label in zip(
             pieces.edges, pieces.edges[1:], pieces.edges[2:], pieces.labels[1:], strict=False
@@ -334,12 +339,12 @@ class Sections:
     def _pieces(
         self, section: LabelSection, push: tuple[float, bool], ends: tuple[float, float], learns: bool = False
     ) -> Pieces:
-        """Labels along a section between two ``ends``, by bisection between motions that take different courses.
+        """Return labels along a section between two ``ends``, by bisection between motions of different courses.
 
-        With ``learns`` what is found is used at once: places that are nearer to the equilibrium come first, and a
-        motion that returns to where the label is known needs no more of its course. Narrow pieces wait for all others,
-        so that one place at which very much happens does not take the work from the rest of the section. Of very many
-        pieces, narrow ones whose ends have one label are not divided any further.
+        With ``learns`` a label is used as soon as it is found: pieces nearer to the equilibrium come first, and the
+        course of a motion ends where it returns to a place of known label. Narrow pieces wait for all others, so that
+        one crowded place does not take the work from the rest of the section. If there are very many pieces, narrow
+        ones whose ends have the same label are not divided further.
         """
         resolution = 1e-3 * flow_planar.EPS * self.size[section.free]
         waiting, found, splits, crowded = [(0, 0.0, *ends)], [], 0, _CROWDED
@@ -347,11 +352,11 @@ class Sections:
             *_, low, high = heappop(waiting)
             known = len(self._absorbed)
             low_course, high_course = (self._course(section, x, push) for x in (low, high))
-            if known != len(self._absorbed):  # what was learned may have changed the numbers in either course
+            if known != len(self._absorbed):  # new intervals may have changed the codes in either course
                 low_course, high_course = (self._course(section, x, push, learns=False) for x in (low, high))
             position = _first_difference(low_course, high_course)
             narrow = splits > _MANY and high - low <= _NOISE * max(abs(low), abs(high))
-            late = position == _EVENTS  # alike for so long: halves are told apart by where they end
+            late = position == _EVENTS  # alike to the end of the itinerary: halves differ by their attractors
             if late and self._work <= self._limit and high - low > _NOISE * max(abs(low), abs(high)):
                 for half in ((0.5 * (low + high), high), (low, 0.5 * (low + high))):
                     heappush(waiting, (*_turn(*half), *half))
@@ -380,7 +385,7 @@ class Sections:
         return _merged(edges, labels, _SLIVER * self.size[section.free])
 
     def _extend(self, section: LabelSection, x: float, label: Attractor) -> None:
-        """Add all that drifts to a place next to which the label is known, where a return hardly moves."""
+        """Give a label to all motions that drift to a place beside a labelled piece, where a return hardly moves."""
         state = self._point(section, x * (1.0 + _BESIDE))
         try:
             motion = follow(self.automaton, state, np.inf, mode=section.mode, max_events=_EVENTS)
@@ -397,7 +402,7 @@ class Sections:
                 return
 
     def _remember(self, section: LabelSection, low: float, high: float, label: int) -> None:
-        """Let motions that come to the inside of a piece of a section end there; its ends stay to be examined."""
+        """Let later itineraries end inside a piece of a section; the ends of the piece are not included."""
         pieces = self._found.setdefault(section, [])
         pieces.append((low, high, label))
         pieces.sort()
@@ -406,7 +411,9 @@ class Sections:
         for low, high, label in pieces:
             touches = [one for one in joined[-2:] if one[2] == label]
             special = touches and len(joined) > 1 and touches[-1] is joined[-2] and _touching(joined[-1], sliver)
-            near = 4 * flow_planar.EPS * max(abs(low), 1e-3 * self.size[section.free])  # places were bisected so far
+            near = (
+                4 * flow_planar.EPS * max(abs(low), 1e-3 * self.size[section.free])
+            )  # places were bisected to this width
             if touches and touches[-1] is joined[-1] and low <= joined[-1][1] + near:
                 joined[-1:] = [(joined[-1][0], high, label)]
             elif special and low <= joined[-1][1] + near and joined[-1][0] <= joined[-2][1] + near:
@@ -426,19 +433,19 @@ class Sections:
 
 
 def _turn(low: float, high: float) -> tuple[int, float]:
-    """When a piece is examined: first the wide ones, among these the one that is nearest to the equilibrium."""
+    """Return the place of a piece in the queue: wide ones first, among these the one nearest to the equilibrium."""
     width = (high - low) / max(abs(low), abs(high), 1e-300)
     return sum(width <= narrow for narrow in _NARROW), min(abs(low), abs(high))
 
 
 def _touching(piece: tuple[float, float, int], sliver: float) -> bool:
-    """Whether a piece is one of motions that touch a guard or meet a corner, to rounding."""
+    """Whether the motions of a piece touch a guard or meet a corner, to rounding."""
     low, high, label = piece
     return label in (GRAZED, UNKNOWN) and high - low <= sliver + sliver * abs(low)
 
 
 def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
-    """Join neighbours of the same label; what touches a guard, or meets a corner, goes with neighbours that agree."""
+    """Join neighbours of one label; a piece that touches a guard or a corner takes the label of both neighbours."""
     pieces = Pieces(edges, labels)
     for _ in range(2):
         edges, labels = pieces
@@ -452,7 +459,7 @@ def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
 
 
 def _completed(pieces: Pieces, other: Pieces) -> Pieces:
-    """Labels along a section from two searches: of the first, and where that resolves nothing of the other."""
+    """Return labels along a section from two searches: those of the second where the first left them unresolved."""
     cuts = np.unique([*pieces.edges, *other.edges])
     middles = 0.5 * (cuts[:-1] + cuts[1:])
     labels = [
@@ -465,7 +472,7 @@ def _completed(pieces: Pieces, other: Pieces) -> Pieces:
 
 
 def _first_difference(one: np.ndarray, other: np.ndarray) -> int:
-    """Index at which two courses first differ, −1 if they do not."""
+    """Return the index at which two courses first differ; −1 if they do not."""
     size = min(one.size, other.size)
     different = np.flatnonzero(one[:size] != other[:size])
     return int(different[0]) if different.size else -1

@@ -1,5 +1,4 @@
-"""The tables that the kernels of :mod:`lsvib.basins.kernels.labelling` work with, from an automaton and what is known
-of it."""
+"""The tables that the kernels of :mod:`lsvib.basins.kernels.labelling` work with."""
 
 from typing import NamedTuple
 
@@ -9,11 +8,11 @@ from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, Known
 from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import event_loop, flow_planar
+from lsvib.engine.kernels import columns, event_loop, flow_planar
 
 FAR = 1e3  # sections are known up to this many times the size of the drive's motions
 ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
-_EVENTS = 4000  # until what follows a rest is at its attractor
+_EVENTS = 4000  # most events between the end of a rest and the attractor
 
 
 class LabelSection(NamedTuple):
@@ -32,11 +31,11 @@ class Pieces(NamedTuple):
 
 
 def sizes(automaton: Automaton) -> np.ndarray:
-    """Sizes of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria; (2)."""
+    """Return the sizes (2) of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria."""
     rows, flow = automaton.tables.surfaces, automaton.tables.flow
-    stiff = flow[:, flow_planar.A0] != 0
-    tau = float(flow[stiff, flow_planar.TIME_SCALE].max())
-    points = [np.array([u, 0.0]) for u in flow[stiff, flow_planar.EQUILIBRIUM]]
+    stiff = flow[:, columns.A0] != 0
+    tau = float(flow[stiff, columns.TIME_SCALE].max())
+    points = [np.array([u, 0.0]) for u in flow[stiff, columns.EQUILIBRIUM]]
     for i, one in enumerate(rows):
         points.append(-one[2] * one[:2] / (one[:2] @ one[:2]))
         for other in rows[:i]:
@@ -52,12 +51,10 @@ def nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     tables = automaton.tables
     modes, surfaces = len(tables.flow), len(tables.surfaces)
     rests = np.isin(automaton.codes, automaton.rest_codes)
-    alpha = tables.flow[:, flow_planar.ALPHA]
+    alpha = tables.flow[:, columns.ALPHA]
     settled = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, 0))
     undamped = (alpha == 0) & ~rests
-    settled[undamped] = np.where(
-        tables.flow[undamped, flow_planar.BETA] > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED
-    )
+    settled[undamped] = np.where(tables.flow[undamped, columns.BETA] > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
     settled[rests] = Attractor.REST
     return Known(
         landing=_landings(automaton, rests),
@@ -129,14 +126,14 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
     """
     tables = automaton.tables
     row = tables.flow[mode]
-    if not (row[flow_planar.ALPHA] > 0 and row[flow_planar.A0] > 0):
+    if not (row[columns.ALPHA] > 0 and row[columns.A0] > 0):
         return 0.0, 0.0, 0.0
-    kappa, radius = max(row[flow_planar.ALPHA], row[flow_planar.BETA]), np.inf
+    kappa, radius = max(row[columns.ALPHA], row[columns.BETA]), np.inf
     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
         u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
-        least = constant + u * row[flow_planar.EQUILIBRIUM]
-        slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[flow_planar.EQUILIBRIUM]))
-        radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[flow_planar.ALPHA] * w) / kappa))
+        least = constant + u * row[columns.EQUILIBRIUM]
+        slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[columns.EQUILIBRIUM]))
+        radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[columns.ALPHA] * w) / kappa))
     if radius == np.inf:
         radius = float(size[1])
     return kappa**2, radius**2, max(radius, ON_CYCLE * size[1]) ** 2
@@ -155,8 +152,8 @@ def with_labels(known: Known, found: dict[LabelSection, Pieces]) -> Known:
 
 def _shares(flow: np.ndarray) -> np.ndarray:
     """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
-    beta = flow[:, flow_planar.BETA]
-    turns = -2 * np.pi * flow[:, flow_planar.ALPHA] / np.where(beta > 0, beta, 1.0)
+    beta = flow[:, columns.BETA]
+    turns = -2 * np.pi * flow[:, columns.ALPHA] / np.where(beta > 0, beta, 1.0)
     return np.where(beta > 0, np.exp(np.minimum(turns, flow_planar.OVERFLOW)), 0.0)
 
 
@@ -182,8 +179,8 @@ def with_common_labels(
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(labels) == 1 and kappa > 0:
             known.common[mode] = labels.pop()
-            room = max(0.0, FAR * size[0] - abs(row[flow_planar.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, FAR * size[1] / (1 + row[flow_planar.ALPHA] / kappa)) ** 2
+            room = max(0.0, FAR * size[0] - abs(row[columns.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, FAR * size[1] / (1 + row[columns.ALPHA] / kappa)) ** 2
     return known
 
 

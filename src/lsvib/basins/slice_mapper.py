@@ -19,25 +19,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
-from lsvib.basins.mapper import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.cycles import attractors
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
-from lsvib.engine.kernels.flow_blocks import BlockFlow
 from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 
-_CHUNK = 64  # events
-_ROUNDS = 16
+_CHUNK = 64  # events that are followed between two looks at a motion
+_ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
 _EVENTS = 300_000  # beyond the rounds; about a second
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
-_PART = 10  # of that work is for each start that looks for a cycle, before a map begins
-_SAME = 1e-3
+_PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
+_SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
-_STILL = 1e-12  # a step on the section below which it is rounding, in sizes of the cycle
+_STILL = 1e-12  # size of a step on the section that is rounding, in sizes of the cycle
 
 
 class StateMapper:
@@ -73,7 +73,7 @@ class StateMapper:
         threads: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
-        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``Mapper.cells``.
+        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
 
         Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
         """
@@ -111,7 +111,7 @@ class StateMapper:
         return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
 
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
-        """Label, time [s], sprags and first event of the motion from a state (n)."""
+        """Return label, time [s], number of sprags and first event of the motion from a state (n)."""
         mode, time, sprags, first = None, 0.0, 0, None
         if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
             return Attractor.STEADY_SLIDING, 0.0, 0, -1
@@ -136,21 +136,21 @@ class StateMapper:
         return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
 
     def _end(self, state: np.ndarray, mode: int | None = None, work: int | None = None) -> SteadyState:
-        """The attractor of a motion; unresolved where the engine does not decide or the work does not suffice."""
+        """Return the attractor of a motion; unresolved if the engine does not decide or the work does not suffice."""
         try:
             return steady_state(self.automaton, state, mode=mode, max_events=work or self._events)
         except EngineError:
             return SteadyState(Attractor.UNRESOLVED, state)
 
     def _sprags(self, motion: Motion, count: int) -> int:
-        """How often the first events of a motion sprag, or enter a mode that does."""
+        """Count the first events of a motion that sprag or enter a mode that does."""
         codes = self.automaton.codes[motion.mode[:count]]
         kinds = np.isin(motion.kind[:count], self.automaton.sprag_kinds)
         return int(np.sum(kinds | np.isin(codes, self.automaton.sprag_codes)))
 
 
 def _joins(motion: Motion, cycle: SteadyState) -> int | None:
-    """Index of the event at which four points in a row show that a motion tends to a cycle, or None."""
+    """Return the index of the event at which four points in a row show that a motion tends to a cycle, or None."""
     orbit = cycle.orbit
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     kind, mode, per_return = orbit.kind[-1], orbit.mode[-1], orbit.time.size

@@ -1,9 +1,9 @@
 """The attractor that a motion of any model reaches; exact means and extremes over a cycle.
 
-A motion either *settles* – the engine proves that no guard can fire again, so it stays in one linear mode for ever – or
-its events recur. Then the return map of its events decides (:mod:`lsvib.cycles.return_map`): the motion has reached
-its cycle when the map returns the same state to rounding; if it converges slowly, the map is solved for the fixed
-point that the motion approaches. No waiting time enters.
+A motion *settles* if the engine proves that no guard can fire again, so that it stays in one linear mode for ever.
+Otherwise its events recur, and their return map decides (:mod:`lsvib.cycles.return_map`): the motion has reached its
+cycle when the map returns the same state to rounding; if the motion converges slowly, the map is solved for the fixed
+point that it approaches. No waiting time enters.
 """
 
 import math
@@ -16,27 +16,27 @@ import numpy as np
 from lsvib.cycles import drifts, leaps
 from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import dispatch, flow_planar
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels import columns, dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError
 
-_CHUNK = 64  # events looked at first; then twice as many, and so on
-_PERIODS = 64  # returns to the section in the longest cycle that is seen to repeat
+_CHUNK = 64  # events that are looked at first; every further look takes twice as many
+_PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
+_SOLVED = 8  # most returns to the section in a cycle that the return map is solved for
 _LONG = 1000  # events after which returns that hardly move are leapt over
 _LONGER = 8  # factor from one such attempt to the next
-_MORE_PATIENCE = 1000.0  # times the longest return seen that one may take after a leap
-_SOLVED = 8  # and in the longest that is solved for
-_REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: of two states, of more (modal form)
-_WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point
-_UNDAMPED = 1e-30  # of a rate: the 60 digits from which a mode is made leave less of a damping that is zero
-_BLOCK_EVENTS = 5000  # of modes in blocks at most, whose events take ten to a hundred times as long
-_LATER = 37  # events after which leaps begin again: no multiple of those in a usual return
-_FEWEST = 4  # returns that tell anything, unless they repeat
+_MORE_PATIENCE = 1000.0  # time that a return after a leap may take, in times of the longest return seen
+_REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
+_WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
+_UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
+_BLOCK_EVENTS = 5000  # most events of a motion with modes in blocks; each takes ten to a hundred times as long
+_LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
+_FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _STEPS = 8  # returns in a row that tell a drift from rounding
-# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface: of two states, of
-# more, where Newton's method leaves 1e-9 divided by what a slow multiplier lacks to one.
+# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
+# for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 _CORNERS = (1e-9, 1e-5)
 
 
@@ -47,17 +47,17 @@ class Attractor(IntEnum):
     STEADY_SLIDING = 0
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
-    OTHER_CYCLE = 3  # pure slip
-    UNBOUNDED = 4  # no model of a drive has it: energy enters as the work of constant forces only
-    REST = 5  # at rest for ever; a motor that turns ends every rest of a drive
+    OTHER_CYCLE = 3  # a cycle of pure slip
+    UNBOUNDED = 4  # never the label of a drive, into which energy enters as the work of constant forces only
+    REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
     RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
 
 
 class Passage(NamedTuple):
-    """A stretch of a line on which a ``mode`` is entered; every motion that enters it there ends as this one does.
+    """A stretch of a line on which a ``mode`` is entered; all motions that enter the mode there have one attractor.
 
-    ``ends`` (2, 2): the states at its ends.
+    ``ends`` (2, 2) are the states at the ends of the stretch.
     """
 
     mode: int
@@ -68,12 +68,12 @@ class Passage(NamedTuple):
 class SteadyState:
     """The attractor of a motion.
 
-    ``label``; for a cycle: ``orbit``, one period as a motion from a point on the section; ``returns``, returns to the
-    section in a period; ``residual`` [1], change of the section state over one period relative to the size of the
-    motion; ``enclosure`` [1], half width of the interval that is proved to hold the fixed point, relative to that size
-    (0 if the section state repeats to the last bit, nan if the section is no line); ``multiplier`` [1] of the return
-    map, the largest. ``state`` (n) is the equilibrium or the section state. ``passages``: where the motion was leapt
-    over.
+    ``label`` names it, and ``state`` (n) is the equilibrium or the state on the section. A cycle also has ``orbit``,
+    one period as a motion from the point on the section; ``returns``, the number of returns to the section in a period;
+    ``residual`` [1], the change of the section state over one period relative to the size of the motion; ``enclosure``
+    [1], the half width of the interval that is proved to hold the fixed point, relative to that size (0 if the section
+    state repeats to the last bit, nan if the section is not a line); and ``multiplier`` [1], the largest of the return
+    map. ``passages`` are the stretches over which the motion was leapt.
     """
 
     label: Attractor
@@ -91,7 +91,7 @@ class SteadyState:
         return self.orbit.end_time if self.orbit else math.nan
 
     def extremes(self, row) -> tuple[float, float]:
-        """Smallest and largest value over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
+        """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
         if self.orbit is None:
             value = float(row[:-1] @ self.state + row[-1])
             return value, value
@@ -128,7 +128,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     modes, starts, ends, durations = orbit.arcs()
     flow = orbit.automaton.tables.flow[modes]
     change = ends - starts
-    a0, a1, b = flow[:, flow_planar.A0], flow[:, flow_planar.A1], flow[:, flow_planar.B]
+    a0, a1, b = flow[:, columns.A0], flow[:, columns.A1], flow[:, columns.B]
     resting = a0 == 0
     spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
     drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
@@ -140,22 +140,22 @@ def steady_state(
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
-    ``patience``: events after which the returns of a motion with two states are leapt over, if they hardly move.
+    ``patience`` is the number of events after which returns that hardly move are leapt over, with two states.
 
-    Exits:
+    The search ends in one of the following ways.
 
-    * the model vouches that areas never grow (``Automaton.contracts``): then a closed orbit cannot lie where they
-      shrink, nor a motion spiral outwards, so that all motions end in steady sliding, or without damping in the
-      neutral oscillations that never pass θ′ = 0;
-    * the motion settles, see :func:`settled`: steady sliding, rest, neutral oscillations, or unbounded;
-    * the section state repeats after 1 to 64 returns, or an attracting fixed point of the map of 1 to 8 returns is
-      found: a cycle, named sprag–slip if it sprags, stick–slip if it rests, else other; steady sliding if the fixed
-      point is the origin;
-    * a motion of a part of a drive, as slip without rest, leaves the range of numbers: unbounded;
-    * ``max_events``, or a next event that the engine cannot decide: unresolved. So remain motions with no attracting
-      cycle – chaotic and quasi-periodic ones, above all where nothing damps – and, of the cycles that attract slowly,
-      those with a multiplier within 1e-6 of the unit circle, with more than 8 returns, or where the return map has no
-      derivative.
+    * The model vouches that areas never grow (``Automaton.contracts``). Then a closed orbit cannot lie where areas
+      shrink, and a motion cannot spiral outwards; so all motions end in steady sliding, or without damping in the
+      neutral oscillations that never pass θ′ = 0.
+    * The motion settles (:func:`settled`): steady sliding, rest, neutral oscillations, or unbounded.
+    * The section state repeats after 1 to 64 returns, or the map of 1 to 8 returns has an attracting fixed point. The
+      cycle is called sprag–slip if it sprags, stick–slip if it rests, and other cycle if it does neither; a fixed point
+      at the origin is steady sliding.
+    * A motion of a part of a drive, such as slip without rest, leaves the range of numbers: unbounded.
+    * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions without
+      an attracting cycle – chaotic and quasi-periodic ones, above all where nothing damps – and to motions whose cycle
+      attracts slowly, if it has a multiplier within 1e-6 of the unit circle or more than 8 returns, or if the return
+      map has no derivative.
     """
     return _steady_state(automaton, np.array(state, dtype=float), mode, max_events, patience, True)
 
@@ -163,8 +163,8 @@ def steady_state(
 def _steady_state(
     automaton: Automaton, state: np.ndarray, mode: int | None, max_events: int, patience: int, twice: bool
 ) -> SteadyState:
-    """Arguments of :func:`steady_state`; ``twice``: where a drift leaves its line, two motions must end alike."""
-    if automaton.contracts and (automaton.tables.flow[:, flow_planar.ALPHA] > 0).any():
+    """Search as :func:`steady_state`; with ``twice``, two motions must end alike where a drift leaves its line."""
+    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     if mode is None and _at_equilibrium(automaton, state):
         return SteadyState(Attractor.STEADY_SLIDING, state)
@@ -206,9 +206,9 @@ def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 
 
 def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
-    """Where a motion with more than two states ends that goes on from a part of it, within the work ``left``.
+    """Find the end of a motion with more than two states from a first part of it, within the work ``left``.
 
-    Where it is leapt over, the motion from some events later must end alike, with as much work.
+    If leaps were made, the motion from some events later on must end alike, with as much work.
     """
 
     def ended(part: Motion) -> SteadyState | None:
@@ -216,7 +216,7 @@ def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
 
     try:
         found, leapt = drifts.pursue(motion, left, ended)
-        if leapt and found is not None:  # a leap loses the phase of what is fast
+        if leapt and found is not None:  # a leap loses the phase of fast oscillations
             later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=_LATER)
             again, _ = drifts.pursue(later, left, ended)
             found = found if _name(again) == _name(found) else None
@@ -228,17 +228,17 @@ def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
-    """Label of what leaps have found."""
+    """Return the label of a result of leaps."""
     if isinstance(found, SteadyState):
         return found.label
     return Attractor.UNRESOLVED if found is None else Attractor.RECURRENT
 
 
 class _Watched(NamedTuple):
-    """What a motion shows on the section of its rarest events.
+    """The states of a motion on the section of its rarest events.
 
-    ``key``: kind and mode of the events; ``points`` (k, n): states after them; ``size`` (n) of the motion; ``longest``
-    [s] between two of them.
+    ``key`` is kind and mode of these events; ``points`` (k, n) are the states after them; ``size`` (n) is that of the
+    motion; ``longest`` [s] is the longest time between two of them.
     """
 
     key: tuple[int, int]
@@ -254,15 +254,15 @@ def _watched(motion: Motion) -> _Watched | None:
         return None
     watched = (motion.kind == key[0]) & (motion.mode == key[1])
     size = np.abs(motion.after).max(axis=0)
-    size[size == 0] = 1.0  # zero at every event: any scale does
+    size[size == 0] = 1.0  # a coordinate that is zero at every event may have any scale
     return _Watched(key, motion.after[watched], size, np.diff(motion.time[watched]).max(initial=0.0))
 
 
 def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
-    """Where a motion ends that returns to a line again and again and hardly moves on it, by leaps; None if unknown.
+    """Find by leaps the end of a motion whose returns to a line hardly move along it; None if that is not known.
 
-    ``left`` events may follow. Where the drift leaves the line the motion is between two of its returns: with
-    ``twice`` the last of them and a place half a return further must end alike.
+    ``left`` events may follow. Where the drift leaves the line, the motion is somewhere between two returns; with
+    ``twice`` the motion from the last return and the one from half a return further must end alike.
     """
     seen = _watched(motion)
     if seen is None or len(seen.points) < _FEWEST:
@@ -292,19 +292,21 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> S
 
 
 def settled(automaton: Automaton, motion: Motion) -> SteadyState:
-    """Where a motion goes that never leaves its last mode, which is a sum of oscillators: one, or one to a pair.
+    """Return the attractor of a motion that never leaves its last mode.
 
-    Rest in a mode at rest; else steady sliding if all that are excited are damped; unbounded if one grows; a neutral
-    family if any goes on for ever, with a period if one alone does: several frequencies have none in common.
+    The mode is a sum of oscillators: one with two states, one for each pair of rates with more. The attractor is rest
+    in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows; and a
+    neutral family if one of them goes on for ever. The family has a period if only one does: several frequencies have
+    none in common.
     """
     flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
     if automaton.codes[mode] in automaton.rest_codes:
         return SteadyState(Attractor.REST, state)
-    if isinstance(flow, BlockFlow):  # it settles only where all that moves dies away
+    if isinstance(flow, BlockFlow):  # such a mode settles only if everything that moves dies away
         field = flow.field[mode]
         return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
     if isinstance(flow, np.ndarray):
-        rows, equilibrium = flow[mode][None], np.array([flow[mode, flow_planar.EQUILIBRIUM], 0.0])
+        rows, equilibrium = flow[mode][None], np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])
     else:
         pairs, field = flow.pairs[mode], flow.field[mode]
@@ -315,16 +317,16 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
             return SteadyState(Attractor.UNBOUNDED, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
-    damping = rows[:, flow_planar.ALPHA]
-    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, flow_planar.BETA]
+    damping = rows[:, columns.ALPHA]
+    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, columns.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return SteadyState(Attractor.UNBOUNDED, state)
-    lasting = np.flatnonzero(excited & undamped & (rows[:, flow_planar.BETA] > 0))
+    lasting = np.flatnonzero(excited & undamped & (rows[:, columns.BETA] > 0))
     if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
     if lasting.size > 1:
         return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
-    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], flow_planar.BETA], mode=mode)
+    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], columns.BETA], mode=mode)
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
 
 
@@ -333,17 +335,17 @@ def _only_touches(motion: Motion) -> bool:
     half = motion.time.size // 2
     flow = motion.automaton.tables.flow
     touches = isinstance(flow, np.ndarray) and bool((motion.kind[half:] == GRAZE_KIND).all())
-    return touches and flow[motion.end_mode, flow_planar.ALPHA] == 0 and flow[motion.end_mode, flow_planar.BETA] > 0
+    return touches and flow[motion.end_mode, columns.ALPHA] == 0 and flow[motion.end_mode, columns.BETA] > 0
 
 
 def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
-    """The neutral oscillation that a motion without damping is on after many events, one period of it as its orbit.
+    """Return the neutral oscillation of a motion without damping after many events, with one period as its orbit.
 
-    Where it only touches a guard, rounding decides whether an event is told; one turn of the mode is then the period.
+    If the motion only touches a guard, rounding decides whether there is an event; the period is one turn of the mode.
     """
     state, mode = motion.end_state, motion.end_mode
     if _only_touches(motion):
-        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, flow_planar.BETA], mode=mode)
+        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, columns.BETA], mode=mode)
     else:
         own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
         state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])
@@ -354,7 +356,7 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
 
 
 def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
-    """The cycle that the last events of a motion lie on or approach, or None if they do not tell."""
+    """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = _watched(motion)
     if seen is None:
         return None
@@ -368,7 +370,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if repeats.size and size.size == 2:
         return _cycle(section, section.repeated())
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
-    for returns in divisors:  # a slow cycle may seem to repeat later than it does
+    for returns in divisors:  # a slow cycle may seem to have a multiple of its returns
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
         section = ReturnSection(automaton, key, points[-1], size, returns, longest)
         found = section.fixed_point(before) if len(before) else None
@@ -382,7 +384,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
-        for fewer in divisors[: divisors.index(returns)]:  # which Newton's method may miss from afar
+        for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
             there = ReturnSection(automaton, key, found.state, size, fewer, longest)
             again = there.fixed_point(before)
             if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
@@ -395,14 +397,14 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
-    """Whether returns have the same events all the way from a section's origin to a fixed point with more states."""
+    """Whether returns have the same events all the way from the origin of a section to a fixed point."""
     target = section.place(found.state)
     events = [section.outcome(part * target)[1] for part in _WAY]
     return events[0] is not None and all(one == events[0] for one in events)
 
 
 def _drifts(states: np.ndarray) -> bool:
-    """Whether states (k, n) of a section, the latest first, go one way by steps that do not shrink."""
+    """Whether states (k, n) of a section, the latest first, move in one direction by steps that do not shrink."""
     if len(states) <= _STEPS:
         return False
     size = np.maximum(np.abs(states[: _STEPS + 1]).max(axis=0), np.finfo(float).tiny)
@@ -413,7 +415,7 @@ def _drifts(states: np.ndarray) -> bool:
 
 
 def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
-    """The cycle through a fixed point of the return map; None if its motion does not come back."""
+    """Return the cycle through a fixed point of the return map; None if its motion does not come back."""
     orbit = section.come_back(found.state)
     if orbit is None:
         return None

@@ -23,9 +23,9 @@ import numpy as np
 
 from lsvib.cycles.return_map import ReturnSection, section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.flow_modal import ModalFlow
-from lsvib.engine.kernels.flow_planar import ALPHA, BETA
+from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Motion, follow
 
 _CALL = 10  # events that take as long as one call of the engine from Python

@@ -1,10 +1,10 @@
-"""Where a motion with two states goes whose returns hardly move: leaps along its return map.
+"""The end of a motion with two states whose returns hardly move, found by leaps along its return map.
 
 The return map P of a line that the motion crosses again and again is monotone while the events of a return stay the
-same, because motions in a plane do not cross. The motion then drifts the way in which f(y) = P(y) − y points, past
-every y up to the first zero of f, or until the events of a return change. Between two places f is followed by its
-Chebyshev interpolant: where all of the interpolant is well above what its last coefficients leave open, f has no zero,
-and the motion passes from the one place to the other however many returns that takes.
+same, because motions in a plane do not cross. The motion then drifts in the direction of f(y) = P(y) − y, past every y
+up to the first zero of f, or until the events of a return change. Between two places f is replaced by its Chebyshev
+interpolant. If the whole interpolant is well above its error, which its last coefficients show, f has no zero there,
+and the motion passes from one place to the other, however many returns that takes.
 """
 
 import math
@@ -17,22 +17,22 @@ from numpy.polynomial import chebyshev
 from lsvib.cycles.return_map import ReturnSection
 
 _NODES = 17  # of an interpolant; a drift with fewer than a few turning points is resolved by them
-_TAIL = 4  # last coefficients, whose size is taken for the error of the interpolant
-_SAFE = 8.0  # times that error the interpolant must be away from zero
-_SAMPLES = 200  # places at which the interpolant is looked at: a polynomial of degree 16 turns less often
+_TAIL = 4  # number of last coefficients whose size is taken for the error of the interpolant
+_SAFE = 8.0  # distance of the interpolant from zero, in units of that error, that counts as different from zero
+_SAMPLES = 200  # places at which the interpolant is evaluated: a polynomial of degree 16 turns far less often
 _FIRST = 64.0  # length of the first leap, in returns
 _LONGER = 4.0  # factor from one leap to the next
-_NEARER = 0.7  # part of the distance to zero that a leap may take: what f does has the scale of that distance
+_NEARER = 0.7  # part of the distance to zero that a leap may take: f changes on the scale of that distance
 _SHORTER = 0.125  # factor after a leap that was too long
-_LEAPS = 80  # of one drift, of which two dozen cross ten decades
-_SHORTEST = 8.0  # a leap of fewer returns is not worth it: the returns are followed
-_STALLS = 8  # such leaps in one drift: f is too close to its rounding, or changes its sign too often
-_HALVINGS = 80  # of an interval in which the events of a return change
-_FINE = 16.0  # times the rounding of f below which a line with a finer scale is taken,
-_FAR = 0.25  # once the drift has come so far, in scales of the line
-_FEW = 32.0  # returns
-_NEARLY = 1e-3  # of the way is left out, where f vanishes
-_EDGE = 0.25  # width, in returns, within which that place is found
+_LEAPS = 80  # most leaps in one drift; two dozen of them cross ten decades
+_SHORTEST = 8.0  # shortest leap, in returns: fewer returns are followed instead
+_STALLS = 8  # most leaps in one drift that are too short: beyond, f is near its rounding or changes its sign too often
+_HALVINGS = 80  # most halvings of an interval; its ends are neighbouring doubles before, unless one of them is zero
+_FINE = 16.0  # size of f, in units of its rounding, below which a line with a finer scale is taken,
+_FAR = 0.25  # once the drift has come this far, in scales of the line
+_FEW = 32.0  # returns within which a target counts as reached straight
+_NEARLY = 1e-3  # part of the way that is left out before a target, because f vanishes there
+_EDGE = 0.25  # width, in returns, to which the place is found at which the events of a return change
 
 _PLACES = chebyshev.chebpts1(_NODES)  # in [−1, 1]
 _TO_WEIGHTS = np.linalg.inv(chebyshev.chebvander(_PLACES, _NODES - 1))  # from values there to Chebyshev coefficients
@@ -40,11 +40,11 @@ _TO_SAMPLES = chebyshev.chebvander(np.linspace(-1, 1, _SAMPLES), _NODES - 1)
 
 
 class End(IntEnum):
-    """What a drift comes to."""
+    """How a drift ends."""
 
     CLOSES = 0  # a zero of f, where a cycle passes
     LEAVES = 1  # a place beyond which the events of a return change
-    SHRINKS = 2  # returns so short that a line with a finer scale is needed
+    SHRINKS = 2  # the returns are so short that a line with a finer scale is needed
 
 
 class Drift(NamedTuple):
@@ -56,9 +56,9 @@ class Drift(NamedTuple):
 
 
 def drift(section: ReturnSection, place: float) -> Drift | None:
-    """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if it cannot be told.
+    """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if that is impossible.
 
-    It cannot if f is zero to rounding, or if its zeros and turning points lie too close together for ``_LEAPS`` leaps.
+    It is impossible if f is zero to rounding, or if its zeros and turning points lie too close for ``_LEAPS`` leaps.
     """
     first = section.return_from(place)
     if first.events is None or abs(first.excess) <= _rounding(section, place):
@@ -97,7 +97,7 @@ def drift(section: ReturnSection, place: float) -> Drift | None:
 def goes_straight(section: ReturnSection, target: float) -> bool:
     """Whether the motion from y = 0 drifts to y = ``target``, near a zero of f, and f has no other zero before.
 
-    So it is if the target is a few returns away, as a motion that converges fast is before it arrives.
+    A target that is only a few returns away counts as reached: a motion that converges fast is that near to it.
     """
     first = section.return_from(0.0)
     if abs(target) <= _FEW * abs(first.excess):
@@ -107,7 +107,7 @@ def goes_straight(section: ReturnSection, target: float) -> bool:
 
 
 def reach_back(section: ReturnSection, place: float) -> float:
-    """Return how far back the drift of a motion at y = ``place`` comes from: a place from which all go that way."""
+    """Return a place as far back as possible from which all motions drift to y = ``place``."""
     first = section.return_from(place)
     way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
     for _ in range(_LEAPS):
@@ -127,7 +127,7 @@ def reach_back(section: ReturnSection, place: float) -> float:
 
 
 def _closer(section: ReturnSection, here: float, there: float, way: float) -> tuple[float, float]:
-    """Halve an interval at whose ends f points to the other one until rounding of f, or of y, decides."""
+    """Halve an interval, at whose ends f points inwards, until rounding of f or of y ends it."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (here + there)
         excess = way * section.return_from(middle).excess
@@ -138,12 +138,12 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
 
 
 def _rounding(section: ReturnSection, place: float) -> float:
-    """Size of f below which it is rounding: that of the line's coordinate."""
+    """Return the size of f below which it is rounding: the rounding of the line's coordinate."""
     return 8 * np.finfo(float).eps * max(1.0, abs(place))
 
 
 def _last_same(section: ReturnSection, here: float, there: float, events, step: float) -> float:
-    """The farthest place from ``here`` towards ``there`` with the same events, to within a part of a return."""
+    """Return the farthest place from ``here`` towards ``there`` with the same events, to a part of a return."""
     for _ in range(_HALVINGS):
         if abs(there - here) <= _EDGE * step:
             break
@@ -158,7 +158,7 @@ def _last_same(section: ReturnSection, here: float, there: float, events, step: 
 
 
 def _passes(section: ReturnSection, here: float, there: float, way: float, events) -> float | None:
-    """Return ``there`` if f points the same way from ``here`` to there, a place beyond its first zero, or None."""
+    """Return ``there`` if f has one sign up to it, a place beyond the first zero if not, None if that is unclear."""
     places = here + 0.5 * (_PLACES + 1) * (there - here)
     found = [section.return_from(float(y)) for y in places]
     if any(one.events != events for one in found):
@@ -170,7 +170,7 @@ def _passes(section: ReturnSection, here: float, there: float, way: float, event
     negative = np.flatnonzero(values < -error)
     if negative.size:
         before = samples[: max(1, int(_SAMPLES * 0.5 * (_PLACES[negative[0]] + 1)))]
-        # One change of sign: above the error, then within it while f falls, then below.
+        # There is one change of sign: f is above the error, then falls within it, then is below it.
         undecided = np.flatnonzero(before <= error)
         falls = np.diff(before[max(0, undecided[0] - 1) :]) if undecided.size else np.array([-1.0])
         return float(places[negative[0]]) if (falls < 0).all() else None

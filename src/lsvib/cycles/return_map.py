@@ -1,13 +1,13 @@
 """The return map that a motion induces where its events happen, and the fixed points of it that attract.
 
-Events of one kind that enter one mode lie on one surface, or where several meet, as on release from rest. The states
-there form an affine *section* with as many dimensions d as are left.
+The events of one kind that enter one mode lie on one surface, or on the intersection of several, as on release from
+rest. The states there form an affine *section*; d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
   its right, so a fixed point lies between.
-* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ by central differences along the section. So slow
-  multipliers – real, negative or complex – are no obstacle, as they are to waiting. The proof is the residual
-  P(y) − y, and that the motion comes closer with each of its returns, in the norm in which P′ contracts.
+* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section. So slow
+  multipliers – real, negative or complex – do not make the search long. The evidence is the residual P(y) − y, and that
+  the motion comes closer with each of its returns, in the norm in which P′ contracts.
 
 A fixed point counts only if its multipliers, the eigenvalues of P′, lie inside the unit circle.
 """
@@ -24,30 +24,30 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 
-ROUNDING = 16 * flow_planar.EPS
-_SECANTS = 60
+ROUNDING = flow_planar.ROUNDING  # sums below it, relative to their terms, count as zero, as they do in the engine
+_SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
 _WIDER = 4.0  # factor from one interval tried around a fixed point to the next
-_WIDEST = 1e-3  # half width of the last one, in scales of the section: where P′ is nearly 1, rounding moves the point
+_WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
 _SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
-_NEWTONS = 12
+_NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
-_WATCHED = 10  # states of the motion on the section, at least, each of which must be closer than the one before
-_THERE = 1e-6  # distance within which it is there, well above rounding even in a stiff contact
+_WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
+_THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
 _LONGEST = 1000  # events in one return
-_PATIENCE = 10  # returns of the longest duration seen that are waited for the next one
-_ONE_PLANE = 1e-9  # relative singular value below which surfaces are one
-_LEAST_SCALE = 1e-6  # of a coordinate, beside its size in the whole motion
-_DOUBLINGS = 40  # of the sum that makes the norm
+_PATIENCE = 10  # time that the next return may take, in times of the longest return seen
+_ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
+_LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
+_DOUBLINGS = 40  # of the number of terms in the sum that makes the norm: 2⁴⁰ terms, more than a slow multiplier needs
 
 
 @dataclass(frozen=True)
 class FixedPoint:
     """An attracting fixed point of the return map: ``state`` (n).
 
-    ``multiplier`` [1]: the eigenvalue of P′ of the largest magnitude, its magnitude if it is complex. ``enclosure``
-    [1]: half width of the interval that is proved to hold the point, relative; nan where d > 1.
+    ``multiplier`` [1] is the eigenvalue of P′ of the largest magnitude, or its magnitude if it is complex.
+    ``enclosure`` [1] is the relative half width of the interval that is proved to hold the point; nan where d > 1.
     """
 
     state: np.ndarray
@@ -63,7 +63,7 @@ class Return(NamedTuple):
 
 
 def section_key(motion: Motion) -> tuple[int, int] | None:
-    """Return kind and mode of the events to watch: the rarest of a motion's last ones; None if it only touches guards.
+    """Return kind and mode of the rarest events in the later half of a motion; None if it only touches guards.
 
     If several kinds are equally rare, take the latest one (two states) or the one that lies on the most surfaces (more
     states), because its section has the fewest dimensions and does not lie where the contact force passes zero, where
@@ -84,18 +84,18 @@ def section_key(motion: Motion) -> tuple[int, int] | None:
 
 
 def _surfaces(automaton: Automaton, state: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Normals (k, n) of the surfaces on which a state (n) lies."""
+    """Return the normals (k, n) of the surfaces on which a state (n) lies."""
     rows = automaton.tables.surfaces
     values = rows[:, :-1] @ state + rows[:, -1]
     return rows[np.abs(values) <= ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1])), :-1]
 
 
 class ReturnSection:
-    """The states near ``origin`` (n) with which events of one kind (``key``: kind, mode after) end.
+    """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
 
-    A state is ``origin`` + ``directions`` (n, d) · y. In the plane y counts in scales of the motion, ``size`` (n), else
-    in the origin's own coordinates: an unloaded contact is far from its peak. ``returns`` make one return of the map;
-    ``longest`` [s] is the longest that the motion was seen to take for one of them.
+    A state is ``origin`` + ``directions`` (n, d) · y. With two states y is measured in scales of the motion, ``size``
+    (n); with more, in the origin's own coordinates, because an unloaded contact is far from its peak. One return of the
+    map is made of ``returns`` returns to the section; ``longest`` [s] is the longest of them that was seen.
     """
 
     def __init__(
@@ -140,12 +140,12 @@ class ReturnSection:
         return (states - self.origin) @ self._axes.T
 
     def distance(self, place: float) -> float:
-        """Return how far a place on a line is from where its free coordinate is zero, in the scale of y."""
+        """Return the distance of a place on a line from where its free coordinate is zero, in the scale of y."""
         free = int(np.argmax(np.abs(self._axes[0])))
         return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
 
     def come_back(self, state: np.ndarray) -> Motion | None:
-        """Return the motion from a state (n) of the section until it is back, or None if it does not come back."""
+        """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""
         motion, events, here = None, 0, state
         for _ in range(self.returns):
             try:
@@ -166,8 +166,8 @@ class ReturnSection:
     def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
         """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
 
-        None for the latter, and nan, if the motion does not come back, or leaves the section the moment it starts:
-        there the surface is crossed the other way.
+        The result is nan and None if the motion does not come back, or if it leaves the section the moment it starts,
+        because there the surface is crossed the other way.
         """
         motion = self.come_back(self.state(place))
         if motion is None or motion.time[0] == 0.0:
@@ -200,7 +200,7 @@ class ReturnSection:
         return FixedPoint(self.origin, largest(self.jacobian(np.zeros(self.dimension))), exact)
 
     def _enclosed(self, older: np.ndarray) -> FixedPoint | None:
-        """Solve by the secant method from the last two states, and enclose."""
+        """Solve by the secant method from the last two states, and enclose the solution; None without success."""
         old = np.zeros(1)
         f_older, f_old = self.excess(older), self.excess(old)
         for _ in range(_SECANTS):
@@ -224,12 +224,12 @@ class ReturnSection:
         return FixedPoint(self.state(old), slope, width)
 
     def _inward(self, place: np.ndarray, width: float) -> bool:
-        """Whether motions from both ends of an interval come back closer to its middle, by the same events."""
+        """Whether motions from both ends of an interval come back nearer to its middle, by the same events."""
         (left, before), (right, after) = self.outcome(place - width), self.outcome(place + width)
         return bool(left > 0 > right) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
-        """Solve by Newton's method from the origin; the motion, ``earlier`` (k, d), must come closer or be there."""
+        """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution."""
         place, length = np.zeros(self.dimension), math.inf
         for _ in range(_NEWTONS):
             slopes, gap = self.jacobian(place), self.excess(place)
@@ -257,7 +257,7 @@ class ReturnSection:
 
 
 def largest(slopes: np.ndarray) -> float:
-    """Return the eigenvalue of P′ (d, d) of the largest magnitude, its magnitude if it is complex; 0 if d = 0."""
+    """Return the eigenvalue of P′ (d, d) of the largest magnitude, or its magnitude if it is complex; 0 if d = 0."""
     if slopes.size == 0:
         return 0.0
     if not np.isfinite(slopes).all():
@@ -268,9 +268,9 @@ def largest(slopes: np.ndarray) -> float:
 
 
 def _contracting(slopes: np.ndarray) -> np.ndarray:
-    """Σ (P′ᵀ)ᵏ P′ᵏ: the quadratic form that P′ makes smaller, whatever its eigenvectors."""
+    """Return Σ (P′ᵀ)ᵏ P′ᵏ, the quadratic form that P′ makes smaller, whatever its eigenvectors are."""
     form, power = np.eye(len(slopes)), slopes
-    with np.errstate(over="ignore", invalid="ignore"):  # nothing comes closer in a form that is not a number
+    with np.errstate(over="ignore", invalid="ignore"):  # the caller refuses a form that is not finite
         for _ in range(_DOUBLINGS):
             form = form + power.T @ form @ power
             power = power @ power

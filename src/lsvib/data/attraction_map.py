@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.basins.cells import Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.grid import COORDINATES, Axis, Grid
-from lsvib.basins.mapper import Mapper
 from lsvib.basins.refinement import RefinedMap, count
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane

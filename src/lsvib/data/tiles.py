@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.basins.cells import Mapper
 from lsvib.basins.grid import COORDINATES, Grid
-from lsvib.basins.mapper import Mapper, mapper
+from lsvib.basins.mapper import mapper
 from lsvib.data.assembly import TileWindow, gather, write_tile
 from lsvib.data.attraction_map import (
     axis_coordinate,

@@ -45,7 +45,7 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
 
@@ -122,7 +122,7 @@ def _automaton(drive: RigidParameters, rest: bool, resume: Resume) -> Automaton:
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=1e-13 * min(float(flow.row[flow_planar.TIME_SCALE]) for flow in flows.values()),
+            shortest_stay=1e-13 * min(float(flow.row[columns.TIME_SCALE]) for flow in flows.values()),
             rest_codes=(MotionMode.REST,),
             sprag_kinds=(EventKind.SEIZURE,),
             passive=rest,
@@ -238,7 +238,7 @@ def _stop(stand: _Stand) -> tuple[Branch, ...]:
 def _entry(modes, flows, stand: _Stand, rest: bool):
     """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
     flow = flows[1].row
-    a0, a1, b = flow[flow_planar.A0], flow[flow_planar.A1], flow[flow_planar.B]
+    a0, a1, b = flow[columns.A0], flow[columns.A1], flow[columns.B]
     q_u, q_w = float(stand.q[0]), float(stand.q[1])
     q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
     for direction in (1, -1):

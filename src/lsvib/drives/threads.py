@@ -1,14 +1,24 @@
 r"""Compliant threads: screw and nut are joined by a spring and a damper in the contact (Sect. 5.5, eqs 8.6, 8.7).
 
-State (u, w, e, v): u = z − z_0 [rad] and w = u′ as in the rigid drive, e = x − r_m tan λ θ [m] the mismatch of nut and
-screw, v = e′. The contact is compressed by δ = e cos λ, and
+          Ω t                θ                               x = r_m tan λ θ + e
+    motor ──/\/\/\── k ──▶ (I) screw ═══ k_c ∥ c_c ═══▶ [m] nut ──▶ R
+                            c to ground                    c_x to ground
 
-    N = cos λ (k_c e + c_c v),      s = sgn(θ′) sgn(N),                                                          (8.6
-    with damping) I θ″ = −k z − c θ′ − r_m N (s μ cos λ − sin λ),      m x″ = R − c_x x′ − N (cos λ + s μ sin λ).
+State (u, w, e, v): u = z − z_0 [rad] and w = u′ [rad/s] as in the rigid drive; e = x − r_m tan λ θ [m] is the mismatch
+of nut and screw, and v = e′ [m/s]. The contact is compressed by δ = e cos λ. With s = sgn(θ′) sgn(N),
 
-The motion is linear for each combination of signs of θ′ and N. At rest θ′ = 0, and friction F takes what the torque
-asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|; then m x″ = R − c_x x′ − N cos λ − F sin λ.
-Nothing is imposed in the Painlevé region: a seizure is the growth of N under law s = +1, and what follows it comes out.
+    N = k_c δ + c_c δ′ = cos λ (k_c e + c_c v),                                               (8.6, with damping)
+    I θ″ = −k z − c θ′ − r_m N (s μ cos λ − sin λ),      m x″ = R − c_x x′ − N (cos λ + s μ sin λ).    (5.16, 5.17)
+
+Differentiating N twice gives (8.7) for c_c = 0.
+
+Friction. The motion is linear for each combination of the signs of θ′ and N; the law s changes where either of them
+passes zero. When θ′ arrives at zero the screw sticks if static friction holds: the friction force F takes what the
+torque asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|. During rest the nut still moves,
+m x″ = R − c_x x′ − N cos λ − F sin λ, so N changes, and slip begins where |F| reaches μ |N|.
+
+Painlevé region. Nothing is imposed: N is a function of the state, so a seizure is the fast growth of N under law
+s = +1, which stops the screw, and the motion after it follows from the same equations.
 """
 
 import math

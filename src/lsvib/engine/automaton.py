@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Test
 from lsvib.engine.kernels.tables import Tables
 from lsvib.errors import EngineError
@@ -108,15 +108,15 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
         a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
         alpha = a1 / 2
         discriminant = alpha * alpha - a0
-        row = np.zeros(flow_planar.COLUMNS)
-        row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.B], row[flow_planar.ALPHA] = a0, a1, b, alpha
+        row = np.zeros(columns.COUNT)
+        row[columns.A0], row[columns.A1], row[columns.B], row[columns.ALPHA] = a0, a1, b, alpha
         if discriminant < 0:
-            row[flow_planar.BETA] = (-discriminant).sqrt()
+            row[columns.BETA] = (-discriminant).sqrt()
         else:
-            row[flow_planar.DELTA] = discriminant.sqrt()
-            row[flow_planar.R1], row[flow_planar.R2] = _real_rates(alpha, a0)
-        row[flow_planar.EQUILIBRIUM] = b / a0 if a0 else 0
-        row[flow_planar.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
+            row[columns.DELTA] = discriminant.sqrt()
+            row[columns.R1], row[columns.R2] = _real_rates(alpha, a0)
+        row[columns.EQUILIBRIUM] = b / a0 if a0 else 0
+        row[columns.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
     return row
 
 

@@ -11,8 +11,8 @@ from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.status import Status
 from lsvib.errors import DivergenceError, EngineError, InputError
 
-_FIRST_CAPACITY = 256
-_MANY_EVENTS = 10_000_000  # that nobody asked for; a gigabyte
+_FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
+_MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL)
 
 

@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_SPLIT = 2.0**27 + 1
+_SPLIT = 2.0**27 + 1  # Dekker's constant: it splits the 53 bits of a double into halves whose products are exact
 
 
 class Stability(IntEnum):

@@ -8,13 +8,13 @@ larger forces. So the threshold is the smaller one of the forces at which the fi
 
 from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.errors import NoThreshold
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _REFINEMENTS = 40  # leave 4e-9 of the bracket, and at a maximum the square of that in the value
-_NEWTON = 200
+_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, in the end with the square
 _EXACT = 1e-40  # relative step; the coefficients have 50 digits
 
 
@@ -70,7 +70,7 @@ def widest_return(forward: ForwardDrive):
     no slip comes back.
     """
     row = oscillator(*forward.decimals, 0)
-    speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[flow_planar.A0])
+    speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[columns.A0])
     largest = float(forward.damping[-1] * forward.speed / forward.stiffness)
 
     def height(time: float) -> float:
@@ -82,10 +82,10 @@ def widest_return(forward: ForwardDrive):
     # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
     # against the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all
     # but stopped after 40 times its slowest time.
-    turns = row[flow_planar.BETA] > 0
-    slowest = row[flow_planar.TIME_SCALE] if turns else -1 / row[flow_planar.R1]
+    turns = row[columns.BETA] > 0
+    slowest = row[columns.TIME_SCALE] if turns else -1 / row[columns.R1]
     low = 0.1 * min(q_u / (a0 * q_w), slowest)
-    high = 2 * float(many.pi) / row[flow_planar.BETA] if turns else 40 * slowest
+    high = 2 * float(many.pi) / row[columns.BETA] if turns else 40 * slowest
     times = [low * (high / low) ** (k / _GRID) for k in range(_GRID)]
     heights = [height(time) for time in times]
     count = next((k for k, value in enumerate(heights) if value == -many.inf), len(heights))

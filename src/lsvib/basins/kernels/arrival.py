@@ -4,7 +4,8 @@ import math
 
 from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, step
 from lsvib.engine.kernels import event_loop, flow_planar
-from lsvib.engine.kernels.flow_planar import A0, ALPHA, BETA, DELTA, EPS, EQUILIBRIUM
+from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, EQUILIBRIUM
+from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 

@@ -2,11 +2,10 @@
 
 A motion that passes from mode to mode goes on from a point of a surface, so what becomes of it is a function of one
 coordinate. ``Known`` holds that function as a table of intervals (made by :mod:`lsvib.basins.section_labels`), so that
-a start needs its first event and one look-up. What comes to rest leaves at one and the same point whatever came before;
-so a mode at rest has a single label.
+a start needs its first event and one look-up. Every rest ends in the same state, so a rest mode needs only one label.
 
-Labels are numbers that the caller chooses, but for two: ``UNKNOWN``, the table does not say; ``UNRESOLVED``, the event
-budget is spent or the start lies on a boundary to rounding. A time that never comes is infinite.
+Labels are numbers that the caller chooses, but for two: ``UNKNOWN`` where the table does not say, and ``UNRESOLVED``
+where the event budget is spent or the start lies on a boundary to rounding. A time that never comes is infinite.
 """
 
 import math
@@ -15,12 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.kernels import dispatch, event_loop
-from lsvib.engine.kernels.flow_planar import A0, A1, ALPHA, BETA, EPS, EQUILIBRIUM, ROUNDING
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
 
-UNRESOLVED = -1
-UNKNOWN = -2
+UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
+UNKNOWN = -2  # no label of the caller is so low
 NO_EVENT = event_loop.NO_KIND  # first event of a motion that has none
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)

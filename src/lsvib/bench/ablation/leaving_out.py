@@ -17,7 +17,7 @@ from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.support import support_automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
@@ -87,7 +87,7 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
     tables, rest = automaton.tables, automaton.rest_codes
     modes = []
     for row, code in zip(tables.flow, automaton.codes, strict=True):
-        acceleration = (-row[flow_planar.A0], -row[flow_planar.A1], 0, 0, row[flow_planar.B])
+        acceleration = (-row[columns.A0], -row[columns.A1], 0, 0, row[columns.B])
         held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
         field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
         modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held))

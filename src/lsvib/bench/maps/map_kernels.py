@@ -11,7 +11,8 @@ import math
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.flow_planar import A0, A1, ROUNDING, B
+from lsvib.engine.kernels.columns import A0, A1, B
+from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.status import Found
 
 _NONE = int(Found.NONE)

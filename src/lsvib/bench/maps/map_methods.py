@@ -9,13 +9,13 @@ import numpy as np
 
 from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
-from lsvib.basins.mapper import Mapper
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.bench.maps import map_kernels
 from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.cycles.attractors import Attractor
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 
 _HORIZON = 1.0  # [s] after which a rival's motion is unresolved
 _BUDGET = 100_000  # events of a motion
@@ -40,17 +40,17 @@ class MapMethod:
 
     label: str
     rule: Rule
-    prepare: Callable[[Mapper], Label]
+    prepare: Callable[[PlanarMapper], Label]
 
 
-def _engine(mapper: Mapper) -> Label:
+def _engine(mapper: PlanarMapper) -> Label:
     tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
     return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
-def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _stepped(step: float, seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels by steps of one length."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -61,8 +61,8 @@ def _stepped(step: float, seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _followed(seizures: int) -> Callable[[Mapper], Label]:
-    def prepare(mapper: Mapper) -> Label:
+def _followed(seizures: int) -> Callable[[PlanarMapper], Label]:
+    def prepare(mapper: PlanarMapper) -> Label:
         """Return the function that labels event by event, without proofs."""
         tables, known, sprags = _tables(mapper)
         cycle = int(Attractor.SPRAG_SLIP_CYCLE)
@@ -73,11 +73,11 @@ def _followed(seizures: int) -> Callable[[Mapper], Label]:
     return prepare
 
 
-def _tables(mapper: Mapper):
+def _tables(mapper: PlanarMapper):
     return mapper.automaton.tables, mapper.sections.known, np.array(mapper.automaton.sprag_kinds, dtype=np.int64)
 
 
-def _lsoda(mapper: Mapper) -> Label:
+def _lsoda(mapper: PlanarMapper) -> Label:
     """scipy's LSODA with events; a motion that stays in a damped mode is followed until its ellipse is trapped."""
     find_method("lsoda").require()
     from lsvib.bench.rivals.methods.scipy_events import integrator
@@ -127,7 +127,7 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
     if not reach > 0.0:
         return math.inf
     row = tables.flow[mode]
-    rate = 2.0 * row[flow_planar.ALPHA] - abs(kappa2 - row[flow_planar.BETA] ** 2) / math.sqrt(kappa2)
+    rate = 2.0 * row[columns.ALPHA] - abs(kappa2 - row[columns.BETA] ** 2) / math.sqrt(kappa2)
     return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 

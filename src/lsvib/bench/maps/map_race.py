@@ -20,7 +20,7 @@ from lsvib.basins.mapper import mapper
 from lsvib.bench.maps.map_methods import METHODS, Label
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
 
 _SAMPLES = 400  # of a piece of the boundary, for its length
@@ -147,7 +147,7 @@ def _tangent(flow: np.ndarray, piece: Piece, point: np.ndarray) -> np.ndarray:
     if not isinstance(piece, Arc):
         return piece.end - piece.start
     row, (u, w) = flow[piece.mode], point
-    return np.array([w, row[flow_planar.B] - row[flow_planar.A0] * u - row[flow_planar.A1] * w])
+    return np.array([w, row[columns.B] - row[columns.A0] * u - row[columns.A1] * w])
 
 
 def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

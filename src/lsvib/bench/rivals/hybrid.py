@@ -15,7 +15,7 @@ import numpy as np
 from lsvib.bench.record import Run
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import dispatch, flow_planar
+from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
 
 _ROUNDING = 1e-12  # of the terms of a sum: less is zero
@@ -253,7 +253,7 @@ def fields(automaton: Automaton) -> np.ndarray:
         return flow.field
     table = np.zeros((len(flow), 2, 3))
     table[:, 0, 1] = 1.0
-    table[:, 1] = np.stack([-flow[:, flow_planar.A0], -flow[:, flow_planar.A1], flow[:, flow_planar.B]], axis=1)
+    table[:, 1] = np.stack([-flow[:, columns.A0], -flow[:, columns.A1], flow[:, columns.B]], axis=1)
     return table
 
 

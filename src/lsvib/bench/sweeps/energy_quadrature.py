@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.bench.jit import allocating_kernel, kernel
-from lsvib.engine.kernels import dispatch, flow_planar
+from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.motion import Motion
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -53,9 +53,7 @@ def residual(motion: Motion, terms: Terms) -> tuple[float, float]:
 def _rates(flow) -> np.ndarray:
     """Decay, frequency and size [1/s] of the rates of each mode, shape (modes, 3, n)."""
     if isinstance(flow, np.ndarray):
-        alpha, beta, first, second = (
-            flow[:, k] for k in (flow_planar.ALPHA, flow_planar.BETA, flow_planar.R1, flow_planar.R2)
-        )
+        alpha, beta, first, second = (flow[:, k] for k in (columns.ALPHA, columns.BETA, columns.R1, columns.R2))
         turns = beta > 0
         first, second = np.where(turns, -alpha, first), np.where(turns, -alpha, second)
         rates = np.array([first + 1j * beta, second - 1j * beta]).T

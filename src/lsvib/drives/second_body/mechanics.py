@@ -1,9 +1,9 @@
 r"""Drives with two coordinates whose threads stay rigid – axial support, rotating nut – as mechanical systems.
 
-The threads slip with a speed ω in the direction d = sgn ω under the law s = d sgn n, n being the axial contact force,
-or they rest. A second body may slide against the ground with Coulomb friction; its direction a – or that it is held, a
-= 0 – is then part of the mode. A model solves Newton's laws in each mode;
-:mod:`lsvib.drives.second_body.modes_and_guards` makes the automaton of it.
+The threads slip with a speed ω in the direction d = sgn ω under the law s = d sgn n, where n is the axial contact
+force, or they rest. A second body may slide against the ground with Coulomb friction; then its direction a is part of
+the mode, with a = 0 while it is held. A model solves Newton's laws in each mode, and
+:mod:`lsvib.drives.second_body.modes_and_guards` makes the automaton from these solutions.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,8 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRA
 DIRECTIONS = {1: "forward", -1: "backward"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
-# Of the larger: two numbers made of doubles that differ by less are equal, as their decimals of 50 digits are rounded.
+# Relative to the larger of two numbers: if they differ by less they are equal, and only the rounding of their 50 digits
+# differs.
 _CANCELLED = Decimal("1e-40")
 HELD = {1: "forward", -1: "backward", 0: "held"}
 
@@ -50,10 +51,10 @@ class TwoBodies:
     ``holds(a)`` gives, by the side of rest and by direction d, the row that is positive while static friction keeps the
     threads from slipping in direction d; the sides are the signs of n, or 0 alone if they do not matter. ``released(d,
     side)`` is the sign of n with which slip begins at the end of static friction. ``tied(slip, second)`` are the rows
-    of the reset that makes the speeds which are zero exactly so; ``impact`` those of a seizure. ``turning``: sgn Ω.
-    ``horizon``: see :func:`lsvib.engine.exact.reach.reached`.
-    ``second``: word for the second body, with friction of size ``limit`` (0: none). ``turns_over``: n may pass zero at
-    rest. ``snaps``: the coordinates that put the speeds ``slip`` and ``sliding`` on zero.
+    of the reset that sets the named speeds to exactly zero; ``impact`` are the rows of the reset of a seizure.
+    ``turning`` is sgn Ω, and ``horizon`` [s] that of :func:`lsvib.engine.exact.reach.reached`. ``second`` is the word
+    for the second body, whose friction has the size ``limit`` (0: none). ``turns_over`` says that n may pass zero at
+    rest. ``snaps`` are the coordinates that are moved to put the speeds ``slip`` and ``sliding`` on zero.
     """
 
     states: tuple[str, ...]
@@ -100,12 +101,12 @@ def normal_force(drive: ExactParameters, solution: Solution) -> tuple:
 
 
 def constant(value) -> tuple:
-    """Row of a constant."""
+    """Return the row of a constant."""
     return (Decimal(0),) * 4 + (Decimal(value),)
 
 
 def plus(*rows: Row) -> tuple:
-    """Sum of rows; what is left of numbers that cancel but for the digits of decimals is zero."""
+    """Return the sum of rows; a sum that cancels but for the rounding of its decimals is exactly zero."""
     return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
 
 

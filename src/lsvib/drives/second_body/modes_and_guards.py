@@ -1,19 +1,19 @@
 r"""Modes, guards and transitions of a drive with two coordinates whose threads stay rigid: axial support, rotating nut.
 
-The threads slip with a speed ω (θ′, or θ′ − θ_2′) in the direction d = sgn ω under the law s = d sgn n, n being the
-axial contact force, or they rest. A second body may slide against the ground with Coulomb friction of fixed size L; its
-direction a – or that it is held, a = 0 – is then part of the mode. A model solves Newton's laws in each of these modes
-(:class:`Solution`); everything else follows from the signs of speeds and forces:
+The threads slip with a speed ω (θ′, or θ′ − θ_2′) in the direction d = sgn ω under the law s = d sgn n, where n is the
+axial contact force, or they rest. A second body may slide against the ground with Coulomb friction of fixed size L;
+then its direction a is part of the mode, with a = 0 while it is held. A model solves Newton's laws in each of these
+modes (:class:`Solution`), and everything else follows from the signs of speeds and forces.
 
-* n = Q / (positive factor × Γ_s), Q not depending on the law. If Γ₊ > 0, the sign of n is that of Q. If moreover the
-  held second body leaves Γ₊ > 0, exactly one mode is consistent in each state: with the accelerations as unknowns, all
-  pieces of the contact problem have determinants of one sign. At ω = 0 or where the second body stops, that mode is
-  found by trying them all.
-* Γ₊ ≤ 0 (Painlevé region; models then refuse the second friction): law s = −1 is followed where it is admissible,
-  dQ < 0. Elsewhere, and on arriving at Q = 0, the threads seize: ω jumps to zero by an impact with an impulse of the
-  sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and accelerates away from rest;
-  otherwise the threads rest, or, beyond the ends of static friction, slip under law −1 (``resume="contact_sign"`` of
-  the rigid drive).
+* n = Q / (positive factor × Γ_s), where Q does not depend on the law. If Γ₊ > 0, the sign of n is that of Q. If Γ₊ > 0
+  also while the second body is held, exactly one mode is consistent in each state: with the accelerations as unknowns,
+  all pieces of the contact problem have determinants of one sign. At ω = 0, or where the second body stops, that mode
+  is found by trying all of them.
+* If Γ₊ ≤ 0 (the Painlevé region, in which models refuse the second friction), law s = −1 is followed where it is
+  admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads seize: ω jumps to zero by an impact with an
+  impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and accelerates
+  away from rest; otherwise the threads rest, or, beyond the ends of static friction, slip under law −1
+  (``resume="contact_sign"`` of the rigid drive).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -49,7 +49,9 @@ class _Layout:
     def __init__(self, bodies: TwoBodies, codes: type[IntEnum], kinds: Sequence[IntEnum]) -> None:
         self.b, self.codes = bodies, codes
         self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = kinds
-        self.ways = tuple(HELD) if bodies.limit else (1,)  # of the second body; without friction it has but one
+        self.ways = (
+            tuple(HELD) if bodies.limit else (1,)
+        )  # directions of the second body; without friction one stands for all
         self.slips = tuple(x for x in SLIPS if not bodies.paradox or x[0] * x[1] < 0)
         self.solutions = {self.name(d, q, a): bodies.solve(d, d * q, a) for d, q in self.slips for a in self.ways}
         self.lasting = {a: bodies.solve(0, 1, a) for a in self.ways}  # at rest
@@ -57,7 +59,7 @@ class _Layout:
         self.sides = tuple(self.holds[1])
         self.solutions |= {self.rest(side, a): self.lasting[a] for side in self.sides for a in self.ways}
         self.gauge = {(d, a): bodies.solve(d, -1, a).contact for d in DIRECTIONS for a in self.ways}  # Q > 0 ⇔ > 0
-        self.order = (bodies.turning, -bodies.turning)  # of guards: the mirrored drive has them in the same order
+        self.order = (bodies.turning, -bodies.turning)  # order of guards, such that the mirrored drive has the same
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
 

@@ -1,25 +1,34 @@
 r"""Rotating nut: the nut is held against rotation by a spring and a damper only (Sect. 5.8, eq. 8.33).
 
-State (u, w, φ, ψ): u = z − z_0 [rad] and w = u′ as in the rigid drive; φ [rad] is the angle θ_2 of the nut, less that
-of steady sliding, and ψ = φ′. The nut is at x = r_m tan λ (θ − θ_2) and slips in the direction of ω = θ′ − θ_2′. With
-the axial contact force n = N (cos λ + s μ sin λ), s = sgn ω sgn N, T = −k z − c θ′, S_2 = −k_2 θ_2 − c_2 θ_2′ and
+          Ω t                θ                          x = r_m tan λ (θ − θ_2), θ_2
+    motor ──/\/\/\── k ──▶ (I) screw ═══threads═══▶ [m, I_2] nut ──▶ R
+                            c, T_0 to ground          along: c_x, F_0 to ground
+                                                      turning: k_2 ∥ c_2 to ground
+
+State (u, w, φ, ψ): u = z − z_0 [rad] and w = u′ [rad/s] as in the rigid drive; φ [rad] is the angle θ_2 of the nut less
+its angle in steady sliding, and ψ = φ′ [rad/s]. The threads slip in the direction of ω = θ′ − θ_2′. With the axial
+contact force n = N (cos λ + s μ sin λ), the law s = sgn ω sgn N, T = −k z − c θ′, S_2 = −k_2 θ_2 − c_2 θ_2′ and
 P = R − c_x x′ − F_0 sgn ω,
 
     I θ″ = T − T_0 sgn θ′ − r_m ξ_s n,      I_2 θ_2″ = S_2 + r_m ξ_s n,      m x″ = P − n,
-    n = Q / Γ̂_s,      Γ̂_s = I_eff − ξ_s tan λ m r_m²,      I_eff = I I_2 / (I + I_2),
-    Q = I_eff [P − m r_m tan λ (T / I − S_2 / I_2)]      (friction of the bearing included in T).
+    n = Q / Γ̂_s,      Γ̂_s = I_eff − ξ_s tan λ m r_m²,      I_eff = I I_2 / (I + I_2),               (8.33: Γ̂_s < 0)
+    Q = I_eff [P − m r_m tan λ (T / I − S_2 / I_2)],
 
-While ω = 0 nut and screw turn together, (I + I_2) θ″ = T + S_2, and the nut does not move along the axis. The threads
-carry the torque τ = I_eff (T / I − S_2 / I_2). Static friction holds while neither slip forward nor slip backward can
-start, τ lying between r_m ξ (R + F_0) and r_m ξ (R − F_0), each with the law of that slip. That takes the friction of
-slide and threads as opposing one and the same impending motion; a slide that pushed the other way could jam the threads
-at larger τ, where slip is possible, too. In this rest the slide's share of R is not determined; n is that of a slide
-which takes nothing.
+where T in Q includes the friction T_0 of the bearing.
 
-Γ̂₊ ≤ 0: in a seizure the axial impulse J = m r_m tan λ ω stops the nut's travel, x′ → 0, and its moment r_m ξ J brings
-both to the common speed (I θ′ + I_2 θ_2′) / (I + I_2); springs, dampers and F_0 give no impulse. Both agree for
-ξ = I_eff / (m r_m² tan λ), which is no more than ξ₊. T_0 needs Γ̂₊ > 0: a bearing that holds the screw changes the
-effective inertia, and with it whether the threads seize, so the rule for what follows an impact does not cover it.
+Friction. The motion is linear for each combination of the signs of ω and Q, and of θ′ where there is T_0. While ω = 0
+screw and nut turn together, (I + I_2) θ″ = T + S_2, and the nut does not move along the axis. The threads carry the
+torque τ = I_eff (T / I − S_2 / I_2). Static friction holds while neither slip forward nor slip backward can start, that
+is, while τ lies between r_m ξ (R + F_0) and r_m ξ (R − F_0), each with the law of that slip. This assumes that slide
+and threads oppose one and the same impending motion; a slide that pushed the other way could jam the threads at a
+larger τ, at which slip is possible, too. At rest the share of the slide in R is not determined; the n that is given is
+that of a slide without a share.
+
+Painlevé region, Γ̂₊ ≤ 0. In a seizure the axial impulse J = m r_m tan λ ω stops the travel of the nut, x′ → 0, and its
+moment r_m ξ J brings screw and nut to their common speed (I θ′ + I_2 θ_2′) / (I + I_2); springs, dampers and F_0 give
+no impulse. Both conditions hold for ξ = I_eff / (m r_m² tan λ), which is not larger than ξ₊. The torque T_0 is allowed
+only if Γ̂₊ > 0: a bearing that holds the screw changes the effective inertia, and with it whether the threads seize, so
+the rule for the motion after an impact does not cover it.
 """
 
 import math

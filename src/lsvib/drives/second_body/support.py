@@ -1,20 +1,30 @@
 r"""Axial support: the screw can shift along its axis against a spring and a damper (Sect. 5.6, eqs 8.23–8.32).
 
-State (u, w, y, v): u = z − z_0 [rad] and w = u′ as in the rigid drive; y [m] is the shift x_1 of the screw, less that
-of steady sliding, and v = y′. The nut is at x = r_m tan λ θ + x_1. With the axial contact force n = N (cos λ + s μ sin
-λ), T = −k z − c θ′, S = k_1 x_1 + c_1 x_1′ and P = R − c_x x′,
+          Ω t                θ, x_1                     x = r_m tan λ θ + x_1
+    motor ──/\/\/\── k ──▶ (I, m_1) screw ═══threads═══▶ [m] nut ──▶ R
+                            turning: c, T_0 to ground      c_x, F_0 to ground
+                            along: k_1 ∥ c_1 to ground
+
+State (u, w, y, v): u = z − z_0 [rad] and w = u′ [rad/s] as in the rigid drive; y [m] is the shift x_1 of the screw less
+its shift in steady sliding, and v = y′ [m/s]. With the axial contact force n = N (cos λ + s μ sin λ), the torque
+T = −k z − c θ′ of coupling and damper, the force S = k_1 x_1 + c_1 x_1′ of the support, and P = R − c_x x′,
 
     I θ″ = T − T_0 sgn θ′ − r_m ξ_s n,      m_1 x_1″ = n − S,      m x″ = P − F_0 sgn x′ − n,
-    n = Q / [(m + m_1) Γ̃_s],      Γ̃_s = I − ξ_s tan λ m̃ r_m²,      m̃ = m m_1 / (m + m_1),
-    Q = I (m_1 P + m S) − m m_1 r_m tan λ T      (forces of friction included in P and T).
+    n = Q / [(m + m_1) Γ̃_s],      Γ̃_s = I − ξ_s tan λ m̃ r_m²,      m̃ = m m_1 / (m + m_1),         (8.27, 8.28)
+    Q = I (m_1 P + m S) − m m_1 r_m tan λ T,
 
-Without θ″ these are (8.23). While the screw does not turn, it shifts together with the nut: n = A = (m_1 P + m S) /
-(m + m_1). Then static friction holds as long as T = −k z lies between r_m A ξ₋ − T_0 and r_m A ξ₊ + T_0 (for A > 0).
-How the threads and the bearing share T is not determined then; N is that of a bearing which takes nothing.
+where P and T in Q include the friction F_0 of the slide and T_0 of the bearing. Linearised about steady sliding, with n
+eliminated, these equations have the matrices M and K of (8.23).
 
-Γ̃₊ ≤ 0: in a seizure the axial impulse J = m̃ r_m tan λ θ′ stops the screw and shifts it, x_1′ → x_1′ + J / m_1; the
-friction that this takes, ξ = I / (m̃ r_m² tan λ), is no more than ξ₊. F_0 needs I > ξ₊ tan λ m_1 r_m²: otherwise the
-threads jam while the slide is held (its mass is then in effect infinite), and the motion is not determined.
+Friction. The motion is linear for each combination of the signs of θ′ and Q, and of x′ where there is F_0. While the
+screw does not turn it shifts together with the nut, and n = A = (m_1 P + m S) / (m + m_1). Static friction holds as
+long as T = −k z lies between r_m A ξ₋ − T_0 and r_m A ξ₊ + T_0 (for A > 0). The shares of threads and bearing in T are
+then not determined; the N that is given is that of a bearing without a share.
+
+Painlevé region, Γ̃₊ ≤ 0. In a seizure the axial impulse J = m̃ r_m tan λ θ′ stops the screw and shifts it,
+x_1′ → x_1′ + J / m_1. The friction factor that this takes, ξ = I / (m̃ r_m² tan λ), is not larger than ξ₊. The force F_0
+is allowed only if I > ξ₊ tan λ m_1 r_m²: otherwise the threads jam while the slide is held, when its mass is in effect
+infinite, and the motion is not determined.
 """
 
 import math

@@ -1,17 +1,18 @@
 """From a linear field to the tables of :mod:`lsvib.engine.kernels.flow_blocks`: blocks of rates that lie close
 together.
 
-The homogeneous field of (x, 1) has the rates of A and one more zero. They are grouped: conjugate rates, and real ones
-that are near each other, belong together. The product P of the other groups' factors has the invariant subspaces of a
-group as its columns V₀ and rows W₀, whatever chains the group has; with W = (W₀ V₀)⁻¹ W₀ the block is B = W A V₀.
-Groups whose projector V₀ W amplifies rounding are merged, the worst one with its nearest, until none does. So rates of
-0 and 10⁻⁸ 1/s, between which nothing can be told apart in a motion of seconds, end up in one block, apart from 10¹¹.
+The homogeneous field of (x, 1) has the rates of A and one more zero. The rates are put into groups: conjugate rates
+belong together, and so do rates that lie near each other. Multiply the factors of all other groups: the columns V₀ and
+rows W₀ of this product span the invariant subspaces of the group, whatever chains the group has, and with
+W = (W₀ V₀)⁻¹ W₀ the block is B = W A V₀. If the projector V₀ W of a group amplifies rounding, the worst such group is
+merged with its nearest one, until none does. So rates of 0 and 10⁻⁸ 1/s, which no motion of seconds can tell apart, end
+up in one block, and a rate of 10¹¹ 1/s in another.
 
-A block's coordinates are, if that makes |B| no larger, what is left of d of the homogeneous ones in its subspace, those
-that are most independent there: so a mismatch that is far larger than its typical size, or than it will ever be, does
-not spoil the others. Its size is measured as |R y| with the Cholesky factor of P, (B − σ)ᵀ P + P (B − σ) = −1, which
-brings the logarithmic norm of the block below σ. The smallest σ is taken for which R is not too far from a multiple of
-one.
+The d coordinates of a block are the projections of d homogeneous coordinates on its subspace, of those that are most
+independent there, unless this makes |B| larger. With this choice a mismatch that is far larger than its typical size
+does not spoil the other coordinates. The size of a block is |R y|, where R is the Cholesky factor of the P that solves
+(B − σ)ᵀ P + P (B − σ) = −1; this brings the logarithmic norm of the block below σ. The smallest σ is taken for which R
+is not too far from a multiple of the identity.
 """
 
 from dataclasses import dataclass
@@ -21,21 +22,21 @@ import mpmath
 import numpy as np
 
 from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
-from lsvib.engine.kernels.flow_blocks import BlockFlow
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.errors import EngineError
 
-_DIGITS = 120  # the factors of far groups, in powers, take some of them
-_SAME = mpmath.mpf(10) ** -12  # relative size of a rate that is zero, and of the imaginary part of a real one
-_APART = 0.25  # relative distance of two rates from which on each is carried alone
-# Amplification by a group's projector from which on it is merged with the nearest. The four digits that this loses at
-# most are fewer than those that far rates in one block may lose.
+_DIGITS = 120  # products of the factors of far groups use up some of them
+_SAME = mpmath.mpf(10) ** -12  # relative size below which a rate, or its imaginary part, counts as zero
+_APART = 0.25  # relative distance from which on two rates need not share a block
+# Amplification of rounding by a group's projector above which the group is merged with its nearest one. It costs four
+# digits at most, fewer than rates far apart in one block may cost.
 _CONDITION = 1e4
-_NORM_CONDITION = 200.0  # amplification by a block's norm that is accepted in any case
+_NORM_CONDITION = 200.0  # amplification by the norm of a block that is accepted whatever the block's own one is
 
 
 @dataclass(frozen=True)
 class BlockMode:
-    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.flow_blocks.BlockFlow` and its condition."""
+    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.tables.BlockFlow` and its condition."""
 
     matrix: np.ndarray
     norm: np.ndarray
@@ -94,7 +95,7 @@ def _blocks(matrix, rates) -> list[Block]:
 
 
 def _groups(rates) -> list[list]:
-    """Groups of rates of which each is near another, or its conjugate."""
+    """Return groups of rates, in each of which every rate is near another one or the conjugate of one."""
     largest = max(abs(rate) for rate in rates)
     groups: list[list] = []
     for rate in rates:
@@ -124,7 +125,7 @@ def block_of(matrix, group, others) -> Block:
 
 
 def _minor(columns, rows, places):
-    """Determinant of these rows and columns of the projector."""
+    """Return the determinant of these rows and columns of the projector."""
     d = len(places)
     left = mpmath.matrix([[columns[i, j] for j in range(d)] for i in places])
     right = mpmath.matrix([[rows[i, j] for j in places] for i in range(d)])
@@ -150,7 +151,7 @@ def _amplification(block: Block) -> float:
 
 
 def _norm_of(block: Block) -> _Norm:
-    """Norm in which the block's logarithmic norm is below a σ that is as small as it allows."""
+    """Return a norm in which the logarithmic norm of the block is below σ, with σ as small as possible."""
     d = block.matrix.rows
     rates = mpmath.eig(block.matrix, left=False, right=False) if d > 1 else [block.matrix[0, 0]]
     spectral = max(mpmath.re(rate) for rate in rates)
@@ -187,8 +188,8 @@ def _lyapunov_norm(matrix, growth) -> _Norm:
 def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
     """The block's own coordinates, or z = R y where these make |B| smaller.
 
-    The exponential of B loses what the rates of |B|, which no choice of units changes, exceed those of B by. In its own
-    coordinates the B of a drive is close to triangular; that of a chain in a general position is not.
+    The exponential of B loses digits if the rates of |B|, which no choice of units changes, exceed those of B. In its
+    own coordinates the B of a drive is close to triangular; the B of a chain in general position is not.
     """
     d = block.matrix.rows
     turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
@@ -202,7 +203,7 @@ def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
 
 
 def _rate_of_sizes(block: Block) -> float:
-    """Largest rate [1/s] of |B|."""
+    """Return the largest rate [1/s] of |B|."""
     return float(np.abs(np.linalg.eigvals(np.abs(_floats(block.matrix)))).max())
 
 
@@ -226,7 +227,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         block, measure = _in_good_coordinates(block, _norm_of(block))
         matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
         inverse_norm[part, part] = _floats(measure.inverse)
-        # Of the smallest relative amount more, so that the bound covers the rounding of B.
+        # A little more than the growth, so that the bound covers the rounding of B.
         turned = _floats(measure.factor * block.matrix * measure.inverse)
         growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
         rate[part] = np.linalg.norm(turned)

@@ -4,11 +4,11 @@ from itertools import pairwise, product
 
 import mpmath
 
-# Relative sizes that only rounding can have – of the digits in use, or of the 50 of the coefficients – or its root,
-# and that of projectors and what they are made of; by digits in use.
+# Relative sizes that only rounding can have, by the number of digits in use. _TINY is for rates: two that coincide may
+# differ by the root of the rounding of these digits, or of the 50 of the coefficients. _ROUNDING is for projectors.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
 _ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
-_SLOW = 10  # a single rate so many times smaller than all larger ones is carried without its equilibrium
+_SLOW = 10  # a single rate that is this many times smaller than all larger ones is carried without its equilibrium
 _APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
 

@@ -7,13 +7,17 @@ from decimal import Decimal
 import mpmath
 import numpy as np
 
-DIGITS = 60
+DIGITS = 60  # ten more than the coefficients have (PLACES); ``flow_choice`` tries 120 where these do not suffice
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 
 
 @dataclass(frozen=True)
 class Field:
-    """A mode's rows of A and b (n, n + 1), typical sizes of the coordinates (n), and those that keep a value in it."""
+    """The field of a mode.
+
+    ``rows`` of A and b (n, n + 1); typical ``sizes`` of the coordinates (n); ``kept``, the coordinates that do not
+    change in the mode, with their values.
+    """
 
     rows: mpmath.matrix
     sizes: np.ndarray
@@ -21,23 +25,23 @@ class Field:
 
     @property
     def alive(self) -> list[int]:
-        """Coordinates that may change."""
+        """Return the coordinates that may change."""
         return [i for i in range(self.rows.rows) if i not in self.kept]
 
     def reduced(self) -> tuple[mpmath.matrix, mpmath.matrix, list]:
-        """A, b and the sizes of the coordinates that are alive; b holds what the others push."""
+        """Return A, b and the sizes of the coordinates that may change; b includes the share of those that do not."""
         n, alive = self.rows.rows, self.alive
         matrix = mpmath.matrix([[self.rows[i, j] for j in alive] for i in alive])
         push = [self.rows[i, n] + sum(self.rows[i, j] * x for j, x in self.kept.items()) for i in alive]
         return matrix, mpmath.matrix(push), [mpmath.mpf(float(self.sizes[i])) for i in alive]
 
     def table(self) -> np.ndarray:
-        """A and b (n, n + 1) in doubles."""
+        """Return A and b (n, n + 1) in doubles."""
         return np.array([[float(x) for x in self.rows[i, :]] for i in range(self.rows.rows)])
 
 
 def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None) -> Field:
-    """Take a field over.
+    """Make a field from rows.
 
     Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);
     ``frozen``: coordinates that keep a value in this mode, with that value.
@@ -52,7 +56,7 @@ def _exact(number):
 
 
 def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> float:
-    """Largest amplification of rounding on the way into other coordinates and back, max_i Σ_j |V_ij| (|W| x)_j / x_i.
+    """Return the largest amplification of rounding into other coordinates and back, max_i Σ_j |V_ij| (|W| x)_j / x_i.
 
     Arguments: V (n, p), W (p, n or n + 1, the last for constants), sizes x (n).
     """

@@ -1,10 +1,10 @@
 """Which kind of flow carries a model with more than two states.
 
-The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Whether it loses digits is judged by the typical
-sizes of the coordinates, and if that fails, by those that a motion reaches. Where rates of a mode coincide in a way
-that it does not know, or so nearly that it would lose more than six digits even so, all modes of the model are carried
-in blocks instead (:mod:`lsvib.engine.exact.block_form`), since a flow is of one kind: its kernels are chosen by its
-type.
+The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Its loss of digits is judged by the typical sizes
+of the coordinates and, if they are not good enough, by the sizes that a motion reaches. If the rates of a mode coincide
+in a way that the modal form does not know, or so nearly that it would lose more than six digits even so, all modes of
+the model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
+because its type chooses the kernels.
 """
 
 import math
@@ -19,10 +19,9 @@ from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
 from lsvib.engine.exact.field import DIGITS, Field, exact_field
 from lsvib.engine.exact.modal_form import ModalMode, modal_flow, modal_mode
 from lsvib.engine.exact.reach import reached
-from lsvib.engine.kernels.flow_blocks import BlockFlow
-from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
-_MORE_DIGITS = 120  # for rates that lie thirty decades apart
+_MORE_DIGITS = 120  # for rates that lie thirty decades apart, where the usual 60 do not suffice
 
 
 @dataclass(frozen=True)

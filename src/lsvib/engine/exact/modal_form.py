@@ -1,11 +1,11 @@
 """From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.engine.kernels.flow_modal`, in 60 digits or more.
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
-s − r for a rate that is left over, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
-subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.factors`). Nothing of this
-is sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation
-of the factor, so (q, q′) is an oscillator, or q alone an exponential. Rates repeated without a chain share a factor and
-get one such row each.
+s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
+subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.factors`). None of this is
+sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
+the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
+factor, and each of them gets such a row.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ import numpy as np
 
 from lsvib.engine.exact.factors import subspaces
 from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification
-from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.tables import ModalFlow
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class ModalMode:
     """One mode in modal form, with p pairs, s singles and q = 2p + s coordinates.
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
-    :class:`lsvib.engine.kernels.flow_modal.ModalFlow`. ``condition`` is the largest amplification of rounding,
+    :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
     max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
     """
 
@@ -42,11 +42,11 @@ class ModalMode:
     def time_scales(self) -> list[float]:
         """Time scales [s] of the pairs, and of the singles that are carried about their equilibrium."""
         about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
-        return [*self.oscillators[:, flow_planar.TIME_SCALE], *(1.0 / np.abs(about))]
+        return [*self.oscillators[:, columns.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
 def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
-    """Decompose a field, in so many digits.
+    """Decompose a field in the given number of digits.
 
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
@@ -79,7 +79,7 @@ class _SingleRate:
 
 
 def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_SingleRate]:
-    """The exponentials of the subspace of one rate, as many as it has dimensions."""
+    """Return the exponentials of the subspace of one rate, as many as the subspace has dimensions."""
     rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
     singles = []
@@ -88,7 +88,7 @@ def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_S
         vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
         covector = projector[i, :]
         push = (covector * constant)[0]
-        # Where it is slow its equilibrium may lie far away.
+        # The equilibrium of a slow exponential may lie far away, so it is carried without it.
         shift = push / rate if rate and not slow else mpmath.mpf(0)
         left = push if slow or not rate else mpmath.mpf(0)
         out = mpmath.matrix([[x, -x * shift] for x in vector])
@@ -97,12 +97,12 @@ def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_S
 
 
 def _minor(projector, chosen, scale):
-    """Determinant of the chosen rows and columns of a projector, in scaled coordinates."""
+    """Return the determinant of the chosen rows and columns of a projector, in scaled coordinates."""
     return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
 def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair]:
-    """The oscillators of a factor of degree two that ``count`` pairs of rates share, one split off after the other."""
+    """Return the oscillators of a factor of degree two that ``count`` pairs of rates share, split off one by one."""
     _, a1, a0 = factor
     weights, pairs = mpmath.diag([s * s for s in scale]), []
     for left in reversed(range(count)):
@@ -124,7 +124,7 @@ def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair
 
 
 def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
-    """A row ℓΠ of the subspace of a pair, as independent of ℓAΠ as can be."""
+    """Return a row ℓΠ of the subspace of a pair that is as independent of ℓAΠ as possible."""
     unit = mpmath.sqrt(abs(factor[2]))
     rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
     candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
@@ -133,32 +133,32 @@ def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
         return mpmath.norm([x * s for x, s in zip(mpmath.matrix([candidate]) * projector, scale, strict=True)])
 
     def spread(candidate) -> mpmath.mpf:
-        """Square of the sine between ℓΠ and ℓAΠ."""
+        """Return the square of the sine of the angle between ℓΠ and ℓAΠ."""
         covector = mpmath.matrix([candidate]) * projector
         first = [x * s for x, s in zip(covector, scale, strict=True)]
         second = [x * s / unit for x, s in zip(covector * matrix, scale, strict=True)]
         product = sum(x * y for x, y in zip(first, second, strict=True))
         return 1 - product * product / (sum(x * x for x in first) * sum(x * x for x in second))
 
-    # Rows that the subspace hardly reaches hold rounding only.
+    # Rows that are nearly orthogonal to the subspace consist of rounding.
     longest = max(map(length, candidates))
     return mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
 
 
 def _row(a0, a1) -> np.ndarray:
-    """Row of the oscillator table for s² + a₁ s + a₀, without force."""
-    row = np.zeros(flow_planar.COLUMNS)
+    """Return the row of the oscillator table for s² + a₁ s + a₀, without force."""
+    row = np.zeros(columns.COUNT)
     alpha, discriminant = a1 / 2, a1 * a1 / 4 - a0
-    row[flow_planar.A0], row[flow_planar.A1], row[flow_planar.ALPHA] = float(a0), float(a1), float(alpha)
+    row[columns.A0], row[columns.A1], row[columns.ALPHA] = float(a0), float(a1), float(alpha)
     if discriminant < 0:
-        row[flow_planar.BETA] = float(mpmath.sqrt(-discriminant))
+        row[columns.BETA] = float(mpmath.sqrt(-discriminant))
     else:
         delta = mpmath.sqrt(discriminant)
         large = -(alpha + delta) if alpha >= 0 else -alpha + delta
         small = a0 / large
-        row[flow_planar.DELTA] = float(delta)
-        row[flow_planar.R1], row[flow_planar.R2] = float(max(large, small)), float(min(large, small))
-    row[flow_planar.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
+        row[columns.DELTA] = float(delta)
+        row[columns.R1], row[columns.R2] = float(max(large, small)), float(min(large, small))
+    row[columns.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
     return row
 
 
@@ -183,7 +183,7 @@ def _tables(field: Field, pairs: list[_Pair], singles: list[_SingleRate]) -> Mod
     if not condition < WORST_CONDITION:
         raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
     return ModalMode(
-        np.array([pair.row for pair in pairs]).reshape(-1, flow_planar.COLUMNS),
+        np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
         np.array([float(single.rate) for single in singles]),
         np.array([float(single.push) for single in singles]),
         to_modal,
@@ -200,7 +200,7 @@ def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     flow = ModalFlow(
         pairs,
         singles,
-        np.zeros((len(modes), pairs.max(), flow_planar.COLUMNS)),
+        np.zeros((len(modes), pairs.max(), columns.COUNT)),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), size, n + 1)),

@@ -1,13 +1,13 @@
 r"""How far the coordinates of a mode get in a motion that starts with the sizes that a model calls typical.
 
-A model can only guess the size of, say, the mismatch of its threads; where rates lie many decades apart the motion
-soon takes a coordinate far beyond the guess, and digits that only the guess would miss are not missed. With Π_k the
-projector on the k slowest rates of the homogeneous field of (x, 1), the state is Π_k (x, 1) once all faster ones have
-died away (or, if they do not, within half a turn of them). So the size that a coordinate has in the motion is
+A model can only guess the size of, say, the mismatch of its threads. If rates lie many decades apart, the motion soon
+takes a coordinate far beyond that guess, and digits that seem lost by the guess do not matter. Let Π_k be the projector
+on the k slowest rates of the homogeneous field of (x, 1). Once all faster parts have died away, or within half a turn
+of them if they do not, the state is Π_k (x, 1). So the size that a coordinate has in the motion is
 
-    x* = max( x, |Π_k| (x, 1) ),      over all k for which that is so before the horizon.
+    x* = max( x, |Π_k| (x, 1) ),      over all k for which this state is reached before the horizon.
 
-Rates next to each other (``_GAP``) and rates slower than the horizon cannot be told apart in this way.
+Rates next to each other (``_GAP``) and rates slower than the horizon cannot be separated in this way.
 """
 
 from dataclasses import replace
@@ -17,10 +17,10 @@ import mpmath
 from lsvib.engine.exact.block_form import block_of
 from lsvib.engine.exact.field import Field
 
-_DIGITS = 150  # rates thirty decades apart, in a product of four differences, leave 30
-SWINGS = 100  # of the coupling: what a motion does not show in that time is not taken for granted
-_SAME = mpmath.mpf(10) ** -35  # relative size of a rate that only rounding of the coefficients parts from zero
-_GAP = 4.0  # from one rate to the next faster one that outlives it: e⁻⁴ is left of it after a unit of the slower one's
+_DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
+SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
+_SAME = mpmath.mpf(10) ** -35  # relative size of a rate that is zero but for the rounding of the coefficients
+_GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
 
 
 def reached(field: Field, horizon: float) -> Field:

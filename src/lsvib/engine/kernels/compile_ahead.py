@@ -5,16 +5,15 @@ Left to their first use: the flow in blocks, which few models need, and the kern
 
 import numpy as np
 
-from lsvib.engine.kernels import dispatch, event_loop, flow_planar, search_planar
-from lsvib.engine.kernels.flow_modal import ModalFlow
+from lsvib.engine.kernels import columns, dispatch, event_loop, search_planar
 from lsvib.engine.kernels.status import Test
-from lsvib.engine.kernels.tables import Tables
+from lsvib.engine.kernels.tables import ModalFlow, Tables
 
 
 def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
     """Compile and cache each entry point for the kinds of flow, on an oscillator that bounces off a surface."""
-    row = np.zeros(flow_planar.COLUMNS)
-    row[[flow_planar.A0, flow_planar.BETA, flow_planar.TIME_SCALE]] = 1.0
+    row = np.zeros(columns.COUNT)
+    row[[columns.A0, columns.BETA, columns.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
     one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])

@@ -23,6 +23,7 @@ from lsvib.engine.kernels import (
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels.tables import BlockFlow
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -78,7 +79,7 @@ def _by_kind(planar_kernel, modal_kernel, block_kernel):
     def chosen(is_array, flow_type):
         if is_array:
             return planar_kernel
-        return block_kernel if flow_type is flow_blocks.BlockFlow else modal_kernel
+        return block_kernel if flow_type is BlockFlow else modal_kernel
 
     def choose(flow, *arguments):
         return chosen(isinstance(flow, np.ndarray), type(flow))(flow, *arguments)

@@ -1,9 +1,9 @@
 """The event loop: flow to the first guard that fires, reset, branch, and again. It knows no model.
 
 A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be
-zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding:
-rising, it is watched from its first maximum on; falling, it fires at once. No time step and no tolerance in time is
-involved.
+zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: a
+guard that rises is watched from its first maximum on, and a guard that falls fires at once. No time step and no
+tolerance in time is involved.
 """
 
 import math
@@ -23,20 +23,20 @@ _ACCUMULATED = int(Status.ACCUMULATED)
 _NO_BRANCH = int(Status.NO_BRANCH)
 _POSITIVE = int(Test.POSITIVE)
 _ZERO = int(Test.ZERO)
-GOES_ON = -1  # instead of a status: no end
-NO_KIND = -1  # instead of an event kind: nothing happened
-MANY = 24  # so many shortest stays in a row are an accumulation
-LARGEST = 1e150  # a state beyond it has left the range of numbers
+GOES_ON = -1  # stands for a status where the run does not end; no status is negative
+NO_KIND = -1  # stands for an event kind where nothing has happened; no kind is negative
+MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulation
+LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its square is close to overflow
 
 
 @inlined_kernel
 def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
-    ``scale`` (n) are the magnitudes that the state was computed from; less than their rounding counts as zero.
-    A guard that is negative at ``state`` fires at once: so a model may enter a mode from a state outside it, where a
-    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode,
-    ``work`` is that of the search (:func:`lsvib.engine.kernels.dispatch.workspace`).
+    ``scale`` (n) are the magnitudes that the state was computed from; a guard below their rounding counts as zero.
+    A guard that is negative at ``state`` fires at once, so a model may enter a mode from a state outside it where a
+    jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode, and
+    ``work`` is the scratch space of the search (:func:`lsvib.engine.kernels.dispatch.workspace`).
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
@@ -86,12 +86,14 @@ def choose_branch(tables, transition, state, scale):
 def put_on_surface(tables, guard, state, scale):
     """Move one coordinate, by no more than rounding, so that the guard's surface is met to the last bit.
 
-    ``scale`` (n) are the magnitudes that the state was computed from; those of the coordinate become what the surface
-    leaves open.
+    ``scale`` (n) are the magnitudes that the state was computed from; the entry of the coordinate that is moved is
+    reduced to the rounding of the surface equation, if that is smaller.
     """
     surface = tables.surfaces[tables.guard_surface[guard]]
     chosen = tables.snap[tables.guard_surface[guard]]
-    if state.size > 2:  # the one whose rounding moves the surface most: it may be many digits of another
+    if state.size > 2:
+        # Move the coordinate whose rounding changes the surface function most; for another coordinate the same change
+        # may be many digits.
         for i in range(state.size):
             if abs(surface[i]) * scale[i] > abs(surface[chosen]) * scale[chosen]:
                 chosen = i
@@ -123,7 +125,7 @@ def apply_reset(tables, transition, state, scratch):
 
 @inlined_kernel
 def arrive(tables, mode, state, scale, guard, stay, work):
-    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` becomes its own."""
+    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
     if stay > 0.0:
         dispatch.travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
@@ -135,8 +137,8 @@ def arrive(tables, mode, state, scale, guard, stay, work):
 def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     """Reset ``state`` in place where the guard has fired, and choose what follows.
 
-    ``short_stays``: shortest stays in a row, this one included; ``scratch`` has the size of the state. Returns
-    (GOES_ON or the ``Status`` that ends the run, mode after, event kind, its sign).
+    ``short_stays``: number of stays below ``shortest_stay`` in a row, this one included; ``scratch`` has the size of
+    the state. Returns (GOES_ON or the ``Status`` that ends the run, mode after the event, event kind, its sign).
     """
     if found == _GRAZE:
         return GOES_ON, mode, GRAZE_KIND, 0
@@ -155,10 +157,11 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
     Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (3): time [s], its compensation, and the number of shortest stays so far in a row, replaced;
-    t_end, may be infinite; stop_kind and stop_mode: end after an event of that kind that enters that mode (−1: any
-    mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled
-    from index 0. A run that ends because they are full goes on from what it has replaced as if it had never ended.
+    from, replaced; clock (3): time [s], its compensation, and the number of stays below ``shortest_stay`` so far in a
+    row, replaced; t_end, which may be infinite; stop_kind and stop_mode: the run ends after an event of that kind that
+    enters that mode (mode −1: any mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state
+    before, state after), filled from index 0. If a run ends because these are full, a second run with the replaced
+    arguments goes on as if the first had never ended.
     Returns (``Status``, mode, number of events).
     """
     times, kinds, signs, modes, before, after = events
@@ -203,7 +206,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
 
 @inlined_kernel
 def add_time(clock, stay):
-    """Add a stay [s] to ``clock`` (time, compensation), a compensated sum: a million short stays lose no digits."""
+    """Add a stay [s] to the compensated sum ``clock`` (time, compensation), so that many short stays lose no digits."""
     total = clock[0] + stay
     if abs(clock[0]) >= abs(stay):
         clock[1] += (clock[0] - total) + stay
@@ -218,7 +221,7 @@ def states_at(
 ):
     """Write exact states and modes at ``times`` [s] (ascending, from ``start_time`` on) to ``states`` and ``modes``.
 
-    At the very time of an event the state after it is given.
+    At the very time of an event they are those after it.
     """
     event = -1
     for k in range(times.size):

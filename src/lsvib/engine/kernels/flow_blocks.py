@@ -13,7 +13,6 @@ compiles for minutes.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,20 +20,6 @@ from lsvib.engine.kernels.affine import apply
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 
 _DEGREE = 18  # of the Taylor polynomial
-
-
-class BlockFlow(NamedTuple):
-    """Flow tables of m modes with n states, in q ≤ n + 1 block coordinates."""
-
-    matrix: np.ndarray  # (m, q, q), block-diagonal
-    norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
-    inverse_norm: np.ndarray  # (m, q, q) R⁻¹
-    rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
-    edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
-    growth: np.ndarray  # (m, q) σ of each block [1/s]
-    to_blocks: np.ndarray  # (m, q, n + 1)
-    from_blocks: np.ndarray  # (m, n, q + 1)
-    field: np.ndarray  # (m, n, n + 1), A and b
 
 
 @kernel

@@ -12,30 +12,14 @@ An affine function of the state, such as a guard, is a sum over pairs and single
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.flow_planar import A0, ALPHA, BETA, DELTA, OVERFLOW, R1, ROUNDING, own_rate
+from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, R1
+from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel
-
-
-class ModalFlow(NamedTuple):
-    """Flow tables of m modes with n states, up to p pairs and s singles; what a mode does not use is zero.
-
-    The modal coordinates of a mode are those of its own pairs, two each, and then those of its singles: q in all.
-    """
-
-    pairs: np.ndarray  # (m,) pairs of each mode
-    singles: np.ndarray  # (m,) singles of each mode
-    oscillators: np.ndarray  # (m, p, planar columns)
-    rates: np.ndarray  # (m, s) r [1/s]
-    pushes: np.ndarray  # (m, s) f, zero where the single is carried about its equilibrium
-    to_modal: np.ndarray  # (m, q, n + 1)
-    from_modal: np.ndarray  # (m, n, q + 1)
-    field: np.ndarray  # (m, n, n + 1), A and b
 
 
 @inlined_kernel

@@ -14,11 +14,8 @@ import math
 
 import numpy as np
 
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, TIME_SCALE, B
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
-
-# Columns of a mode's row in the flow table.
-A0, A1, B, ALPHA, BETA, DELTA, R1, R2, EQUILIBRIUM, TIME_SCALE = range(10)
-COLUMNS = 10
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent

@@ -4,14 +4,15 @@ With the modal coordinates of :mod:`lsvib.engine.kernels.flow_modal` a guard is
 
     g(t) = g₀ + Σ p(t) + Σ a e^{rt} + Σ b ∫₀ᵗ e^{rτ} dτ
 
-over pairs and the two sorts of singles. The parts are formed once for a search; after that a value of any guard costs
-the exponentials of its mode and a few products. The k-th derivative of a pair's part is bounded by
+where the sums are over the pairs and the two sorts of singles. The parts are formed once for a search; after that a
+value of any guard costs the exponentials of its mode and a few products. The k-th derivative of the part of a pair is
+bounded by
 
     complex:  min( |z| ω^k e^{−αt},  e^{−αt} (|P_k| + |Q_k| t) )
     real:     min( |a₁ r₁^k| e^{r₁t} + |a₂ r₂^k| e^{r₂t},  e^{r₁t} (|P_k| + |Q_k| h(t)) )
 
-where the second forms stay small near a double rate; that of a single is monotone, so its values at both ends of a step
-enclose it.
+where the second forms stay small near a double rate. The k-th derivative of the part of a single is monotone, so its
+values at both ends of a step enclose it.
 """
 
 import math
@@ -21,32 +22,35 @@ import numpy as np
 
 from lsvib.engine.kernels import flow_modal
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.flow_planar import A0, A1, ALPHA, BETA, DELTA, EPS, R1, R2, own_rate
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, R2
+from lsvib.engine.kernels.flow_planar import EPS, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 
 ORDERS = 5  # derivatives 0 to 4
 
 
 class Sums(NamedTuple):
-    """Parts of up to g guards in a mode of up to p pairs and s singles, and their values at up to three times."""
+    """Parts of up to g guards in a mode of up to p pairs and s singles, and their values at up to three times.
 
-    states: np.ndarray  # (2, q) modal state at time zero, spare room
+    ``pairs`` holds p, p′ − ρp, p′ and ρp′ − a₀p of each pair's part at time zero, as
+    :func:`lsvib.engine.kernels.flow_modal.responses` wants them.
+    """
+
+    states: np.ndarray  # (2, q) the modal state at time zero, and spare room
     form: np.ndarray  # (q + 1,) one guard in modal coordinates
-    constants: np.ndarray  # (g,) g₀, and what singles without equilibrium are at time zero
-    pairs: (
-        np.ndarray
-    )  # (g, p, 4) p, p′ − ρp, p′, ρp′ − a₀p at time zero, see :func:`lsvib.engine.kernels.flow_modal.responses`
+    constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
+    pairs: np.ndarray  # (g, p, 4)
     pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
     singles: np.ndarray  # (g, s, orders) factor of e^{rt} in each derivative
-    rounding: np.ndarray  # (g,)
+    rounding: np.ndarray  # (g,) size of a guard below which it is rounding only
     pair_nodes: np.ndarray  # (3, p, 6) responses of each pair at a time
-    single_nodes: np.ndarray  # (3, s, 2) growth of each single and its integral at a time
-    values: np.ndarray  # (3, g, 6) a guard and two derivatives at a time, and the same of its pairs alone
+    single_nodes: np.ndarray  # (3, s, 2) the growth of each single and its integral at a time
+    values: np.ndarray  # (3, g, 6) a guard and its first two derivatives at a time, and the same for its pairs alone
 
 
 @allocating_kernel
 def room_for(flow, guards):
-    """Return room for so many guards."""
+    """Return uninitialised ``Sums`` for so many guards."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
     size = flow.to_modal.shape[1]
     return Sums(
@@ -106,8 +110,8 @@ def prepare(flow, mode, state, guards, sums):
 def pair_bounds(row, value, rate, out):
     """Write the factors of the bounds of a pair's part, given its value and rate at time zero, to ``out`` (orders, 4).
 
-    Columns as in ``Sums``; the slow amplitude includes what it may have lost to cancellation, and is infinite where the
-    rates are equal, so that there are no two terms.
+    The columns are those of ``Sums.pair_bounds``. The amplitude of the slow term includes the rounding that
+    cancellation may have left in it; it is infinite where the two rates are equal, because then there are no two terms.
     """
     if row[BETA] > 0.0:
         across = (rate + row[ALPHA] * value) / row[BETA]
@@ -131,7 +135,7 @@ def pair_bounds(row, value, rate, out):
 
 @inlined_kernel
 def bound(factors, slow, fast, h):
-    """Bound of a pair's part of a derivative: a row of ``pair_bounds`` (4) and the largest decay on the way."""
+    """Return the bound of a pair's part of a derivative from a row of ``pair_bounds`` (4) and the largest responses."""
     joint = slow * (factors[2] + factors[3] * h)
     split = slow * factors[0] + factors[1] * fast
     return split if split < joint else joint
@@ -170,11 +174,11 @@ def evaluate(flow, mode, sums, guard, node):
 
 @inlined_kernel
 def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
-    """Lower bound of ``sign`` times the k-th derivative of a guard between two nodes, and its lesser value at them.
+    """Bound ``sign`` times the k-th derivative of a guard from below between two nodes.
 
-    ``eighth`` [s²]: of the square of the time between the nodes. The part of the pairs is within
-    |f − chord of f| ≤ max|f″| h²/8 of its chord; that of the singles likewise, or within the values of each at both
-    ends, whichever is narrower.
+    ``eighth`` [s²] is h²/8, where h is the time between the nodes. The part of the pairs differs from its chord by
+    max|f″| h²/8 at most. The part of the singles is enclosed likewise, or by the values of each single at both ends,
+    whichever is narrower. Returns the lower bound and the lesser of the values at the two nodes.
     """
     left, right = sums.values[here, guard], sums.values[there, guard]
     least = min(sign * left[k], sign * right[k])
@@ -198,10 +202,11 @@ def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
 
 @kernel
 def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
-    """As :func:`least_between` for k = 0 or 1, each part enclosed on its own; also that bound for a short step.
+    """Bound as :func:`least_between` for k = 0 or 1, but with each part enclosed on its own.
 
-    A pair that turns many times between the nodes is within its amplitude, a single that dies away on the way within
-    its values at both. So what vibrates or dies away does not hold the step down; only what bends slowly does.
+    A pair that turns many times between the nodes stays within its amplitude, and a single that dies away on the way
+    stays between its values at both nodes. So only parts that bend slowly limit the step. Returns the lower bound, and
+    the bound without the share of these slow parts, which a shorter step would come close to.
     """
     first, last = sign * sums.values[here, guard, k], sign * sums.values[there, guard, k]
     smooth, apart = 0.0, 0.0
@@ -237,9 +242,9 @@ def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
 
 @kernel
 def lowest_from(flow, mode, sums, guard, node, t):
-    """Lower bound of a guard for all times from t [s], a node, on; −∞ if anything that moves grows.
+    """Return a lower bound of a guard for all times from the node at t [s] on; −∞ if a part of it grows.
 
-    With h(t) ≤ t the joint form of a pair is at most (|P| + |Q| t) e^{−rt} with the slower rate r, which falls from
+    Because h(t) ≤ t, the joint form of a pair is at most (|P| + |Q| t) e^{−rt} with its slower rate r; this falls from
     t = 1/r on.
     """
     level = sums.constants[guard]

@@ -1,7 +1,7 @@
 r"""The certain search for the first guard that fires in a mode whose flow is carried in blocks.
 
-With |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| in the norm of each block (:mod:`lsvib.engine.kernels.flow_blocks`), and the norm
-of a row that belongs to it, a guard g = g₀ + Σ_c g_c z_c obeys, for any h and any j ≤ k,
+In the norm of each block, |z_c(a + τ)| ≤ e^{σ_c τ} |z_c(a)| (:mod:`lsvib.engine.kernels.flow_blocks`). With the norm of
+rows that belongs to it, a guard g = g₀ + Σ_c g_c z_c obeys, for any h and any j ≤ k,
 
     |g^{(k)}| ≤ M_k = Σ_c max(1, e^{σ_c h}) min_j |g_c B_c^{k−j}| |B_c^j z_c(a)|      on [a, a + h].
 
@@ -13,7 +13,7 @@ With |f − chord of f| ≤ max|f″| h²/8 for any f, a guard that is not negat
     min(g″_a, g″_b) > M₄ h²/8      g is convex: no root if it also starts without falling.
 
 A step on which a guard is undecided is shortened. With infinite time the walk ends when every block that moves has
-σ_c < 0 and Σ_c |g_c| |z_c| over them is less than the rest of each guard.
+σ_c < 0 and, for each guard, Σ_c |g_c| |z_c| over these blocks is less than the rest of the guard.
 """
 
 import math
@@ -36,10 +36,10 @@ _LOST = int(Found.UNDECIDED)
 _POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
 _ORDERS = 5  # derivatives 0 to 4
 _NOISE = 64.0  # relative rounding of a block's coordinates, in units of EPS; more by the angle that they have turned
-_STEPS = 1_000_000
-_LONGEST = 64.0  # of the factor by which the tests may pass, so that a step grows at most 5.6-fold
-_GROWTH = 8.0  # of the exponent σ h on one step
-_LARGEST = 1e200
+_STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must come to an end
+_LONGEST = 64.0  # largest factor by which a test counts as passed: the next step is at most 0.7 √64 = 5.6 times as long
+_GROWTH = 8.0  # largest exponent σ h on one step: bounds are too large by e⁸ at most
+_LARGEST = 1e200  # beyond it a coordinate is about to overflow, and the search is undecided instead
 
 
 @allocating_kernel
@@ -48,6 +48,7 @@ def search(flow, mode, state, guards, on_surface, limit):
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
     – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
+    The loop is one long function because all of its parts would share its twelve scratch arrays.
     """
     matrix = flow.matrix[mode]
     size, count = matrix.shape[0], guards.shape[0]
@@ -114,7 +115,10 @@ def search(flow, mode, state, guards, on_surface, limit):
 
 @kernel
 def _forms(flow, mode, guards, weights, constants, sizes):
-    """Write g_c B_c^k (g, k, q), g₀ (g), and the norm of each block's part of the former at the block's first place."""
+    """Write g_c B_c^k to ``weights`` (g, k, q), g₀ to ``constants`` (g), and the norms of the former to ``sizes``.
+
+    The norm of a block's part stands at the block's first place; the other places are zero.
+    """
     table, edges = flow.from_blocks[mode], flow.edges[mode]
     n, size = guards.shape[1] - 1, table.shape[1] - 1
     for guard in range(guards.shape[0]):
@@ -168,7 +172,7 @@ def _norms(vector, factor, edges, out):
 
 @kernel
 def _derivative_sizes(flow, mode, z, t, out, noise, moving):
-    """Write bounds of |B_c^k z_c| (k, q) at time ``t`` at each block's first place, with what rounding may hide.
+    """Write bounds of |B_c^k z_c| (k, q) at time ``t``, the rounding of z included, to each block's first place.
 
     ``noise`` (q) and ``moving`` (2, q) are scratch space.
     """
@@ -194,7 +198,7 @@ def _derivative_sizes(flow, mode, z, t, out, noise, moving):
 
 @kernel
 def _bound(sizes, moved, growth, k, step):
-    """M_k of a guard on a step, see the module docstring."""
+    """Return M_k of a guard on a step [s], see the module docstring."""
     total = 0.0
     for place in range(growth.size):
         least = sizes[k, place] * moved[0, place]
@@ -207,7 +211,11 @@ def _bound(sizes, moved, growth, k, step):
 
 @kernel
 def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface):
-    """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
+    """Decide what a guard does on one step, by the tests of the module docstring.
+
+    ``here`` and ``there`` (3) are the guard and two derivatives at the ends of the step [s]. Returns the decision and
+    the factor by which the test passes that decides; at most 1 if none does.
+    """
     eighth = 0.125 * step * step
     second = _bound(sizes, moved, growth, 2, step) * eighth
     least = min(here[0], there[0])
@@ -250,7 +258,7 @@ def _values(weights, constants, z, out):
 
 @kernel
 def _rounding(weights, constant, z):
-    """Size of the rounding of a guard with these weights (q)."""
+    """Return the size of the rounding of a guard with these weights (q)."""
     total = abs(constant)
     for i in range(z.size):
         total += abs(weights[i] * z[i])
@@ -259,7 +267,7 @@ def _rounding(weights, constant, z):
 
 @kernel
 def _fastest(matrix):
-    """Bound of the rates [1/s] of a mode."""
+    """Return a bound of the rates [1/s] of a mode: the largest row sum of its matrix."""
     fastest = 0.0
     for i in range(matrix.shape[0]):
         total = 0.0
@@ -271,7 +279,7 @@ def _fastest(matrix):
 
 @kernel
 def _never(flow, mode, z, weights, constants, sizes, moved):
-    """True if the blocks that move die away and the guards stay positive on the way."""
+    """Return whether all blocks that move die away, and the guards stay positive until they have."""
     edges, growth = flow.edges[mode], flow.growth[mode]
     for guard in range(constants.size):
         level = constants[guard]
@@ -292,7 +300,10 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
 
 @kernel
 def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_surface, rounding):
-    """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
+    """Find the earliest root on a decided step [a, b] s.
+
+    A guard that is still positive at the earliest root found so far has no root before it.
+    """
     first, when = -1, b
     for guard in range(constants.size):
         if first >= 0 and ahead[guard, 0] <= 0.0:
@@ -300,7 +311,7 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_su
             _values(weights, constants, z, ahead)
         if ahead[guard, 0] <= 0.0:
             low = a
-            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+            if on_surface[guard]:  # The guard rises first, so a value within rounding may belong to its way up.
                 if first >= 0 and ahead[guard, 0] > -rounding[guard]:
                     continue
                 low = _top(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
@@ -310,7 +321,7 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_su
 
 @kernel
 def _top(flow, mode, start, weights, constants, guard, low, high, out, z, work):
-    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    """Return the time at which a concave guard that rises from zero has its maximum, at most ``high``."""
     t = high
     for _ in range(_HALVINGS):
         carry(flow, mode, start, t, z, work)
@@ -329,7 +340,7 @@ def _top(flow, mode, start, weights, constants, guard, low, high, out, z, work):
 
 @kernel
 def _root(flow, mode, start, weights, constants, guard, low, high, out, z, work):
-    """Root of a guard that falls from positive at ``low`` to not positive at ``high``."""
+    """Return the root of a guard that is positive at ``low`` and not positive at ``high``."""
     rate, t = _fastest(flow.matrix[mode]), 0.5 * (low + high)
     for count in range(300):
         carry(flow, mode, start, t, z, work)

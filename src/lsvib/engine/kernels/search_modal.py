@@ -10,16 +10,17 @@ the step (:func:`lsvib.engine.kernels.guard_sums.least_between`). Then, with g �
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
 Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part
-enclosed on its own (:func:`lsvib.engine.kernels.guard_sums.least_by_swings`): one that vibrates many times on the step
-is within its amplitude. A step on which a guard is undecided even so is shortened, so no root is passed over. Where
-shortening ends because the whole step is below the rounding of the guard, the guard grazes. With infinite time the walk
-ends when the bounds of all parts together are below the guards' constants.
+enclosed on its own (:func:`lsvib.engine.kernels.guard_sums.least_by_swings`): a part that vibrates many times on the
+step stays within its amplitude. If a guard is undecided even so, the step is shortened, so no root is passed over. If
+the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
+time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
 """
 
 import math
 
 from lsvib.engine.kernels import guard_sums
-from lsvib.engine.kernels.flow_planar import ALPHA, BETA, R1, R2, own_rate
+from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
+from lsvib.engine.kernels.flow_planar import own_rate
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.status import Found
@@ -29,14 +30,18 @@ _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
-_STEPS = 1_000_000
-_LONGEST = 1e4  # of the factor by which the tests may pass, so that a step grows at most 70-fold
-_BEYOND_ROUNDING = 128.0  # the same where the whole step is within rounding: the next one is eight times as long
-_GROWTH = 8.0  # of the exponent of a growing term within one step
-_LITTLE = 4.0  # of the factor by which a test passes: a step that grows by less than 1.4
-_FAR = 4.0  # of ωh; below it the chord is within twice the amplitude
-_SPARE = 2  # node for roots
-HALVINGS = 1100  # of an interval of doubles, at most
+_STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must come to an end
+# The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step is
+# 0.7 √f times as long, and 0.7 leaves a margin.
+_LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
+_BEYOND_ROUNDING = 128.0  # f where the guard changes by less than its rounding: the next step is 8 times as long
+_LITTLE = 4.0  # f below which the enclosure part by part is tried as well: the step would grow by less than 1.4
+_GROWTH = 8.0  # largest exponent of a growing term on one step: bounds, taken at its end, are too large by e⁸ at most
+# ωh of the fastest part from which on the enclosure part by part can be the better one: the bound by the chord is
+# (ωh)²/8 amplitudes, and a swing between two extremes is two of them.
+_FAR = 4.0
+_SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
+HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
 @kernel
@@ -44,7 +49,8 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten; ``Sums``. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten; ``work``, the ``Sums`` of the search, overwritten. Returns
+    (``Found``, index of the guard, time [s]).
     """
     count = guards.shape[0]
     guard_sums.prepare(flow, mode, state, guards, work)
@@ -91,7 +97,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 
 @kernel
 def _fastest(flow, mode):
-    """Largest rate [1/s] of a mode."""
+    """Return the largest rate [1/s] of a mode."""
     fastest = 0.0
     for pair in range(flow.pairs[mode]):
         row = flow.oscillators[mode, pair]
@@ -103,7 +109,7 @@ def _fastest(flow, mode):
 
 @kernel
 def _longest_step(flow, mode):
-    """Step [s] on which no term grows beyond e⁸."""
+    """Return the longest step [s] on which no term grows by more than e⁸."""
     growing = 0.0
     for pair in range(flow.pairs[mode]):
         growing = max(growing, own_rate(flow.oscillators[mode, pair]))
@@ -114,7 +120,7 @@ def _longest_step(flow, mode):
 
 @kernel
 def _first_step(flow, mode, work, count):
-    """Step [s] on which the pairs alone let the guards be decided."""
+    """Return a step [s] on which the guards would be decided if they consisted of pairs only."""
     shortest = math.inf
     for guard in range(count):
         best = 0.0
@@ -132,14 +138,14 @@ def _first_step(flow, mode, work, count):
 
 @inlined_kernel
 def _margin(end, bound):
-    """How many times the distance from the lesser end to the bound fits between zero and that end."""
+    """Return the factor by which a test passes: the lesser value at the ends over its distance to the lower bound."""
     width = end - bound
     return end / width if width > 0.0 else _LONGEST
 
 
 @inlined_kernel
 def _common_sign(x, y):
-    """Sign of two numbers, zero if they differ in it."""
+    """Return the common sign of two numbers; zero if their signs differ or one of them is zero."""
     if min(x, y) > 0.0:
         return 1.0
     return -1.0 if max(x, y) < 0.0 else 0.0
@@ -147,7 +153,7 @@ def _common_sign(x, y):
 
 @kernel
 def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
-    """As :func:`_decide`, with each part of the guard enclosed on its own."""
+    """Decide what a guard does on one step, with each part of it enclosed on its own; returns as :func:`_decide`."""
     low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if low > 0.0:
         return _POSITIVE, _margin(least, low)
@@ -163,7 +169,11 @@ def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
 
 @inlined_kernel
 def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface):
-    """Decide what a guard does on one step, see the module docstring; also by which factor the tests pass or fail."""
+    """Decide what a guard does on one step, by the tests of the module docstring.
+
+    ``here`` and ``there`` are the nodes at the ends of the step [s]; ``turns`` says that the step is long for the
+    fastest part. Returns the decision and the factor by which the test passes that decides; at most 1 if none does.
+    """
     eighth, slack = 0.125 * step * step, 0.0
     first, last = work.values[here, guard], work.values[there, guard]
     if min(first[0], last[0]) > 0.0:
@@ -224,7 +234,10 @@ def first_below(values, b):
 
 @inlined_kernel
 def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
-    """The earliest root on a decided step; a guard that is positive at the earliest one so far has none before it."""
+    """Find the earliest root on a decided step [a, b] s.
+
+    A guard that is still positive at the earliest root found so far has no root before it.
+    """
     first, when = -1, b
     for guard in range(count):
         node = there
@@ -234,7 +247,7 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
             guard_sums.evaluate(flow, mode, work, guard, node)
         if work.values[node, guard, 0] <= 0.0:
             low = a
-            if on_surface[guard]:  # it rises first; what is not below rounding may be its way up still
+            if on_surface[guard]:  # The guard rises first, so a value within rounding may belong to its way up.
                 if first >= 0 and work.values[node, guard, 0] > -work.rounding[guard]:
                     continue
                 low = _top(flow, mode, work, guard, a, when)
@@ -247,7 +260,7 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
 
 @kernel
 def _top(flow, mode, work, guard, low, high):
-    """Time at which a concave guard that rises from zero turns, or ``high`` if it does not before."""
+    """Return the time at which a concave guard that rises from zero has its maximum, at most ``high``."""
     t = high
     for _ in range(HALVINGS):
         guard_sums.go_to(flow, mode, work, t, _SPARE)
@@ -266,7 +279,10 @@ def _top(flow, mode, work, guard, low, high):
 
 @inlined_kernel
 def _root(flow, mode, work, guard, node, low, high, rate):
-    """Root of a guard that is positive from ``low`` on and not after its root; it has been evaluated at ``high``."""
+    """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it.
+
+    The values of the guard at ``high`` are those of ``node``.
+    """
     t = high
     for count in range(300):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]

@@ -9,27 +9,14 @@ makes the search certain.
 
 import math
 
-from lsvib.engine.kernels.flow_planar import (
-    A0,
-    A1,
-    ALPHA,
-    BETA,
-    DELTA,
-    EPS,
-    EQUILIBRIUM,
-    R1,
-    R2,
-    B,
-    far,
-    integrated_response,
-    responses,
-)
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
+from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
 from lsvib.engine.kernels.jit import kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.status import Found
 
-_TWO_PI = 2.0 * math.pi
-_HUGE = 1e250
+_TWO_PI = 2.0 * math.pi  # one turn of the phase
+_HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing
 _NEAR, _FAR, _SPLIT = range(3)  # forms of a guard along the flow
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -78,7 +65,7 @@ def _value(row, shape, t):
 
 @kernel
 def _positive(row, shape, t):
-    """Whether a guard that falls from a moderate value is still positive; a huge value has overflown on its way."""
+    """Whether a guard that falls from a moderate value is still positive; a huge value has overflowed on its way."""
     return 0.0 < _value(row, shape, t)[0] < _HUGE
 
 

@@ -33,6 +33,7 @@ class Test(IntEnum):
     ZERO = 2
 
 
-GRAZE_KIND = 0  # event kinds that the engine itself writes; models number theirs from FIRST_MODEL_KIND
-ACCUMULATION_KIND = 1
+# Event kinds. The engine itself writes the first two; models number theirs from FIRST_MODEL_KIND on.
+GRAZE_KIND = 0  # a guard is touched, not crossed
+ACCUMULATION_KIND = 1  # infinitely many events in finite time end here
 FIRST_MODEL_KIND = 2

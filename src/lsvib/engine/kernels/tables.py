@@ -32,3 +32,33 @@ class Tables(NamedTuple):
     condition_test: np.ndarray  # (c,) lsvib.engine.kernels.status.Test
     beyond_accumulation: np.ndarray  # (m,) mode that continues after infinitely many events in finite time, −1 for none
     shortest_stay: float  # stays shorter than this [s], many in a row, are an accumulation
+
+
+class ModalFlow(NamedTuple):
+    """Flow tables of m modes with n states, up to p pairs and s singles; what a mode does not use is zero.
+
+    The modal coordinates of a mode are those of its own pairs, two each, and then those of its singles: q in all.
+    """
+
+    pairs: np.ndarray  # (m,) pairs of each mode
+    singles: np.ndarray  # (m,) singles of each mode
+    oscillators: np.ndarray  # (m, p, planar columns)
+    rates: np.ndarray  # (m, s) r [1/s]
+    pushes: np.ndarray  # (m, s) f, zero where the single is carried about its equilibrium
+    to_modal: np.ndarray  # (m, q, n + 1)
+    from_modal: np.ndarray  # (m, n, q + 1)
+    field: np.ndarray  # (m, n, n + 1), A and b
+
+
+class BlockFlow(NamedTuple):
+    """Flow tables of m modes with n states, in q ≤ n + 1 block coordinates."""
+
+    matrix: np.ndarray  # (m, q, q), block-diagonal
+    norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
+    inverse_norm: np.ndarray  # (m, q, q) R⁻¹
+    rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
+    edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
+    growth: np.ndarray  # (m, q) σ of each block [1/s]
+    to_blocks: np.ndarray  # (m, q, n + 1)
+    from_blocks: np.ndarray  # (m, n, q + 1)
+    field: np.ndarray  # (m, n, n + 1), A and b

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.basins.cells import Mapper
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import Mapper, mapper
-from lsvib.basins.slice_mapper import StateMapper
+from lsvib.basins.mapper import mapper
 from lsvib.contact.limit_process import fitted_order
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane
@@ -140,7 +140,7 @@ def _plane(grid: Grid) -> dict[str, tuple]:
     return {"angle_deviation": axis_coordinate(grid.x), "velocity_deviation": axis_coordinate(grid.y)}
 
 
-def _boundary(mapped: Mapper | StateMapper, ends: np.ndarray) -> np.ndarray:
+def _boundary(mapped: Mapper, ends: np.ndarray) -> np.ndarray:
     """Parts (n) of rays from steady sliding to ``ends`` (u and w, n) at which the label changes, by bisection."""
 
     def inside(part: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left
 
@@ -134,7 +134,7 @@ def _end_of_flow(drive: RigidParameters, start: Mapping[str, float]) -> np.ndarr
     automaton = rigid_automaton(drive)
     mode = int(np.flatnonzero(automaton.codes == MotionMode.SLIP_FORWARD_NEGATIVE)[0])
     row = automaton.tables.flow[mode]
-    slowest = row[flow_planar.ALPHA] if row[flow_planar.BETA] > 0 else -row[flow_planar.R1]
+    slowest = row[columns.ALPHA] if row[columns.BETA] > 0 else -row[columns.R1]
     state = np.array([start["u"], start["w"]])
     flow_planar.advance(automaton.tables.flow, mode, state, _LONG / slowest if slowest > 0 else math.inf, state)
     return state

@@ -1,0 +1,106 @@
+"""The region of attraction of models with two states: every start is looked up in a table of sections."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
+from lsvib.basins.grid import Grid
+from lsvib.basins.kernels import arrival, labelling
+from lsvib.basins.section_labels import Sections
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
+from lsvib.errors import InputError
+
+_EVENTS = 100_000  # budget of a motion
+_CELLS = 16384  # of a block, about: the share of work that a thread takes at a time
+
+
+class PlanarMapper:
+    """Maps the starts of a drive with two states to what becomes of them.
+
+    * ``label``: the attractor (``lsvib.cycles.attractors.Attractor``), by the table of
+      :mod:`lsvib.basins.section_labels`; unresolved (−1) is a start that lies on a boundary to rounding.
+    * ``time`` [s] until it is reached: for steady sliding the entry into the largest ellipse around the equilibrium in
+      which no guard can fire (closed form); for a cycle the first event after which the motion is on it to 1e-9 of its
+      size; infinite if the motion is unbounded or unresolved.
+    * ``seizures`` until then, and ``first_event``: kind of the first event of the motion, −1 if there is none.
+
+    No time of waiting enters. Every cell is computed on its own: no number depends on the grid around it, on tiles or
+    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``).
+    """
+
+    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+        kind = find_model(model)
+        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
+        self.events = kind.events
+        self.automaton = kind.build(drive, physics, resume)
+        self.sections = Sections(self.automaton)
+        self.attractors = self.sections.attractors
+        self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
+
+    def cells(
+        self,
+        grid: Grid,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        quantities: Sequence[str] = QUANTITIES,
+        threads: int = 1,
+        progress: Progress | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Map the cells ``rows`` × ``columns`` of a grid.
+
+        Arguments: ``quantities`` wanted; number of ``threads``; ``progress``, called with the numbers of rows done
+        and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
+        int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        """
+        check_quantities(quantities)
+        self._check(grid)
+        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
+        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
+        across = int(grid.x.coordinate == "w")
+        found = {"label": np.empty((y.size, x.size), dtype=np.int8)}
+        found["first_event"] = np.empty((y.size, x.size if "first_event" in quantities else 0), dtype=np.int8)
+        approaches = not {"time", "seizures"}.isdisjoint(quantities)
+        if approaches:
+            found["time"] = np.empty((y.size, x.size))
+            found["seizures"] = np.empty((y.size, x.size), dtype=np.int32)
+
+        def block(part: slice) -> None:
+            tables, known = self.automaton.tables, self.sections.known
+            labels = found["label"][part]
+            labelling.map_labels(tables, known, x, y[part], across, _EVENTS, labels, found["first_event"][part])
+            if approaches:
+                times, counts = found["time"][part], found["seizures"][part]
+                arrival.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
+                times[labels == labelling.UNRESOLVED] = np.inf
+
+        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), threads, progress)
+        return {name: found[name] for name in quantities}
+
+    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
+        u, w = np.asarray(u, dtype=float), np.asarray(w, dtype=float)
+        order = np.argsort(w, kind="stable")
+        x, y = u[order], w[order]
+        found, none = np.empty((1, x.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
+        bounds = [0, *(np.flatnonzero(np.diff(y)) + 1), x.size] if x.size else [0]
+        for first, last in pairwise(bounds):
+            part, tables, known = slice(first, last), self.automaton.tables, self.sections.known
+            labelling.map_labels(tables, known, x[part], y[first : first + 1], 0, _EVENTS, found[:, part], none)
+        labels = np.empty(x.size, dtype=np.int8)
+        labels[order] = found[0]
+        return labels
+
+    def labels_at(self, grid: Grid, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """Return the labels (n) of single cells of a grid, given by their indices ``row`` and ``column`` (n)."""
+        self._check(grid)
+        x, y = grid.x.middles(column), grid.y.middles(row)
+        return self.labels_of(x, y) if grid.x.coordinate == "u" else self.labels_of(y, x)
+
+    def _check(self, grid: Grid) -> None:
+        if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
+            raise InputError(
+                "the rigid drive has the coordinates u and w: the grid needs them as its axes, none fixed."
+            )
