@@ -1,4 +1,4 @@
-"""The README's examples run as they stand: every line of the shell, the scene, the Python."""
+"""The examples of the README and of the page of the commands run as they stand: the shell, the scene, the Python."""
 
 import re
 import shutil
@@ -12,11 +12,12 @@ import yaml
 from lsvib.data.writer import read_dataset
 
 ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = ("README.md", "docs/command.md", "docs/python.md")
+README = "".join((ROOT / name).read_text(encoding="utf-8") for name in PAGES)
 
 
 def blocks(part: str, language: str) -> list[str]:
-    """Code of a language between two markers of the README."""
+    """Code of a language between two markers of these pages."""
     (text,) = re.findall(rf"<!-- {part} -->(.*?)<!-- /{part} -->", README, re.DOTALL)
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 

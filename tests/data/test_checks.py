@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.data.checks import Check, markdown_table, terminal_table
+from lsvib.data.checks import Check, counts, failures, markdown_table, printed_thresholds
+from lsvib.drives.chapter import THRESHOLDS
 from lsvib.errors import InputError
 
 
@@ -67,12 +68,26 @@ def test_table_has_a_line_for_each_check():
     assert len({len(head), len(rule), len(first), len(second)}) == 1
 
 
-@pytest.mark.parametrize("figure", ["fig8_12", "limit_process"])
-def test_terminal_table_fits_a_terminal_and_loses_no_word(figure):
-    claim = "a claim much too long for one line of the table of checks, with |N| in it, so that it must go on below"
-    table = terminal_table([(figure, Check.holds(claim, "Fig. 8.12", "word " * 20, False))])
-    assert max(map(len, table.splitlines())) <= 120
-    assert table.split().count("word") == 20
-    assert all(word in table for word in claim.split())
-    assert "FAIL" in table
-    assert sum(line.startswith(figure) for line in table.splitlines()) == 1
+def test_the_end_of_a_run_says_printed_thresholds_beside_computed_ones():
+    claim = THRESHOLDS["onset_force"]
+    check = Check.within("onset", claim.source, claim.value, 20.2066, claim.tolerance, claim.unit)
+    other = Check.holds("another claim", "Fig. 8.6", "yes", True)
+    (line,) = printed_thresholds([("fig8_06", check), ("fig8_06", other)])
+    words = ["onset", "force", "printed", "20", "N", "computed", "20.2066", "N", "error", "1", "%", "fig8_06"]
+    assert line.split() == words
+    assert len(THRESHOLDS) == 5
+
+
+def test_the_end_of_a_run_counts_checks_by_figure():
+    checks = [(f"figure_{k}", Check.holds("a claim", "Fig. 8.6", "", k != 7)) for k in range(40) for _ in range(3)]
+    text = counts(checks)
+    assert max(map(len, text.splitlines())) <= 120
+    assert "figure_6 3/3, figure_7 0/3, figure_8 3/3" in " ".join(text.split())
+
+
+def test_a_failure_says_what_would_pass():
+    failed = Check.within("mass", "Sect. 8.6.1", -10.0, -12.0, 0.02, "kg")
+    untrue = Check.holds("claim", "Fig. 8.6", "no", False)
+    first, second = failures([("fig8_08", failed), ("fig8_06", untrue), ("fig8_06", Check.holds("x", "", "", True))])
+    assert first.endswith("is NOT <= 0.02 [Sect. 8.6.1]. It passes from -10.2 kg to -9.8 kg.")
+    assert second.endswith("It passes when the claim is true of the dataset.")

@@ -36,8 +36,10 @@ def test_requirements_pin_what_the_project_declares():
     assert set(pins("requirements-dev.txt")) == set(tools)
     for extra in ("solvers", "accuracy"):
         assert set(pins(f"requirements-{extra}.txt")) == {re.split("[>=]", text)[0] for text in extras[extra]}
+    browser = {"playwright"}  # of the tests alone
+    assert set(pins("requirements-explore.txt")) - browser == {re.split("[>=]", text)[0] for text in extras["explore"]}
     assert (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()[-1] == "-e ."
-    for name, base in (("solvers", ""), ("accuracy", "-solvers"), ("dev", "-solvers")):
+    for name, base in (("solvers", ""), ("accuracy", "-solvers"), ("dev", "-solvers"), ("explore", "")):
         lines = (ROOT / f"requirements-{name}.txt").read_text(encoding="utf-8").splitlines()
         assert f"-r requirements{base}.txt" in lines
 

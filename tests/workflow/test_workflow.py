@@ -89,13 +89,17 @@ def test_a_run_makes_everything_and_says_where(finished):
         assert (results / "figures" / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
         assert read_dataset(results / "datasets" / f"{figure}.nc").attrs["Conventions"] == "CF-1.11"
     claims = [line.split("|")[2] for line in (results / "checks.md").read_text(encoding="utf-8").splitlines()[2:]]
-    words = printed.split()
-    assert len(claims) == 8
-    assert all(word in words for claim in claims for word in claim.split())
+    assert len(claims) == 9
+    (mass,) = [line for line in printed.splitlines() if line.startswith("critical mass")]
+    assert mass.split()[2:8] == ["printed", "10.1", "kg", "computed", "10.107", "kg"]
+    (passed,) = re.findall(r"Passed: (.*?)\.\n", printed, re.DOTALL)
+    parts = [part.split() for part in passed.split(",")]
+    assert {figure for figure, _ in parts} == set(FIGURES)
+    assert sum(int(count.split("/")[0]) for _, count in parts) == len(claims)
     assert "Figures: results/figures" in printed
     assert "Computing fig8_03" in printed
     assert "(100%) done" in printed
-    assert "All 8 checks passed." in printed.splitlines()[-4:]
+    assert "All 9 checks passed." in printed.splitlines()[-4:]
     checks = json.loads((results / "checks.json").read_text(encoding="utf-8"))
     assert {check["figure"] for check in checks} == set(FIGURES)
     assert all(check["passed"] for check in checks)
@@ -199,10 +203,10 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     fresh.edit("src/lsvib/drives/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
-    assert "1 of 8 checks failed:\nfig8_08: Critical mass" in run.stdout
+    assert "1 of 9 checks failed:\nfig8_08: Critical mass" in run.stdout
     assert "is NOT <= 0.02" in run.stdout
-    assert "FAIL" in run.stdout.split()
-    assert "1 job FAILED: verdict. 1 of 8 checks FAILED: fig8_08." in run.stdout.splitlines()[-8:]
+    assert "It passes from 19.6 kg to 20.4 kg." in run.stdout
+    assert "1 job FAILED: verdict. 1 of 9 checks FAILED: fig8_08." in run.stdout.splitlines()[-8:]
     results = fresh.folder / "results"
     assert "| FAIL " in (results / "checks.md").read_text(encoding="utf-8")
     assert [c["figure"] for c in json.loads((results / "checks.json").read_text()) if not c["passed"]] == ["fig8_08"]

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import grimp
-from lsvib.data.checks import failures, read_checks, terminal_table, verdict
+from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
 from lsvib.drives.registry import MODELS
 from lsvib.drives.scene import read_yaml
@@ -154,7 +154,7 @@ def remove_leftovers():
 
 
 def print_results(started, log=None):
-    """Print what failed, each table of checks that is not older than this run, and last one line of summary.
+    """Print what failed, the printed thresholds, the checks of this run by figure, and last one line of summary.
 
     ``log``: the logs of Snakemake, in which the jobs that failed are looked up; None if none did.
     """
@@ -167,9 +167,8 @@ def print_results(started, log=None):
         records = Path(folder, "checks.json")
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
-            print("\n".join(["", *failures(checks)]))
-            print(f"{terminal_table(checks)}\n")
-            print(f"Figures: results/figures   datasets: results/datasets   checks: {folder}/checks.md, {records}")
+            print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
+            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, {records}")
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
 

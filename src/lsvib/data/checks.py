@@ -1,6 +1,5 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
 
-import itertools
 import json
 import math
 import os
@@ -10,11 +9,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from lsvib.drives.chapter import THRESHOLDS
 from lsvib.errors import InputError
 
 _COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
-_WIDTHS = (12, 22, 9, 9, 7)  # of the columns in a terminal from the third on
-_FIRST_TWO = 49  # of figure, which is never broken, and claim together
+_TERMINAL = 120  # columns
 
 
 @dataclass(frozen=True)
@@ -113,12 +112,19 @@ def verdict(checks: Sequence[tuple[str, Check]]) -> str:
 
 
 def failures(checks: Sequence[tuple[str, Check]]) -> list[str]:
-    """Return one sentence for each check, pairs (figure, check), that failed."""
-    return [f"{figure}: {check.sentence()}" for figure, check in checks if not check.passed]
+    """Return for each check, pairs (figure, check), that failed, one sentence and what would make it pass."""
+    return [f"{figure}: {check.sentence()} {_remedy(check)}" for figure, check in checks if not check.passed]
+
+
+def _remedy(check: Check) -> str:
+    if check.tolerance is None or isinstance(check.expected, str):
+        return "It passes when the claim is true of the dataset."
+    ends = sorted(check.expected * (1 + sign * check.tolerance) for sign in (-1, 1))
+    return f"It passes from {_quantity(ends[0], check.unit)} to {_quantity(ends[1], check.unit)}."
 
 
 def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
-    """Return the checks, pairs (figure, check), as a Markdown table that also reads well in a terminal."""
+    """Return the checks, pairs (figure, check), as a Markdown table that also reads well as text."""
     rows = [list(_COLUMNS)] + [[cell.replace("|", "\\|") for cell in _row(*pair)] for pair in checks]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
     lines = [
@@ -128,16 +134,30 @@ def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def terminal_table(checks: Iterable[tuple[str, Check]]) -> str:
-    """Return the checks, pairs (figure, check), as a table of at most 120 columns; long cells continue below."""
-    rows = [list(_COLUMNS)] + [_row(figure, check) for figure, check in checks]
-    first = max(len(row[0]) for row in rows)
-    widths, lines = (first, _FIRST_TWO - first, *_WIDTHS), []
-    for row in rows:
-        cells = [textwrap.wrap(cell, width) or [""] for cell, width in zip(row, widths, strict=True)]
-        for parts in itertools.zip_longest(*cells, fillvalue=""):
-            lines.append("  ".join(part.ljust(width) for part, width in zip(parts, widths, strict=True)).rstrip())
-    return "\n".join(lines)
+def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
+    """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
+    found = {(check.source, check.expected): (figure, check) for figure, check in checks}
+    lines = []
+    for name, claim in THRESHOLDS.items():
+        if (claim.source, claim.value) in found:
+            figure, check = found[claim.source, claim.value]
+            words = f"{name.replace('_', ' '):18} printed {_quantity(check.expected, check.unit):8}"
+            computed = f"computed {_quantity(check.computed, check.unit):10}"
+            lines.append(f"{words} {computed} error {_percent(check.error):8} {figure}")
+    return lines
+
+
+def counts(checks: Iterable[tuple[str, Check]]) -> str:
+    """Return how many checks passed in which figures, in lines of at most 120 columns."""
+    passed: dict[str, list[bool]] = {}
+    for figure, check in checks:
+        passed.setdefault(figure, []).append(check.passed)
+    parts = [f"{figure} {sum(found)}/{len(found)}" for figure, found in passed.items()]
+    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", _TERMINAL, break_on_hyphens=False))
+
+
+def _percent(error: float | None) -> str:
+    return "-" if error is None else f"{100 * error:.2g} %"
 
 
 def _row(figure: str, check: Check) -> list[str]:

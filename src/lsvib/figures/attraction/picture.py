@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from lsvib.figures.drawing import phase_planes, style
 
-_COLOURS = {
+COLOURS = {
     "steady sliding": style.SKY,
     "stick slip cycle": style.GREEN,
     "sprag slip cycle": style.ORANGE,
@@ -54,11 +54,11 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
     for value, name in names.items():
         here = label.values == value
         if here.any():
-            colour = np.array(to_rgb(_COLOURS[name]))
+            colour = np.array(to_rgb(COLOURS[name]))
             image[here] = 1 - share[here][:, None] * (1 - colour)
             part = f"{fractions[int(value)]:.2%}"
             later = _latest(dataset, here)
-            patches.append(Patch(color=_COLOURS[name], label=f"{name.replace(' cycle', '')}: {part}{later}"))
+            patches.append(Patch(color=COLOURS[name], label=f"{name.replace(' cycle', '')}: {part}{later}"))
     axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)
     return patches
 

@@ -1,0 +1,58 @@
+"""Draw the picture of the README: one drive, its limit cycle, its region of attraction, its amplitude over the force.
+
+Run it in the root of the repository: ``.venv/bin/python docs/figures/one_drive.py``.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import lsvib
+from lsvib.figures.attraction import picture
+from lsvib.figures.drawing import phase_planes, style
+
+DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+START = {"u": 0.1, "w": 0.0}
+GRID = {"u": (-0.14, 0.2, 680), "w": (-50.0, 35.0, 400)}
+FORCES = np.linspace(-40.0, -0.5, 159)
+
+
+@style.styled
+def draw(found: xr.Dataset) -> Figure:
+    """Draw the phase plane on the left, with its map, and the amplitude on the right."""
+    figure = style.new_figure(style.DOUBLE, 2.9)
+    plane, curve = figure.subplots(1, 2)
+    picture.draw_map(plane, found)
+    motion = DRIVE.simulate(START, 0.02, samples=4001)
+    plane.plot(motion.angle_deviation, motion.velocity_deviation, color=style.BLUE, label="a motion", linewidth=1)
+    phase_planes.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
+    plane.plot(0, 0, "+", color=style.BLACK)
+    plane.axis((*GRID["u"][:2], *GRID["w"][:2]))
+    phase_planes.draw_lines(plane, found, style.VERMILION, "$N = 0$")
+    phase_planes.label_axes(plane, found)
+    plane.set_title("Blue region: the push is survived")
+    plane.legend(loc="upper right", fontsize=6.5)
+    _draw_curve(curve)
+    return figure
+
+
+def _draw_curve(axes) -> None:
+    found = DRIVE.sweep(axial_force=FORCES.tolist(), initial=START)
+    limit = DRIVE.thresholds()["global_stability_force"]
+    axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after the push")
+    axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, stable to small pushes")
+    axes.axvline(limit.value, label=f"threshold: R = {limit.value:.3f} N", **style.PRINTED)
+    axes.plot(
+        DRIVE.axial_force, found.amplitude.sel(axial_force=DRIVE.axial_force), "ko", label="the drive on the left"
+    )
+    axes.set_xlabel("axial force $R$ [N]")
+    axes.set_ylabel("amplitude [rad]")
+    axes.set_title("It vibrates or slides, by the push")
+    axes.set_ylim(-0.01, 0.2)
+    axes.legend(fontsize=6.5)
+
+
+if __name__ == "__main__":
+    style.save(draw(DRIVE.attraction(GRID)), Path(__file__).with_suffix(".png"), resolution=150)

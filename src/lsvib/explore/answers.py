@@ -1,0 +1,186 @@
+"""What the page asks of the engine, without a page: maps, motions, curves and lines as plain arrays."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgba
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.grid import Axis, Grid
+from lsvib.basins.mapper import Mapper, mapper
+from lsvib.basins.slice_mapper import StateMapper
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.data.phase_plane import lines, sample
+from lsvib.data.simulation import run
+from lsvib.data.sweep import START
+from lsvib.drives.parameters import RigidParameters
+from lsvib.engine.motion import Motion
+from lsvib.errors import EngineError, LsvibError
+from lsvib.explore.view import View
+from lsvib.figures.attraction.picture import COLOURS
+
+DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a twentieth of a second
+SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fifth of a second
+COARSE = (36, 27)  # cells of the map of any other model, of which every motion is followed, about a millisecond each
+_SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
+_PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn
+_MARGIN = 0.12  # of the window around what it holds
+_DECADES = 1e3  # from its low to its high end, beyond which a parameter is drawn over its logarithm
+_ALPHA = 0.45  # of the map, so that the motion and the lines show on it
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A motion and what it ends on.
+
+    ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``mode`` (n) codes of modes, ``force`` (n), N [N]; ``cycle``
+    (k, 2), the limit cycle, empty without one; ``steady``, the attractor, None where the engine has no answer; the
+    number of ``events``.
+    """
+
+    time: np.ndarray
+    u: np.ndarray
+    w: np.ndarray
+    mode: np.ndarray
+    force: np.ndarray
+    cycle: np.ndarray
+    steady: SteadyState | None
+    events: int
+
+
+def followed(view: View) -> Followed:
+    """Follow the motion of a view and find its attractor; raises ``EngineError``."""
+    motion = run(view.scene())
+    time, states, mode = _sampled(motion)
+    indices = {int(code): k for k, code in enumerate(motion.automaton.codes)}
+    force = motion.automaton.observe("normal_force", states, np.array([indices[int(code)] for code in mode]))
+    try:
+        steady = steady_state(motion.automaton, motion.start_state)
+    except EngineError:
+        steady = None
+    cycle = np.empty((0, 2))
+    if steady is not None and steady.orbit is not None and steady.orbit.time.size:
+        cycle = _sampled(steady.orbit)[1][:, :2]
+    return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size)
+
+
+def window_around(drive: RigidParameters, shown: Followed) -> Window:
+    """Return a window that holds a motion, its limit cycle, steady sliding and the line θ′ = 0, with a margin."""
+    u = np.concatenate([shown.u, shown.cycle[:, 0], [0.0]])
+    w = np.concatenate([shown.w, shown.cycle[:, 1], [0.0, -drive.input_speed]])
+    edges = []
+    for values in (u, w):
+        margin = _MARGIN * (np.ptp(values) or 1.0)
+        edges += [float(values.min() - margin), float(values.max() + margin)]
+    return Window(*edges)
+
+
+def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np.ndarray]:
+    """Return u (2) [rad] and w (2) [rad/s] of the ends of the line N = 0 (Q = 0, eq. 8.17) across a window."""
+    found = lines([drive])
+    rates = np.array([window.bottom, window.top])
+    return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
+
+
+def labels(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> np.ndarray:
+    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
+    threads = min(2, len(os.sched_getaffinity(0)))  # a page that answers needs no more; labels are the same
+    return _mapper(drive).cells(_grid(window, cells), quantities=("label",), threads=threads)["label"]
+
+
+def label_rows(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
+    """Yield the rows of :func:`labels` one by one, with their indices, from the middle of the window outwards."""
+    mapped, grid = _mapper(drive), _grid(window, cells)
+    middle = cells[1] // 2
+    for row in sorted(range(cells[1]), key=lambda k: abs(k - middle)):
+        yield row, mapped.cells(grid, rows=slice(row, row + 1), quantities=("label",))["label"][0]
+
+
+def rgba(found: np.ndarray) -> np.ndarray:
+    """Return labels (rows, columns) as colours (rows, columns) of 32 bits, as a browser takes them; −2 is clear."""
+    return _PALETTE[found.astype(int) + 2]
+
+
+def shares(found: np.ndarray) -> dict[Attractor, float]:
+    """Return the share [1] of the cells of each attractor, the largest first."""
+    values, counts = np.unique(found, return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    return {Attractor(int(values[k])): float(counts[k] / found.size) for k in order}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the amplitude curve: ``value`` of the parameter, ``amplitude`` [rad], nan without one, ``label``.
+
+    ``near``: the motion started next to steady sliding, else where that of the view does.
+    """
+
+    value: float
+    amplitude: float
+    label: Attractor
+    near: bool
+
+
+def amplitudes(view: View, count: int) -> Iterator[Point]:
+    """Yield the points of the amplitude curve of a view, two for each of ``count`` values of its parameter.
+
+    A drive that the engine has no answer for is unresolved.
+    """
+    for value in values_over(view, count).tolist():
+        for near, start in ((True, START), (False, {"u": view.u, "w": view.w})):
+            try:
+                found = view.drive.replace(**{view.over: value}).steady_state(start)  # type: ignore[attr-defined]
+                yield Point(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
+            except LsvibError:
+                yield Point(value, float("nan"), Attractor.UNRESOLVED, near)
+
+
+def logarithmic(view: View) -> bool:
+    """Return whether the parameter of the amplitude curve spans decades, so that it is drawn over its logarithm."""
+    return view.low > 0 and view.high >= _DECADES * view.low
+
+
+def values_over(view: View, count: int) -> np.ndarray:
+    """Return the values (count) of the parameter of the amplitude curve."""
+    spaced = np.geomspace if logarithmic(view) else np.linspace
+    return spaced(view.low, view.high, count)
+
+
+def thresholds_over(view: View) -> dict[str, float]:
+    """Return, by name, the thresholds of the drive that are values of the parameter of the amplitude curve."""
+    found: dict[str, Any] = view.drive.thresholds()  # type: ignore[attr-defined]
+    names = {
+        "mass": ("critical_mass",),
+        "friction_coefficient": ("critical_friction",),
+        "axial_force": ("onset_force", "stick_force", "detach_force", "global_stability_force"),
+    }.get(view.over, (f"least_{view.over}",))
+    return {name: found[name].value for name in names if name in found and found[name].value is not None}
+
+
+def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return sample(motion, max(_SAMPLES, _PER_ARC * (motion.time.size + 1)))
+
+
+def _grid(window: Window, cells: tuple[int, int]) -> Grid:
+    x = Axis.checked("u", window.left, window.right, cells[0])
+    return Grid(x, Axis.checked("w", window.bottom, window.top, cells[1]))
+
+
+@lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
+def _mapper(drive: RigidParameters) -> Mapper | StateMapper:
+    return mapper(drive, drive.model)
+
+
+def _palette() -> np.ndarray:
+    """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA."""
+    colours = np.zeros((len(Attractor) + 1, 4), dtype=np.uint8)
+    for kind in Attractor:
+        colours[kind + 2] = np.round(255 * np.array(to_rgba(COLOURS[kind.name.lower().replace("_", " ")], _ALPHA)))
+    return colours.view(np.uint32)[:, 0]
+
+
+_PALETTE = _palette()

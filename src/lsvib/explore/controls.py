@@ -1,0 +1,112 @@
+"""What a hand or a keyboard moves on the page: every parameter of every model, start, duration, range of the curve."""
+
+from collections.abc import Callable, Mapping
+
+from bokeh.layouts import column, row
+from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
+
+from lsvib.api import DRIVES
+from lsvib.drives.parameters import RigidParameters, allowed_range, described
+from lsvib.explore.view import View
+
+_STEPS = 200  # of a slider from end to end, finer than a hand
+_REACH = 2.0  # times its value, as far as a slider goes
+_FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
+    "translation_damping": 2000.0,
+    "axial_force": 100.0,
+    "support_damping": 1e-3,
+    "friction_coefficient": 0.4,
+    "contact_damping": 1e5,
+    "axial_support_damping": 1e3,
+    "nut_damping": 1e-3,
+    "slide_friction": 50.0,
+    "bearing_friction": 0.05,
+}
+_SIGNED = ("axial_force", "input_speed")
+
+Asked = Callable[[str, str], None]
+
+
+class Controls:
+    """The controls of one page; ``asked(key, text)`` is called when one of them is moved by hand."""
+
+    def __init__(self, view: View, presets: Mapping[str, View], asked: Asked) -> None:
+        self._asked, self._silent = asked, False
+        self.preset = Select(title="Figure of the chapter", options=["", *presets], value="", width=300)
+        self.model = Select(title="Model of the drive", options=list(DRIVES), value=view.drive.model, width=300)
+        self.over = Select(title="Parameter of the amplitude curve", width=220)
+        self.texts = {
+            key: TextInput(title=title, width=110)
+            for key, title in (
+                ("u", "Start u [rad]"),
+                ("w", "Start u′ [rad/s]"),
+                ("duration", "Duration [s]"),
+                ("low", "Curve from"),
+                ("high", "Curve to"),
+            )
+        }
+        self.fit = Button(label="Fit the window", width=130)
+        self.play = Toggle(label="Play", width=100)
+        self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=330)
+        self.sliders: dict[str, Slider] = {}
+        self.fields: dict[str, TextInput] = {}
+        self.parameters: Column = column(width=320, name="parameters")
+        for key, control in (("preset", self.preset), ("model", self.model), ("over", self.over), *self.texts.items()):
+            control.on_change("value", self._tell(key))
+        self.fit.on_click(lambda: asked("fit", ""))
+        self.show(view)
+
+    def show(self, view: View) -> None:
+        """Let the controls say what a view is; nothing is asked by that."""
+        self._silent = True
+        try:
+            if set(self.fields) != set(type(view.drive).model_fields):
+                self._make_fields(view.drive)
+            self.model.value = view.drive.model
+            self.over.options = list(type(view.drive).model_fields)
+            self.over.value = view.over
+            for key, control in self.texts.items():
+                control.value = f"{getattr(view, key):.10g}"
+            for key, value in view.drive:
+                self.fields[key].value = f"{value:.10g}"
+                self._place(type(view.drive), key, value)
+        finally:
+            self._silent = False
+
+    def say_value(self, key: str, value: float) -> None:
+        """Write a value that a slider gave into the field beside it."""
+        self._silent = True
+        self.fields[key].value = f"{value:.10g}"
+        self._silent = False
+
+    def _make_fields(self, drive: RigidParameters) -> None:
+        kind, rows = type(drive), []
+        self.fields, self.sliders = {}, {}
+        for key in kind.model_fields:
+            about = described(kind, key)
+            unit = "" if about["unit"] == "1" else f" [{about['unit']}]"
+            name = f"{about['long_name']} {about['symbol']}{unit}"
+            self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)
+            self.sliders[key] = Slider(
+                start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",
+                html_attributes={"role": "group", "aria-label": name},
+            )  # fmt: skip
+            self.fields[key].on_change("value", self._tell(key))
+            self.sliders[key].on_change("value", self._tell(f"slider:{key}"))
+            rows.append(row(self.fields[key], self.sliders[key]))
+        self.parameters.children = rows
+
+    def _place(self, kind: type[RigidParameters], key: str, value: float) -> None:
+        """Give a slider its ends around a value, and the value."""
+        end = _REACH * abs(value) or _FROM_ZERO.get(key, 1.0)
+        step = 2 * end / _STEPS if key in _SIGNED else end / _STEPS
+        zero = 0.0 if allowed_range(kind, key).startswith("0 <=") else step  # what zero is allowed for
+        start = -end if key in _SIGNED else zero
+        self.sliders[key].update(start=start, end=end, step=step, value=value)
+
+    def _tell(self, key: str) -> Callable[[str, object, object], None]:
+        def told(attribute: str, old: object, new: object) -> None:
+            if not self._silent and new != old:
+                self._asked(key, str(new))
+
+        return told

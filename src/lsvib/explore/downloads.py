@@ -1,0 +1,57 @@
+"""What a view is exported as: the scene, a picture, the motion; each made from the link of the view alone."""
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from lsvib.basins.grid import Axis, Grid
+from lsvib.basins.mapper import mapper
+from lsvib.data.attraction_map import attraction_map
+from lsvib.data.simulation import attractor_of, motion_file, run
+from lsvib.data.writer import write_dataset
+from lsvib.explore import answers
+from lsvib.explore.view import View
+from lsvib.figures.attraction import picture
+from lsvib.figures.drawing import style
+
+
+def scene(view: View, path: Path) -> None:
+    """Write the scene of a view as YAML."""
+    path.write_text(view.yaml(), encoding="utf-8")
+
+
+def motion(view: View, path: Path) -> None:
+    """Write the motion of a view as netCDF, as ``lsvib simulate`` writes it."""
+    checked = view.scene()
+    followed = run(checked)
+    write_dataset(motion_file(checked, followed, attractor_of(followed)), path, "lsvib.explore")
+
+
+def drawing(view: View, path: Path) -> None:
+    """Draw the map of the window of a view and its motion on it as PNG, in the look of the figures."""
+    shown = answers.followed(view)
+    window = view.window or answers.window_around(view.drive, shown)
+    columns, rows = answers.SETTLED if view.drive.model == "rigid" else answers.COARSE
+    grid = Grid(
+        Axis.checked("u", window.left, window.right, columns), Axis.checked("w", window.bottom, window.top, rows)
+    )
+    mapped = mapper(view.drive, view.drive.model)
+    figure = picture.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
+    figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)
+    style.save(figure, path)
+
+
+EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
+    "scene.yaml": (scene, "application/yaml"),
+    "motion.nc": (motion, "application/x-netcdf"),
+    "picture.png": (drawing, "image/png"),
+}
+
+
+def export(name: str, view: View) -> bytes:
+    """Return an export of a view by its name, one of :data:`EXPORTS`; raises ``LsvibError``."""
+    write, _ = EXPORTS[name]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        write(view, path)
+        return path.read_bytes()

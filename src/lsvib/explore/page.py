@@ -1,0 +1,314 @@
+"""One page in one browser: what is asked by hand, answered at once where it can be, and in small steps elsewhere."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from html import escape
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from bokeh.document import Document
+from bokeh.events import RangesUpdate, Tap
+from bokeh.layouts import column, row
+from bokeh.models import CustomJS, Div
+
+from lsvib import numbers
+from lsvib.basins.clipping import Window
+from lsvib.cycles.attractors import Attractor
+from lsvib.drives.registry import find_model
+from lsvib.errors import InputError, LsvibError
+from lsvib.explore import answers
+from lsvib.explore.controls import Controls
+from lsvib.explore.plots import Plots
+from lsvib.explore.view import View
+from lsvib.figures.attraction.picture import COLOURS
+
+_THROTTLE = 30  # ms that requests are gathered for before they are answered
+_REST = 300  # ms without a request, after which the hand is taken to rest
+_SLICE = 0.04  # s of slow work at a time, between which the page answers
+_FRAME = 80  # ms of a frame of the animation
+_FRAMES = 100  # of the animation of a motion, 8 s
+_POINTS = {"rigid": 61}  # of the amplitude curve
+_FEW_POINTS = 21  # of that of other models, a point of which may take half a second
+_TO_ADDRESS = """
+const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
+if (link) window.history.replaceState(null, "", link.getAttribute("href"));
+"""
+
+
+class Page:
+    """The page of one session; ``presets`` by name. ``view`` is what it shows."""
+
+    def __init__(self, document: Document, view: View, presets: Mapping[str, View], complaint: str = "") -> None:
+        self.document, self.presets, self.view = document, presets, view
+        self.controls = Controls(view, presets, self.ask)
+        self.plots = Plots()
+        self.seconds = 0.0  # of the last answer at once
+        self._asked: dict[str, str] = {}
+        self._waiting = False
+        self._settling: Any = None
+        self._slow: Iterator[None] = iter(())
+        self._stepping = False
+        self._shares: dict[Attractor, float] = {}
+        self._frames: Any = None
+        self._alert = Div(
+            text=escape(complaint), name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"}
+        )
+        self._words = Div(name="words", width=620, html_attributes={"role": "status", "aria-live": "polite"})
+        self._legend = Div(name="legend", width=620)
+        self._links = Div(name="links", width=620)
+        # The first link in the text, that to this view, becomes the address of the page.
+        self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
+        self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
+        self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
+        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
+        self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
+        self._lay_out()
+        self.show(view)
+
+    def ask(self, key: str, text: str) -> None:
+        """Take a request of a control; requests that come within a moment of each other are answered together."""
+        self._asked[key] = text
+        if not self._waiting:
+            self._waiting = True
+            self.document.add_timeout_callback(self._answer, _THROTTLE)
+
+    def start_at(self, u: float, w: float) -> None:
+        """Start the motion in a point of the phase plane."""
+        self.ask("u", repr(float(u)))
+        self.ask("w", repr(float(w)))
+
+    def look_at(self, left: float, right: float, bottom: float, top: float) -> None:
+        """Take the window that a hand has moved or zoomed to."""
+        window = Window(left, right, bottom, top)
+        if self.view.window is not None and not np.allclose(window, self.view.window, rtol=1e-9, atol=0):
+            self.ask("window", " ".join(map(repr, map(float, window))))
+
+    def show(self, view: View) -> None:
+        """Show a view, with all controls set to it; raises ``LsvibError`` if it has no answer."""
+        self._redraw(view)
+        self.controls.show(self.view)
+
+    def _answer(self) -> None:
+        self._waiting = False
+        asked, self._asked = self._asked, {}
+        try:
+            if "preset" in asked:
+                if asked["preset"]:
+                    self.show(self.presets[asked["preset"]])
+            elif "model" in asked:
+                self.show(self._of_model(asked["model"]))
+            else:
+                self._redraw(self._changed(asked))
+                if any(not key.startswith("slider:") and key != "window" for key in asked):
+                    self.controls.show(self.view)
+            self._say(self._alert, "")
+        except LsvibError as error:
+            self._say(self._alert, escape(str(error)))
+            self.controls.show(self.view)
+
+    def _changed(self, asked: Mapping[str, str]) -> View:
+        """The view with what was asked for."""
+        parameters, changes = {}, {}
+        for key, text in asked.items():
+            name = key.removeprefix("slider:")
+            if name in self.controls.fields:
+                parameters[name] = text
+            elif key == "over":
+                value = getattr(self.view.drive, text)
+                changes |= {"over": text, **_around(value)}
+            elif key == "window":
+                changes["window"] = Window(*map(float, text.split()))
+            elif key == "fit":
+                changes["window"] = None
+            else:
+                changes[key] = numbers.start(key, text)
+            if key.startswith("slider:"):
+                self.controls.say_value(name, float(text))
+        return replace(self.view, drive=self.view.drive.replace(**parameters), **changes)
+
+    def _of_model(self, model: str) -> View:
+        """The same drive in another model, as far as the parameters of both are the same."""
+        kind = find_model(model).drive
+        from lsvib.api import drive_class
+
+        shared = {key: value for key, value in self.view.drive if key in kind.model_fields}
+        over = self.view.over if self.view.over in kind.model_fields else "axial_force"
+        ends = {} if over == self.view.over else _around(self.view.drive.axial_force)
+        return replace(self.view, drive=drive_class(model).of(shared), over=over, **ends)
+
+    def _redraw(self, view: View) -> None:
+        """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
+        begin = perf_counter()
+        shown = answers.followed(view)
+        if view.window is None:
+            view = replace(view, window=answers.window_around(view.drive, shown))
+        window = view.window
+        assert window is not None
+        rigid = view.drive.model == "rigid"
+        found = None
+        if rigid:
+            found = answers.labels(view.drive, window, answers.DRAGGED)
+        elif (view.drive, view.window) != (self.view.drive, self.view.window):
+            found = np.full(answers.COARSE[::-1], -2)
+        self.view, self.shown = view, shown
+        self.plots.set_window(window)
+        if found is not None:
+            self.plots.draw_map(found, window)
+        self.plots.draw_motion(view.drive, shown, window)
+        self._draw_moment()
+        self.seconds = perf_counter() - begin
+        self._slow = iter(())
+        if self._settling is not None:
+            self.document.remove_timeout_callback(self._settling)
+        self._settling = self.document.add_timeout_callback(self._settle, _REST)
+
+    def _settle(self) -> None:
+        """The hand rests: say in words and links what is shown, and begin what takes longer."""
+        self._settling = None
+        self._say_links()
+        self._shares = {}
+        self._say_words()
+        self._slow = self._work()
+        if not self._stepping:
+            self._stepping = True
+            self.document.add_next_tick_callback(self._step)
+
+    def _step(self) -> None:
+        """Do a slice of the slow work, and come back while there is more."""
+        end = perf_counter() + _SLICE
+        for _ in self._slow:
+            if perf_counter() > end:
+                self.document.add_timeout_callback(self._step, 5)
+                return
+        self._stepping = False
+
+    def _work(self) -> Iterator[None]:
+        """The fine map, the thresholds and the amplitude curve, in steps."""
+        view, window = self.view, self.view.window
+        assert window is not None
+        try:
+            if view.drive.model == "rigid":
+                found = answers.labels(view.drive, window, answers.SETTLED)
+                self.plots.draw_map(found, window)
+            else:
+                found = np.full(answers.COARSE[::-1], -2)
+                for row_index, labels in answers.label_rows(view.drive, window, answers.COARSE):
+                    found[row_index] = labels
+                    self.plots.draw_map(found, window)
+                    yield
+            self._shares = answers.shares(found)
+            self._say_words()
+            yield
+            self.plots.start_curve(view, answers.thresholds_over(view))
+            points: list[answers.Point] = []
+            for point in answers.amplitudes(view, _POINTS.get(view.drive.model, _FEW_POINTS)):
+                points.append(point)
+                if len(points) % 10 == 0:
+                    self.plots.draw_curve(points)
+                yield
+            self.plots.draw_curve(points)
+            self._say_words(points)
+        except LsvibError as error:
+            self._say(self._alert, escape(str(error)))
+
+    def _say_words(self, points: Sequence[answers.Point] = ()) -> None:
+        """Say in words what the drawings show."""
+        view, shown, steady = self.view, self.shown, self.shown.steady
+        words = [f"The motion of {view.duration:g} s has {shown.events} events."]
+        if steady is None:
+            words.append("The engine does not decide what it ends on.")
+        elif steady.orbit is None:
+            words.append(f"It ends on {_name(steady.label)}.")
+        else:
+            words.append(
+                f"It ends on a {_name(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
+                f"{steady.period:.4g} s."
+            )
+        try:
+            stability = view.drive.stability()  # type: ignore[attr-defined]
+            words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'}: {_name(stability.kind)}.")
+        except InputError as error:
+            words.append(str(error))
+        if self._shares:
+            parts = [f"{_name(kind)} {share:.1%}" for kind, share in self._shares.items()]
+            words.append(f"Of the starts in the window: {', '.join(parts)}.")
+        if points:
+            for near, where in ((True, "next to steady sliding"), (False, "where the motion does")):
+                here = [point for point in points if point.near == near]
+                vibrating = [point.value for point in here if point.amplitude > 0]
+                words.append(
+                    f"Over {view.over} from {view.low:g} to {view.high:g}, started {where}, {len(vibrating)} of "
+                    f"{len(here)} drives vibrate{f', the first at {vibrating[0]:.4g}' if vibrating else ''}."
+                )
+        self._say(self._words, escape(" ".join(words)))
+        patches = [
+            f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[_name(kind)]};opacity:.5">'
+            f"</span>&nbsp;{_name(kind)}"
+            for kind in self._shares
+        ]
+        self._say(self._legend, "&emsp;".join(["Regions of attraction:", *patches]) if patches else "")
+
+    def _say_links(self) -> None:
+        query = escape(self.view.query(), quote=True)
+        links = [f'<a href="?{query}">link to this view</a>']
+        links += [
+            f'<a href="export/{name}?{query}" download="{name}">{text}</a>'
+            for name, text in (
+                ("scene.yaml", "scene as YAML"),
+                ("picture.png", "picture as PNG"),
+                ("motion.nc", "motion as netCDF"),
+            )
+        ]
+        self._say(self._links, " &middot; ".join(links))
+
+    def _draw_moment(self) -> None:
+        """Show the contact and the point of the motion at the moment of the slider."""
+        shown = self.shown
+        time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
+        k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
+        self.plots.draw_moment(self.view.drive, shown, k)
+        kind = find_model(self.view.drive.model)
+        mode = _name(kind.modes(int(shown.mode[k])))
+        self.plots.contact.title.text = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+
+    def _play(self, playing: bool) -> None:
+        if self._frames is not None:
+            self.document.remove_periodic_callback(self._frames)
+            self._frames = None
+        if playing:
+            if self.controls.moment.value >= 100:
+                self.controls.moment.value = 0
+            self._frames = self.document.add_periodic_callback(self._next_frame, _FRAME)
+
+    def _next_frame(self) -> None:
+        self.controls.moment.value = min(100.0, self.controls.moment.value + 100 / _FRAMES)
+        if self.controls.moment.value >= 100:
+            self.controls.play.active = False
+
+    @staticmethod
+    def _say(place: Div, text: str) -> None:
+        if place.text != text:
+            place.text = text
+
+    def _lay_out(self) -> None:
+        c = self.controls
+        left = column(c.preset, c.model, c.parameters)
+        start = row(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
+        middle = column(self.plots.plane, start, self._alert, self._words, self._legend, self._links)
+        curve = row(c.over, c.texts["low"], c.texts["high"])
+        right = column(self.plots.curve, curve, self.plots.force, self.plots.contact, row(c.play, c.moment))
+        heading = Div(text="<h1 style='font-size:1.2em;margin:0'>lsvib explorer</h1>", name="heading")
+        self.document.add_root(column(heading, row(left, middle, right)))
+        self.document.title = "lsvib explorer"
+
+
+def _name(kind: Any) -> str:
+    """A member of an enumeration, or a word with underscores, as a person writes it."""
+    return str(getattr(kind, "name", kind)).lower().replace("_", " ")
+
+
+def _around(value: float) -> dict[str, float]:
+    """A range of the amplitude curve around a value: from a hundredth of it to twice, or a little around zero."""
+    ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
+    return {"low": ends[0], "high": ends[1]}

@@ -1,0 +1,203 @@
+"""The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from bokeh.models import (
+    BasicTicker,
+    BasicTickFormatter,
+    ColumnDataSource,
+    LinearScale,
+    LogScale,
+    LogTicker,
+    LogTickFormatter,
+    Range1d,
+)
+from bokeh.plotting import figure
+
+from lsvib.basins.clipping import Window
+from lsvib.drives.parameters import RigidParameters, described
+from lsvib.explore import answers
+from lsvib.explore.answers import Followed, Point
+from lsvib.explore.view import View
+from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.drawing import style
+
+SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
+_GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
+_SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
+_MARKS = 0.5  # distance of the marks on the drawn screw
+_TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+
+
+class Plots:
+    """The drawings and their sources; every method replaces what a drawing shows."""
+
+    def __init__(self) -> None:
+        names = ("map", "motion", "cycle", "start", "now", "line", "stop", "curve", "near", "marks", "force", "bar")
+        names = (*names, "tooth", "arrow", "threads")
+        self.sources = {name: ColumnDataSource() for name in names}
+        self.plane = self._plane()
+        self.curve = self._curve()
+        self.force = self._force()
+        self.contact = self._contact()
+
+    def _plane(self) -> figure:
+        made = figure(
+            width=620, height=470, tools=_TOOLS, title="Phase plane: click where a motion shall start",
+            x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
+            x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
+            name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
+        )  # fmt: skip
+        source = self.sources
+        source["map"].data = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
+        for name in ("motion", "cycle", "line", "stop", "start", "now"):
+            source[name].data = {"u": [], "w": []}
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=source["map"], level="image")
+        made.line("u", "w", source=source["line"], color=style.VERMILION, line_dash=[5, 3], legend_label="N = 0")
+        made.line("u", "w", source=source["stop"], color=style.GREY, line_dash=[6, 2, 1, 2], legend_label="θ′ = 0")
+        made.line("u", "w", source=source["cycle"], color=style.BLACK, line_width=2.5, legend_label="limit cycle")
+        made.line("u", "w", source=source["motion"], color=style.BLUE, line_width=1.5, legend_label="motion")
+        made.scatter("u", "w", source=source["start"], size=9, color=style.BLUE, fill_color="white")
+        made.scatter("u", "w", source=source["now"], size=9, color=style.VERMILION)
+        made.scatter([0], [0], marker="cross", size=10, color=style.BLACK)
+        made.legend.background_fill_alpha = 0.6
+        made.legend.location = "top_right"
+        return made
+
+    def _curve(self) -> figure:
+        made = figure(
+            width=470, height=270, tools=_TOOLS, title="Amplitude of the steady vibration",
+            x_range=Range1d(0, 1), y_axis_label="amplitude [rad]", name="curve",
+            html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
+        )  # fmt: skip
+        for name in ("curve", "near"):
+            self.sources[name].data = {"x": [], "y": [], "colour": []}
+        self.sources["marks"].data = {"x": [], "name": []}
+        self.sources["bar"].data = {"x": []}
+        made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
+        made.vspan(x="x", source=self.sources["marks"], color=style.BLACK, line_dash=[5, 3])
+        made.text(
+            "x", 0.0, "name", source=self.sources["marks"], angle=math.pi / 2, text_font_size="11px",
+            x_offset=-3, y_offset=-20,
+        )  # fmt: skip
+        made.scatter("x", "y", source=self.sources["near"], color="colour", size=6, legend_label="from near sliding")
+        made.scatter(
+            "x", "y", source=self.sources["curve"], line_color="colour", fill_color=None, size=9,
+            legend_label="from the start",
+        )  # fmt: skip
+        made.legend.update(location="top_left", background_fill_alpha=0.6, padding=2, spacing=0)
+        made.legend.label_text_font_size = "11px"
+        return made
+
+    def _force(self) -> figure:
+        made = figure(
+            width=470, height=210, tools=_TOOLS, title="Normal force of the threads (without impulses)",
+            x_axis_label="time [s]", y_axis_label="N [N]", name="force",
+            html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
+        )  # fmt: skip
+        self.sources["force"].data = {"t": [], "n": []}
+        made.line("t", "n", source=self.sources["force"], color=style.BLUE)
+        self._moment = ColumnDataSource({"x": [0.0]})
+        made.vspan(x="x", source=self._moment, color=style.VERMILION)
+        made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
+        return made
+
+    def _contact(self) -> figure:
+        made = figure(
+            width=470, height=190, tools="", title="Contact", x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
+            name="contact", html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
+        )  # fmt: skip
+        made.axis.visible = made.grid.visible = False
+        made.toolbar_location = None
+        edges = np.array([-2.2, 2.2, 2.2, -2.2])
+        for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
+            heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
+            made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
+        for name in ("threads", "arrow"):
+            self.sources[name].data = {"x0": [], "y0": [], "x1": [], "y1": []}
+        self.sources["tooth"].data = {"x": [], "y": []}
+        made.segment("x0", "y0", "x1", "y1", source=self.sources["threads"], color=style.GREY, line_width=2)
+        made.patch("x", "y", source=self.sources["tooth"], color=style.SKY, line_color=style.BLUE)
+        made.segment("x0", "y0", "x1", "y1", source=self.sources["arrow"], color=style.VERMILION, line_width=3)
+        made.scatter("x1", "y1", source=self.sources["arrow"], color=style.VERMILION, size=8)
+        return made
+
+    def set_window(self, window: Window) -> None:
+        """Let the phase plane show a window."""
+        self.plane.x_range.update(start=window.left, end=window.right)
+        self.plane.y_range.update(start=window.bottom, end=window.top)
+
+    def draw_map(self, labels: np.ndarray, window: Window) -> None:
+        """Show labels (rows, columns) of a window as colours."""
+        self.sources["map"].data = {
+            "image": [answers.rgba(labels)],
+            "x": [window.left],
+            "y": [window.bottom],
+            "dw": [window.right - window.left],
+            "dh": [window.top - window.bottom],
+        }
+
+    def draw_motion(self, drive: RigidParameters, shown: Followed, window: Window) -> None:
+        """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
+        u, w = answers.contact_line(drive, window)
+        closed = np.concatenate([shown.cycle, shown.cycle[:1]])
+        for name, x, y in (
+            ("motion", shown.u, shown.w),
+            ("cycle", closed[:, 0], closed[:, 1]),
+            ("line", u, w),
+            ("stop", [window.left, window.right], [-drive.input_speed] * 2),
+            ("start", shown.u[:1], shown.w[:1]),
+        ):
+            self.sources[name].data = {"u": x, "w": y}
+        self.sources["force"].data = {"t": shown.time, "n": shown.force}
+
+    def draw_moment(self, drive: RigidParameters, shown: Followed, k: int) -> None:
+        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut.
+
+        N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.
+        """
+        force, time = float(shown.force[k]), float(shown.time[k])
+        self.sources["now"].data = {"u": shown.u[k : k + 1], "w": shown.w[k : k + 1]}
+        self._moment.data = {"x": [time]}
+        side = math.copysign(1.0, force) if force else 0.0
+        x = np.array([-0.9, 0.9, 0.9, -0.9])
+        half = 0.25 - _GAP
+        y = SLOPE * x + side * _GAP + np.array([-half, -half, half, half])
+        self.sources["tooth"].data = {"x": x, "y": y}
+        turned = drive.input_speed * time + float(shown.u[k])
+        at = (np.arange(-5, 5) * _MARKS - _SLIDE * turned) % (10 * _MARKS) - 5 * _MARKS
+        at = np.concatenate([at, at])
+        base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
+        self.sources["threads"].data = {"x0": at, "y0": base - 0.15, "x1": at, "y1": base + 0.15}
+        most = float(np.abs(shown.force).max()) or 1.0
+        reach = side * 0.42 * abs(force) / most
+        self.sources["arrow"].data = {"x0": [0], "y0": [side * 0.25], "x1": [0], "y1": [side * 0.25 - reach]}
+
+    def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
+        """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
+        about = described(type(view.drive), view.over)
+        decades = answers.logarithmic(view)
+        self.curve.x_scale = LogScale() if decades else LinearScale()
+        self.curve.xaxis.ticker = LogTicker() if decades else BasicTicker()
+        self.curve.xaxis.formatter = LogTickFormatter() if decades else BasicTickFormatter()
+        self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} [{about['unit']}]"
+        self.curve.x_range.update(start=view.low, end=view.high)
+        self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
+        inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
+        self.sources["marks"].data = {
+            "x": list(inside.values()),
+            "name": [name.replace("_", " ") for name in inside],
+        }
+        self.draw_curve([])
+
+    def draw_curve(self, points: Sequence[Point]) -> None:
+        """Show points of the amplitude curve, coloured by attractor."""
+        for name, near in (("near", True), ("curve", False)):
+            here = [point for point in points if point.near == near]
+            self.sources[name].data = {
+                "x": [point.value for point in here],
+                "y": [point.amplitude for point in here],
+                "colour": [COLOURS[point.label.name.lower().replace("_", " ")] for point in here],
+            }

@@ -1,0 +1,93 @@
+"""Serve the page to browsers of this machine, and its exports."""
+
+import asyncio
+import errno
+import webbrowser
+from collections.abc import Mapping
+
+from bokeh.application import Application
+from bokeh.application.handlers.function import FunctionHandler
+from bokeh.document import Document
+from bokeh.server.server import Server
+from tornado.web import RequestHandler
+
+from lsvib.engine.kernels.compile_ahead import compile_engine
+from lsvib.errors import InputError, LsvibError
+from lsvib.explore import answers
+from lsvib.explore.downloads import EXPORTS, export
+from lsvib.explore.page import Page
+from lsvib.explore.presets import presets
+from lsvib.explore.view import View
+
+HOST = "localhost"  # nobody else is let in
+
+
+class Export(RequestHandler):
+    """Answers ``export/<name>?<link of a view>`` with a file, or with one sentence and status 400."""
+
+    def get(self, name: str) -> None:
+        """Send the export."""
+        query = {key: self.get_query_argument(key) for key in self.request.query_arguments}
+        try:
+            content = export(name, View.of(query))
+        except LsvibError as error:
+            self.set_status(400)
+            self.set_header("Content-Type", "text/plain; charset=utf-8")
+            self.write(str(error))
+            return
+        self.set_header("Content-Type", EXPORTS[name][1])
+        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+        self.write(content)
+
+
+class Icon(RequestHandler):
+    """Answers a browser that asks for an icon that there is none."""
+
+    def get(self) -> None:
+        """Send nothing."""
+        self.set_status(204)
+
+
+def make_server(port: int) -> Server:
+    """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
+    known = presets()
+
+    def page(document: Document) -> None:
+        context = document.session_context
+        arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
+        query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
+        try:
+            Page(document, View.of(query), known)
+        except LsvibError as error:
+            document.clear()
+            Page(document, View(), known, f"The link cannot be shown: {error}")
+
+    names = "|".join(name.replace(".", r"\.") for name in EXPORTS)
+    try:
+        server = Server(
+            {"/": Application(FunctionHandler(page))},
+            address=HOST,
+            port=port,
+            extra_patterns=[(rf"/export/({names})", Export), (r"/favicon\.ico", Icon)],
+        )
+    except OSError as error:
+        reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
+        raise InputError(f"port = {port} cannot be used: {reason}; take another one with --port.") from None
+    return server
+
+
+def serve(port: int, show: bool) -> None:
+    """Compile the engine, serve the page until the command is interrupted, and open it in a browser if ``show``."""
+    asyncio.set_event_loop(asyncio.new_event_loop())
+    server = make_server(port)
+    compile_engine()
+    answers.labels(View().drive, answers.window_around(View().drive, answers.followed(View())), answers.DRAGGED)
+    address = f"http://{HOST}:{server.port}/"
+    print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
+    server.start()
+    if show:
+        webbrowser.open(address)
+    try:
+        server.io_loop.start()
+    finally:
+        server.stop()

@@ -1,0 +1,169 @@
+"""The explorer in a real browser: drag, click, presets, keyboard, link and exports, with nothing on its console."""
+
+import re
+import shutil
+import subprocess
+import sys
+from urllib.parse import parse_qsl, urlsplit
+from urllib.request import urlopen
+
+import pytest
+
+pytest.importorskip("bokeh", reason="The explorer needs bokeh, which is not installed.")
+playwright = pytest.importorskip("playwright.sync_api", reason="The browser is driven by playwright, not installed.")
+CHROMIUM = shutil.which("chromium")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="There is no Chromium on this machine."),
+]
+FLAGS = (
+    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync"
+)
+VIEW = "mass=11.0&support_damping=0.001&axial_force=-10.0&u=0.1&low=-40&high=-0.5"
+_PATIENCE = 60_000  # ms, on a machine with other work; what is waited for comes within a second
+
+
+@pytest.fixture(scope="module")
+def server():
+    """Address of a running explorer."""
+    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        line = process.stdout.readline()
+        yield re.search(r"http://localhost:\d+/", line).group()
+        process.terminate()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as started:
+        chromium = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS.split())
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser, server):
+    """A page with a view; whatever its console says at the end is an error."""
+    opened = browser.new_page(viewport={"width": 1500, "height": 1000})
+    said = []
+    opened.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
+    opened.on("pageerror", lambda error: said.append(str(error)))
+    opened.goto(f"{server}?{VIEW}")
+    words(opened, "sprag slip cycle of amplitude 0.056")
+    yield opened
+    opened.close()
+    assert said == []
+
+
+def words(page, text: str) -> None:
+    """Wait until the page says something."""
+    playwright.expect(page.get_by_role("status")).to_contain_text(text, timeout=_PATIENCE)
+
+
+def share(page) -> float:
+    """Wait for the share of the window from which the drive slides steadily [%]."""
+    said = re.compile(r"starts in the window:.* steady sliding (\d+\.\d)%")
+    playwright.expect(page.get_by_role("status")).to_contain_text(said, timeout=_PATIENCE)
+    return float(said.search(page.get_by_role("status").inner_text()).group(1))
+
+
+def query(page, key: str, value: str) -> None:
+    """Wait until the address of the page has a value."""
+    page.wait_for_function(
+        "([key, value]) => new URLSearchParams(location.search).get(key) === value", arg=[key, value], timeout=_PATIENCE
+    )
+
+
+def test_a_drag_of_a_slider_recomputes_the_region(page):
+    before = share(page)
+    handle = page.locator(".noUi-handle").nth(9)  # of the axial force, the last parameter
+    box = handle.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    for k in range(1, 11):
+        page.mouse.move(box["x"] + box["width"] / 2 - 3 * k, box["y"] + box["height"] / 2)
+    page.mouse.up()
+    page.wait_for_function("new URLSearchParams(location.search).get('axial_force') < -12", timeout=_PATIENCE)
+    # The harder the drive is pushed, the larger a push it takes away from steady sliding (docs/basin.md).
+    playwright.expect(page.get_by_role("status")).not_to_contain_text(f"steady sliding {before}%", timeout=_PATIENCE)
+    assert share(page) > before
+
+
+def test_a_click_in_the_plane_starts_a_motion(page):
+    canvas = page.locator(".bk-Canvas, canvas").first
+    box = canvas.bounding_box()
+    page.mouse.click(box["x"] + 0.505 * box["width"], box["y"] + 0.40 * box["height"])
+    words(page, "It ends on steady sliding")
+    u = float(page.get_by_label("Start u [rad]").input_value())
+    assert abs(u) < 0.03
+
+
+def test_presets_show_the_drives_of_figures(page):
+    page.get_by_label("Figure of the chapter").select_option("Figure 8.5")
+    words(page, "It ends on steady sliding")
+    query(page, "translation_damping", "1000.0")
+    page.get_by_label("Figure of the chapter").select_option("Figure 8.13: k_c = 1e+06 N m-1, c_c = 1e+06 N s m-1")
+    query(page, "model", "threads")
+    words(page, "61 events")
+    assert page.get_by_label("stiffness of the thread contact k_c [N m-1]").and_(page.locator("input")).is_visible()
+
+
+def test_the_keyboard_does_what_a_hand_does(page):
+    field = page.get_by_label("Start u [rad]")
+    field.focus()
+    page.keyboard.press("Control+A")
+    page.keyboard.type("0.001")
+    page.keyboard.press("Tab")
+    words(page, "It ends on steady sliding")
+    page.locator(".noUi-handle").nth(7).focus()  # of the mass
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("new URLSearchParams(location.search).get('mass') > 11", timeout=_PATIENCE)
+
+
+def test_what_is_refused_is_said_and_changes_nothing(page):
+    field = page.get_by_label("translating mass m [kg]").and_(page.locator("input"))
+    field.fill("-3")
+    field.press("Enter")
+    playwright.expect(page.get_by_role("alert")).to_contain_text("outside the allowed range", timeout=_PATIENCE)
+    playwright.expect(field).to_have_value("11", timeout=_PATIENCE)
+
+
+def test_the_link_reproduces_the_view(page, browser, server):
+    page.get_by_label("Start u' [rad/s]").or_(page.get_by_label("Start u′ [rad/s]")).fill("-7.25")
+    page.keyboard.press("Enter")
+    query(page, "w", "-7.25")
+    link = page.get_by_role("link", name="link to this view").get_attribute("href")
+    assert dict(parse_qsl(urlsplit(page.url).query)) == dict(parse_qsl(urlsplit(link).query))
+    other = browser.new_page()
+    other.goto(server + link)
+    words(other, page.get_by_role("status").inner_text()[:60])
+    assert other.get_by_label("Start u′ [rad/s]").input_value() == "-7.25"
+    other.close()
+
+
+def test_a_bad_link_is_said_and_the_page_works(browser, server):
+    opened = browser.new_page()
+    opened.goto(f"{server}?mass=-1")
+    playwright.expect(opened.get_by_role("alert")).to_contain_text("mass = -1.0 is outside", timeout=_PATIENCE)
+    words(opened, "The motion of")
+    opened.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "start"), [("scene.yaml", b"model: rigid"), ("motion.nc", b"\x89HDF"), ("picture.png", b"\x89PNG")]
+)
+def test_exports_are_files(name, start, server):
+    with urlopen(f"{server}export/{name}?{VIEW}") as answer:
+        assert answer.headers["Content-Disposition"] == f'attachment; filename="{name}"'
+        assert answer.read().startswith(start)
+
+
+def test_a_port_in_use_is_refused_in_one_sentence(server):
+    port = str(urlsplit(server).port)
+    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", port]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert (
+        done.stderr == f"lsvib: port = {port} cannot be used: another program uses it; take another one with --port.\n"
+    )

@@ -1,0 +1,172 @@
+"""What the explorer computes and says without a browser: views, links, presets, exports, how soon it answers."""
+
+import math
+import random
+import subprocess
+import sys
+from time import perf_counter
+from urllib.parse import parse_qsl
+
+import numpy as np
+import pytest
+import yaml
+
+import lsvib
+from lsvib.api import DRIVES
+from lsvib.basins.clipping import Window
+from lsvib.cycles.attractors import Attractor
+from lsvib.data.writer import read_dataset
+from lsvib.drives.scene import Scene
+from lsvib.errors import InputError
+from lsvib.explore import answers, downloads
+from lsvib.explore.presets import presets
+from lsvib.explore.view import View
+
+PRESETS = presets()
+DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
+
+
+def random_view(seed: int) -> View:
+    """A view of any model with numbers of many digits."""
+    draw = random.Random(seed)
+    kind = draw.choice(list(DRIVES.values()))
+    drive = kind(
+        mass=draw.uniform(1, 20), axial_force=draw.uniform(-50, 50), support_damping=10 ** draw.uniform(-5, -2)
+    )
+    u, w = draw.uniform(-0.2, 0.2), draw.uniform(-90, 90)
+    window = draw.choice([None, Window(u - draw.random(), u + 1e-3, w - 10 * draw.random(), w + 1e-3)])
+    return View(drive=drive, u=u, w=w, duration=draw.random() + 1e-3, window=window, over="mass", low=1 / 3, high=7.1)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_link_gives_the_view_back(seed):
+    view = random_view(seed)
+    assert View.of(dict(parse_qsl(view.query()))) == view
+
+
+@pytest.mark.parametrize(
+    ("query", "said"),
+    [
+        ("mass=-1", "mass = -1.0 is outside the allowed range 0 < mass <= 1e+09."),
+        ("weight=1", "weight is not a known key"),
+        ("model=wood", "model = 'wood' is not one of rigid, threads, support, nut."),
+        ("u=nan", "u = 'nan' is not a number."),
+        ("left=1&right=0&bottom=0&top=1", "left < right"),
+        ("left=1", "all of left, right, bottom and top"),
+        ("over=colour", "over = 'colour' is not a parameter"),
+        ("low=3&high=2", "low < high"),
+        ("over=mass&low=-3&high=2", "mass = -3"),
+        ("duration=0", "t_end = 0"),
+    ],
+)
+def test_a_bad_link_is_refused_in_one_sentence(query, said):
+    with pytest.raises(InputError, match=r"\.$") as refused:
+        View.of(dict(parse_qsl(query)))
+    assert said in str(refused.value)
+
+
+def test_every_figure_of_the_chapter_has_a_preset():
+    figures = {name.partition(":")[0] for name in PRESETS}
+    assert figures == {f"Figure 8.{number}" for number in range(1, 16)}
+    assert {view.drive.model for view in PRESETS.values()} == {"rigid", "threads", "support"}
+
+
+def test_presets_have_the_drives_of_their_figures():
+    """Figures 8.9 and 8.14 by what the chapter prints of them, 8.13 by its three contacts."""
+    assert PRESETS["Figure 8.9: m = 11 kg"].drive == lsvib.RigidDrive(mass=11, axial_force=50)
+    assert PRESETS["Figure 8.14: m = 11 kg, R = -10 N"].drive == DRIVE
+    contacts = [view.drive.contact_damping for name, view in PRESETS.items() if name.startswith("Figure 8.13")]
+    assert contacts == [1e6, 1e5, 1e4]
+    assert (PRESETS["Figure 8.12"].over, PRESETS["Figure 8.12"].high) == ("support_damping", 1e-2)
+
+
+@pytest.mark.parametrize("name", [name for name, view in PRESETS.items() if view.drive.model == "rigid"])
+def test_the_window_of_a_preset_holds_its_motion(name):
+    view = PRESETS[name]
+    shown = answers.followed(view)
+    left, right, bottom, top = answers.window_around(view.drive, shown)
+    assert left < shown.u.min() <= shown.u.max() < right
+    assert bottom < shown.w.min() <= shown.w.max() < top
+    assert bottom < -view.drive.input_speed < top
+
+
+def test_the_map_is_that_of_the_drive():
+    cells = (40, 30)
+    found = answers.labels(DRIVE, WINDOW, cells)
+    grid = {"u": (*WINDOW[:2], cells[0]), "w": (*WINDOW[2:], cells[1])}
+    assert (found == DRIVE.attraction(grid).label.values).all()
+    rows = dict(answers.label_rows(DRIVE, WINDOW, cells))
+    assert (np.array([rows[k] for k in range(cells[1])]) == found).all()
+    assert set(answers.shares(found)) == {Attractor.STEADY_SLIDING, Attractor.SPRAG_SLIP_CYCLE}
+    assert math.isclose(sum(answers.shares(found).values()), 1)
+
+
+def test_a_map_in_colours_tells_attractors_apart():
+    every = np.array([[int(kind) for kind in Attractor]])
+    colours = answers.rgba(every)
+    assert len(set(colours[0].tolist())) == len(Attractor)
+    assert answers.rgba(np.array([[-2]]))[0, 0] == 0  # clear where nothing is computed yet
+
+
+def test_the_amplitude_curve_is_the_sweep():
+    view = View(lsvib.RigidDrive(translation_damping=1000), low=10.0, high=60.0)
+    points = [point for point in answers.amplitudes(view, 6) if point.near]
+    swept = view.drive.sweep(axial_force=[point.value for point in points])
+    assert [point.amplitude for point in points] == swept.amplitude.values.tolist()
+    assert [int(point.label) for point in points] == swept.attractor.values.tolist()
+    assert set(answers.thresholds_over(view)) == {"onset_force", "stick_force", "detach_force"}
+
+
+def test_rigid_drives_are_redrawn_within_a_tenth_of_a_second():
+    """All that is computed while a parameter is dragged, of new drives each time; the best of some, as CI is busy."""
+    seconds = []
+    for k in range(12):
+        view = View(DRIVE.replace(mass=11 + 1e-3 * k), u=0.1, window=WINDOW)
+        begin = perf_counter()
+        answers.followed(view)
+        answers.rgba(answers.labels(view.drive, WINDOW, answers.DRAGGED))
+        answers.contact_line(view.drive, WINDOW)
+        seconds.append(perf_counter() - begin)
+    assert min(seconds[1:]) < 0.1  # the first one compiles
+
+
+def test_exports_are_the_view(tmp_path):
+    view = View(DRIVE, u=0.1, duration=0.05, window=WINDOW)
+    (tmp_path / "scene.yaml").write_bytes(downloads.export("scene.yaml", view))
+    assert Scene.of(yaml.safe_load((tmp_path / "scene.yaml").read_text(encoding="utf-8"))) == view.scene()
+    (tmp_path / "motion.nc").write_bytes(downloads.export("motion.nc", view))
+    motion = read_dataset(tmp_path / "motion.nc")
+    assert motion.sizes["time"] == view.scene().samples
+    assert (
+        motion.angle_deviation.values == DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001).angle_deviation
+    ).all()
+    assert motion.mass == 11
+    picture = downloads.export("picture.png", view)
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 20_000  # a picture that shows something
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--port", "99999"], "port = 99999 is outside the allowed range 0 <= port <= 65535."),
+        (["--port", "x"], "port = 'x' is not a number; the allowed range is 0 <= port <= 65535."),
+        (["--port", "1.5"], "port = '1.5' is not a whole number; the allowed range is 0 <= port <= 65535."),
+    ],
+)
+def test_a_bad_port_is_refused_in_one_sentence(arguments, said):
+    assert refusal("explore", "--no-show", *arguments) == f"lsvib: {said}\n"
+
+
+def test_without_bokeh_the_command_says_what_to_install():
+    said = refusal("explore", "--no-show", before="import sys; sys.modules['bokeh'] = None; ")
+    assert said == "lsvib: lsvib explore needs bokeh, which is not installed: pip install 'lsvib[explore]'.\n"
+
+
+def refusal(*arguments: str, before: str = "") -> str:
+    """What a command says that ends with exit code 2."""
+    program = f"{before}from lsvib.command.app import main; main()"
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    return done.stderr
