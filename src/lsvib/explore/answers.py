@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgba
 
+from lsvib.basins.cells import Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import Mapper, mapper
+from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import StateMapper
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.data.phase_plane import lines, sample

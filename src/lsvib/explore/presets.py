@@ -11,7 +11,7 @@ from lsvib.basins.clipping import Window
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.scene import read_yaml
 from lsvib.explore.view import View
-from lsvib.settings import DEFAULT
+from lsvib.figures.configuration import DEFAULT
 
 _LISTS = {  # key of a section: the parameter that it lists values of
     "masses": "mass",
