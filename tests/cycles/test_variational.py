@@ -59,12 +59,11 @@ def _after(event):
     return event.state if hasattr(event, "state") else (event.u_after, event.w_after)
 
 
-def agree(found, reference):
-    size = np.abs(reference).max(axis=1, keepdims=True) + 1e-300
-    return (
-        np.abs(found - reference).max() <= 1e-9 * np.abs(reference).max()
-        and (np.abs(found - reference) <= 1e-7 * size).all()
-    )
+def agree(found, reference, rounding):
+    """Whether a derivative is that of the reference, but for four times the library's own bound of its rounding."""
+    away, largest = np.abs(found - reference), np.abs(reference).max()
+    size = np.abs(reference).max(axis=1, keepdims=True)
+    return (away <= 1e-9 * largest + 4 * rounding).all() and (away <= 1e-7 * size + 4 * rounding).all()
 
 
 def qualified(motion):
@@ -95,7 +94,7 @@ def test_rigid_drives(seed):
     )
     found = derivative(motion)
     assert reference is not None
-    assert agree(found.matrix, reference), (found.matrix, reference)
+    assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
 
 
 THREADS_SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 12))]
@@ -121,5 +120,6 @@ def test_compliant_threads(seed):
     )
     assert reference is not None
     scale = np.abs(motion.after).max(axis=0)
-    found = derivative(motion).matrix * scale / scale[:, None]
-    assert agree(found, reference * scale / scale[:, None]), (found, reference)
+    exact = derivative(motion)
+    found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
+    assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)

@@ -14,6 +14,7 @@ decimals alike.
 """
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from types import SimpleNamespace
@@ -179,7 +180,7 @@ def values_of(
     Arrays of floats, or with ``exact`` decimals of 50 digits, for which ``drive`` must be a drive.
     """
     if exact:
-        p = drive.exact()
+        p = copy(drive.exact())  # which is made once and shared
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))

@@ -28,11 +28,13 @@ def sentence(module: str, types: str) -> str | None:
     return next((f"compiling {words}" for word, words in _PARTS if word in types), None)
 
 
+said: set[str] = set()  # sentences of this process
+
+
 class Notice(event.Listener):
     """Log one sentence for each part of the engine when numba starts to compile the first kernel of it."""
 
     def __init__(self) -> None:
-        self.said: set[str] = set()
         self.depth = 0  # kernels that are being compiled, each for the one before
 
     def on_start(self, event: event.Event) -> None:
@@ -42,8 +44,8 @@ class Notice(event.Listener):
             return
         kernel, types = event.data["dispatcher"].py_func, event.data["args"]
         words = sentence(kernel.__module__, " ".join(map(str, types)))
-        if words is not None and words not in self.said:
-            self.said.add(words)
+        if words is not None and words not in said:
+            said.add(words)
             logging.getLogger("lsvib").info(words)
 
     def on_end(self, event: event.Event) -> None:

@@ -17,6 +17,7 @@ class Box(Section):
 class Settings(FigureSettings):
     """Planar slices of the region of attraction of a compliant contact as it stiffens."""
 
+    unused: ClassVar = ("input_speed",)  # without c_x; no motion on the boundary reaches θ′ = 0
     needs: ClassVar = ("lsvib.drives.threads",)  # found by the name of the model
 
     drive: DriveChanges

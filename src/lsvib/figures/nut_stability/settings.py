@@ -10,7 +10,7 @@ from lsvib.figures.common.settings import DriveChanges, FigureSettings, Positive
 class Settings(FigureSettings):
     """Critical mass over the inertia of a rotating nut, and the stability map."""
 
-    unused: ClassVar = ("input_speed", "axial_force")
+    unused: ClassVar = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
 
     drive: DriveChanges
     nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")
