@@ -82,7 +82,7 @@ def test_a_missing_package_is_named(monkeypatch):
         METHODS["lsoda"].prepare(mapper(NEAR.drive))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("box", [NEAR, LATE])
 def test_rivals_map_the_same_but_for_the_boundary(box):
     cells = {"engine": 60, "followed": 60, "rk4_coarse": 60, "rk4_fine": 40, "lsoda": 10}
@@ -99,7 +99,7 @@ def test_rivals_map_the_same_but_for_the_boundary(box):
     assert all(outcome.seconds > 0 for outcome in found.values())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_dataset_of_a_small_contest(tmp_path):
     from lsvib.bench.figures.map_precision import dataset as map_precision
     from lsvib.bench.figures.map_precision import picture as figure

@@ -61,7 +61,7 @@ def test_hypothesis_finds_no_wrong_translation_damping(genes):
 
 
 @pytest.mark.parametrize(
-    "examples", [pytest.param(25, marks=pytest.mark.slow), pytest.param(150, marks=pytest.mark.long)]
+    "examples", [pytest.param(25, marks=pytest.mark.long), pytest.param(150, marks=pytest.mark.long)]
 )
 @pytest.mark.parametrize("family", CaseFamily)
 def test_hypothesis_finds_no_wrong_case(family, examples):

@@ -111,7 +111,7 @@ def test_the_settings_of_the_package_are_those_of_the_repository():
 
 
 @pytest.mark.parametrize(
-    "figure", [pytest.param(f, marks=pytest.mark.slow) if f in SLOW else f for f in default_figures()]
+    "figure", [pytest.param(f, marks=pytest.mark.long) if f in SLOW else f for f in default_figures()]
 )
 def test_a_figure_depends_on_every_parameter_that_may_be_set(figure):
     """On a coarse grid; those that are refused change no number, whatever their value, of either sign and large."""

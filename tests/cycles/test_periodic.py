@@ -143,7 +143,7 @@ def test_undamped_oscillations_are_a_family():
     assert len(found.families) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(12))
 def test_every_attractor_of_random_starts_is_listed(seed):
     rng = np.random.default_rng(seed)

@@ -15,7 +15,7 @@ LEFT_OUT = shutil.ignore_patterns(
     ".git", ".ci", ".github", ".gitignore", ".venv", ".snakemake", ".*_cache", ".hypothesis", ".cache", "__pycache__",
     "*.egg-info", "results", "logs", "benchmarks", "build", "dist", ".whl", ".gl",
 )  # fmt: skip
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 def python(*arguments: str, folder: Path, path: Path) -> str:

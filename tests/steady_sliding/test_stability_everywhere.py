@@ -122,7 +122,7 @@ def attack(model: str, count: int, seed: int) -> dict:
     ("count", "seed"),
     [
         pytest.param(20, 11, id="few"),
-        pytest.param(60, 12, id="many", marks=pytest.mark.slow),
+        pytest.param(60, 12, id="many", marks=pytest.mark.long),
         pytest.param(3000, 13, id="thousands", marks=pytest.mark.long),
     ],
 )

@@ -342,7 +342,7 @@ def test_thresholds_of_random_drives(kind):
     assert names
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
 def test_thresholds_of_many_random_drives(kind, seed):

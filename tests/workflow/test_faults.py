@@ -14,7 +14,7 @@ from conftest import ROOT, Project, copy_of_sources
 
 from lsvib.data.writer import read_dataset
 
-pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+pytestmark = pytest.mark.workflow
 
 
 def files_of(project: Project) -> dict[Path, Path]:
@@ -39,6 +39,7 @@ def differences(project: Project, reference: Project) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.long)])
 def test_kills_at_random_moments_leave_whole_files_and_the_next_run_goes_on(fresh, finished, kills):
     """SIGKILL to Snakemake and all its jobs; each run resumes what the killed one left, a complete one begins anew."""
@@ -72,6 +73,7 @@ def test_kills_at_random_moments_leave_whole_files_and_the_next_run_goes_on(fres
         (110_000, "figure/fig8_08", "figures/fig8_08.png"),
     ],
 )
+@pytest.mark.slow
 def test_a_full_disk_is_one_sentence_and_leaves_no_part_of_a_file(fresh, finished, room, job, name):
     """No file may grow beyond a limit, as on a disk that is full; with room again, the next run completes the rest."""
     run = subprocess.run(
@@ -93,6 +95,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_part_of_a_file(fresh, finishe
     assert differences(fresh, finished[0]) == []
 
 
+@pytest.mark.long
 def test_two_runs_at_once_leave_the_same_files(fresh, finished):
     """Nothing locks the folder; each file is put in place whole, so whoever is last puts the same one there."""
     for process in [fresh.start(), fresh.start()]:
@@ -104,6 +107,7 @@ def test_two_runs_at_once_leave_the_same_files(fresh, finished):
     assert files_of(fresh).keys() == files_of(finished[0]).keys()
 
 
+@pytest.mark.long
 def test_one_core_gives_the_same_bits_as_two(tmp_path):
     """Figures that need the engine, on coarse grids; the compiled engine is shared with the other tests."""
     projects = []
