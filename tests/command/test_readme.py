@@ -51,7 +51,7 @@ def run(line: str, folder: Path) -> str:
 
 @pytest.mark.parametrize("line", COMMANDS, ids=lambda line: line.split()[1])
 def test_command(line, folder):
-    run(line, folder)
+    assert run(line, folder)
 
 
 def test_the_scene_is_the_command_with_other_outputs(folder):

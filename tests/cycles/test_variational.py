@@ -94,6 +94,8 @@ def test_rigid_drives(seed):
     )
     found = derivative(motion)
     assert reference is not None
+    sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
+    assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
     assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
 
 

@@ -106,6 +106,7 @@ def study(
     done = 0
 
     def one(index: int) -> dict[str, Any]:
+        """Take a block from the folder, or compute it and keep it there."""
         nonlocal done
         result = _stored(folder, key, index)
         if result is None:

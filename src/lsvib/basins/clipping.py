@@ -99,6 +99,7 @@ def _finite(piece: Segment, window: Window) -> Segment:
     low, high = window.bottom - height, window.top + height
 
     def drawn(point: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """The point itself, or in place of infinity one beyond the window and beyond the other end."""
         if math.isfinite(point[1]):
             return point
         bound = min(low, other[1] - height) if point[1] < 0 else max(high, other[1] + height)

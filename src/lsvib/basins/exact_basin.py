@@ -274,10 +274,11 @@ def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
     codes = rigid_automaton(found.drive).codes.tolist()
     automaton = rigid_automaton(drive)
 
-    def turned(piece):
+    def turned(piece: Segment | Arc) -> Segment | Arc:
+        """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]  # both signs of a slip mode reversed
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
         return Arc(_index(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

@@ -68,6 +68,7 @@ class PlanarMapper:
             found["seizures"] = np.empty((y.size, x.size), dtype=np.int32)
 
         def block(part: slice) -> None:
+            """Map some rows; times of unresolved cells are infinite."""
             tables, known = self.automaton.tables, self.sections.known
             labels = found["label"][part]
             labelling.map_labels(tables, known, x, y[part], across, _EVENTS, labels, found["first_event"][part])

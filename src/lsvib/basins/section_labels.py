@@ -32,11 +32,11 @@ import numpy as np
 from lsvib.basins.kernels import itinerary
 from lsvib.basins.kernels.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.pieces import Pieces, agreed, completed, merged, touching
 from lsvib.basins.section_tables import (
     FAR,
     ON_CYCLE,
     LabelSection,
-    Pieces,
     find_sections,
     nothing_known,
     releases_of,
@@ -133,7 +133,7 @@ class Sections:
                 self._limit = self._work + share * max(part * _WORK - self._work, 0.0)
                 self._found.pop(section, None)
                 labels = self._labels(section)
-                found[section] = _completed(labels, found[section]) if section in found else labels
+                found[section] = completed(labels, found[section]) if section in found else labels
         return found
 
     def _point(self, section: LabelSection, x: float) -> np.ndarray:
@@ -297,22 +297,7 @@ class Sections:
         if len(runs[0].labels) == 1:
             return runs[0]
         runs += [self._pushed(section, runs[0], push) for push in _PUSHES[1:]]
-        low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
-        cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
-        seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])
-        agreed = np.where((seen == seen[0]).all(axis=0), seen[0], UNRESOLVED)
-        own = _ROUNDING * self.size[section.free]
-        edges, labels = [cuts[0]], [agreed[0]]
-        for cut, label in zip(cuts[1:-1], agreed[1:], strict=True):
-            if label == labels[-1]:
-                continue
-            if labels[-1] != UNRESOLVED:
-                edges.append(cut - own)
-                labels.append(UNRESOLVED)
-            if label != UNRESOLVED:
-                edges.append(cut + own)
-                labels.append(label)
-        return Pieces([*map(float, edges), float(cuts[-1])], [*map(int, labels)])
+        return agreed(runs, _ROUNDING * self.size[section.free])
 
     def _pushed(self, section: LabelSection, pieces: Pieces, push: tuple[float, bool]) -> Pieces:
         """Find the labels again for motions that are pushed, near the places of a section where labels change."""
@@ -382,7 +367,7 @@ class Sections:
                 heappush(waiting, (*_turn(*part), *part))
         found.sort()
         edges, labels = [*(low for low, _, _ in found), ends[1]], [label for _, _, label in found]
-        return _merged(edges, labels, _SLIVER * self.size[section.free])
+        return merged(edges, labels, _SLIVER * self.size[section.free])
 
     def _extend(self, section: LabelSection, x: float, label: Attractor) -> None:
         """Give a label to all motions that drift to a place beside a labelled piece, where a return hardly moves."""
@@ -410,7 +395,7 @@ class Sections:
         joined: list[tuple[float, float, int]] = []
         for low, high, label in pieces:
             touches = [one for one in joined[-2:] if one[2] == label]
-            special = touches and len(joined) > 1 and touches[-1] is joined[-2] and _touching(joined[-1], sliver)
+            special = touches and len(joined) > 1 and touches[-1] is joined[-2] and touching(joined[-1], sliver)
             near = (
                 4 * flow_planar.EPS * max(abs(low), 1e-3 * self.size[section.free])
             )  # places were bisected to this width
@@ -436,39 +421,6 @@ def _turn(low: float, high: float) -> tuple[int, float]:
     """Return the place of a piece in the queue: wide ones first, among these the one nearest to the equilibrium."""
     width = (high - low) / max(abs(low), abs(high), 1e-300)
     return sum(width <= narrow for narrow in _NARROW), min(abs(low), abs(high))
-
-
-def _touching(piece: tuple[float, float, int], sliver: float) -> bool:
-    """Whether the motions of a piece touch a guard or meet a corner, to rounding."""
-    low, high, label = piece
-    return label in (GRAZED, UNKNOWN) and high - low <= sliver + sliver * abs(low)
-
-
-def _merged(edges: list[float], labels: list[int], sliver: float) -> Pieces:
-    """Join neighbours of one label; a piece that touches a guard or a corner takes the label of both neighbours."""
-    pieces = Pieces(edges, labels)
-    for _ in range(2):
-        edges, labels = pieces
-        keep = [k for k in range(len(labels)) if k == 0 or labels[k] != labels[k - 1]]
-        edges, labels = [*(edges[k] for k in keep), edges[-1]], [labels[k] for k in keep]
-        for k in range(1, len(labels) - 1):
-            if _touching((edges[k], edges[k + 1], labels[k]), sliver) and labels[k - 1] == labels[k + 1]:
-                labels[k] = labels[k - 1]
-        pieces = Pieces(edges, labels)
-    return Pieces(edges, [UNRESOLVED if label == GRAZED else label for label in labels])
-
-
-def _completed(pieces: Pieces, other: Pieces) -> Pieces:
-    """Return labels along a section from two searches: those of the second where the first left them unresolved."""
-    cuts = np.unique([*pieces.edges, *other.edges])
-    middles = 0.5 * (cuts[:-1] + cuts[1:])
-    labels = [
-        np.array([*one.labels, UNRESOLVED])[np.searchsorted(one.edges[:-1], middles, "right") - 1]
-        for one in (pieces, other)
-    ]
-    best = np.where(labels[0] == UNRESOLVED, labels[1], labels[0])
-    keep = np.flatnonzero(np.append(True, best[1:] != best[:-1]))
-    return Pieces([*map(float, cuts[keep]), float(cuts[-1])], [*map(int, best[keep])])
 
 
 def _first_difference(one: np.ndarray, other: np.ndarray) -> int:

@@ -6,6 +6,7 @@ import numpy as np
 
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, Known
+from lsvib.basins.pieces import Pieces
 from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, event_loop, flow_planar
@@ -21,13 +22,6 @@ class LabelSection(NamedTuple):
     mode: int
     surface: int
     free: int
-
-
-class Pieces(NamedTuple):
-    """A function that is constant between ``edges`` (n + 1), with ``labels`` (n)."""
-
-    edges: list[float]
-    labels: list[int]
 
 
 def sizes(automaton: Automaton) -> np.ndarray:

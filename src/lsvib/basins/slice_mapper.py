@@ -95,6 +95,7 @@ class StateMapper:
         }
 
         def row(part: slice) -> None:
+            """Map some rows, one start after the other."""
             for i in range(part.start, part.stop):
                 for j in range(x.size):
                     values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}

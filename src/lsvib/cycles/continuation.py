@@ -155,9 +155,11 @@ class _Curve:
         self.build, self.section, self.low, self.width = build, section, low, width
 
     def value(self, z: np.ndarray) -> float:
+        """The value of the parameter at a point (y, p)."""
         return self.low + self.width * float(z[-1])
 
     def at(self, z: np.ndarray) -> tuple[RigidParameters, ReturnSection, Motion] | None:
+        """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
         try:
             drive, automaton = self.build(self.value(z))
             found = self.section.back(automaton, z[:-1])

@@ -149,13 +149,19 @@ class NutParameters(RigidParameters):
 
 
 class ExactParameters:
-    """A drive in 50-digit decimal arithmetic: attributes as in :class:`RigidParameters`, plus the functions of λ."""
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`RigidParameters`, plus the functions of λ.
+
+    It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
+    """
 
     def __init__(self, drive: RigidParameters) -> None:
-        self.__dict__.update({key: Decimal(value) for key, value in drive.__dict__.items()})
+        values = {key: Decimal(value) for key, value in drive.__dict__.items()}
         with localcontext(prec=PLACES + 10):
-            self.sin_lead, self.cos_lead = _sine_and_cosine(self.lead_angle)
-            self.tan_lead = self.sin_lead / self.cos_lead
+            sine, cosine = _sine_and_cosine(values["lead_angle"])
+            self.__dict__.update(values, sin_lead=sine, cos_lead=cosine, tan_lead=sine / cosine)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
 
     if TYPE_CHECKING:
 

@@ -53,6 +53,7 @@ def make_server(port: int) -> Server:
     known = presets()
 
     def page(document: Document) -> None:
+        """Fill the page of one visitor with the view that its address asks for."""
         context = document.session_context
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}

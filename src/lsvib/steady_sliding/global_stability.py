@@ -74,6 +74,7 @@ def widest_return(forward: ForwardDrive):
     largest = float(forward.damping[-1] * forward.speed / forward.stiffness)
 
     def height(time: float) -> float:
+        """Q_uw of the slip that comes back after a time; minus infinity if it starts or returns where none can."""
         _, s, s_rate = flow_planar.responses(row, time)
         x = -speed * s / (a0 * flow_planar.integrated_response(row, time))
         w = -speed * s_rate - a0 * x * s

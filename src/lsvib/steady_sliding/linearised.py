@@ -14,7 +14,6 @@ decimals alike.
 """
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from types import SimpleNamespace
@@ -24,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
-from lsvib.drives.parameters import ExactParameters, RigidParameters
+from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 
@@ -172,15 +171,13 @@ def _solved(a: Matrix, b: Matrix) -> Matrix:
     return first, second
 
 
-def values_of(
-    drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False
-) -> SimpleNamespace | ExactParameters:
+def values_of(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> SimpleNamespace:
     """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
 
     Arrays of floats, or with ``exact`` decimals of 50 digits, for which ``drive`` must be a drive.
     """
     if exact:
-        p = copy(drive.exact())  # which is made once and shared
+        p = SimpleNamespace(**vars(drive.exact()))
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))

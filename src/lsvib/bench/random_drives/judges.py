@@ -196,6 +196,7 @@ def _four_label(
     name = answer(wide.starts[k]).name.lower()
 
     def judged() -> list[Finding]:
+        """Compare the name with the long run, which takes no part of the program's time."""
         fate = truth(k)
         told = f"{fate.name} ({fate.reason})"
         if name == "unbounded":

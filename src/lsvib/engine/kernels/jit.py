@@ -93,6 +93,7 @@ def _compiler(**options: bool) -> Callable:
     decorate = numba.njit(**OPTIONS, **options)
 
     def compiled(function: Callable) -> Callable:
+        """Decorate a kernel; its cache is written by one process at a time."""
         kernel = decorate(function)
         if OPTIONS["cache"] and not numba.config.DISABLE_JIT:
             kernel._cache._cache_file.__class__ = OneWriter

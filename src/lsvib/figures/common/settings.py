@@ -179,3 +179,17 @@ SweepFamily = Literal[
     "contact", "critical_mass", "friction", "input_speed", "axial_force", "support_damping", "translation_damping",
     "time_span", "start", "double_rate", "random", "double_rate_of_threads", "support", "nut",
 ]  # fmt: skip
+
+
+class ContactPortrait(FigureSettings):
+    """Settings of a phase portrait of the contact force, Figs 8.1 and 8.2."""
+
+    unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
+
+    drive: DriveChanges
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsParameters)
+    contact_dampings: ContactDampings
+    force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
+    rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")
+    starts: ContactStarts
+    samples: Samples

@@ -8,7 +8,7 @@ import xarray as xr
 
 from lsvib.data.attributes import attributes
 from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, labels, origin_of
+from lsvib.data.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.errors import InputError
@@ -48,77 +48,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     along, stiffness = (_span(settings[name]) for name in ("contact_damping", "stiffness"))
     curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    found = [[_stable(drive, k, c) for c in along] for k in curves]
-    grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
-    again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
-    growth = [[_growth(drive.replace(mass=m, contact_damping=c), stiffness) for c in dampings] for m in (heavy, light)]
-    dampings_of = [_dampings(drive.replace(mass=light, contact_stiffness=k)) for k in stiffness]
-    window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
-    above = [unstable_contact_stiffness(drive.replace(mass=heavy, contact_damping=c)) for c in dampings]
-    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[_LAW]) for mass in (heavy, light)}
-    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
-    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
-    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
     mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
     return xr.Dataset(
-        {
-            "curve_critical_mass_with_contact": (
-                ("curve_contact_stiffness", "curve_contact_damping"),
-                np.where(grid < LARGEST_MASS, grid, np.nan),
-                mass_words,
-            ),
-            "stable_again": (
-                ("curve_contact_stiffness", "curve_contact_damping"),
-                again,
-                attributes("kg", "mass from which on steady sliding is stable again, missing if from none"),
-            ),
-            "stable_at_every_mass": (
-                ("curve_contact_stiffness", "curve_contact_damping"),
-                (grid >= LARGEST_MASS).astype(np.int8),
-                attributes(
-                    "1",
-                    "steady sliding is stable at every mass",
-                    flag_values=np.array([0, 1], dtype=np.int8),
-                    flag_meanings="no yes",
-                ),
-            ),
-            "critical_mass_with_contact": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words),
-            "growth_rate": (
-                ("mass", "growth_contact_damping", "growth_contact_stiffness"),
-                growth,
-                attributes("s-1", "largest real part of the eigenvalues", r"max Re $s$"),
-            ),
-            "unstable_contact_stiffness": (
-                "growth_contact_damping",
-                above,
-                attributes("N m-1", "contact stiffness beyond which Lemma 8.1 is proved", "$k_c$"),
-            ),
-            "least_contact_damping": (
-                "growth_contact_stiffness",
-                [row[-1][0] for row in dampings_of],
-                attributes("N s m-1", "contact damping above which the smaller mass is stable for all", "$c_c$"),
-            ),
-            "window_of_soft_contact": (
-                ("growth_contact_stiffness", "end"),
-                window,
-                attributes("N s m-1", "ends of an interval of smaller dampings at which it is stable, too", "$c_c$"),
-            ),
-            "least_contact_damping_of_stiff_contact": (
-                (),
-                least_damping_of_stiff_contact(drive.replace(mass=light)),
-                attributes("N s m-1", "its limit for a stiff contact", "$c_c$"),
-            ),
-            "elastic_growth_limit": (
-                (),
-                elastic,
-                attributes("s-1", "limit of the growth rate of the smaller mass for a stiff elastic contact"),
-            ),
-            "growth_scale": (
-                (),
-                lever,
-                attributes("kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"),
-            ),
-        },
+        _curves(drive, curves, along, mass_words)
+        | {"critical_mass_with_contact": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words)}
+        | _growth_rates(drive, heavy, light, dampings, stiffness)
+        | _limits(drive, heavy, light),
         coords={
             **axis("curve_contact_stiffness", curves),
             **axis("curve_contact_damping", along),
@@ -147,6 +82,94 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "comment": "R Omega > 0",
         },
     )
+
+
+def _curves(
+    drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray, mass_words: Mapping[str, Any]
+) -> Variables:
+    """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
+    found = [[_stable(drive, k, c) for c in along] for k in curves]
+    grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
+    again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
+    return {
+        "curve_critical_mass_with_contact": (
+            ("curve_contact_stiffness", "curve_contact_damping"),
+            np.where(grid < LARGEST_MASS, grid, np.nan),
+            mass_words,
+        ),
+        "stable_again": (
+            ("curve_contact_stiffness", "curve_contact_damping"),
+            again,
+            attributes("kg", "mass from which on steady sliding is stable again, missing if from none"),
+        ),
+        "stable_at_every_mass": (
+            ("curve_contact_stiffness", "curve_contact_damping"),
+            (grid >= LARGEST_MASS).astype(np.int8),
+            attributes(
+                "1",
+                "steady sliding is stable at every mass",
+                flag_values=np.array([0, 1], dtype=np.int8),
+                flag_meanings="no yes",
+            ),
+        ),
+    }
+
+
+def _growth_rates(
+    drive: ThreadsParameters, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
+) -> Variables:
+    """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
+    growth = [[_growth(drive.replace(mass=m, contact_damping=c), stiffness) for c in dampings] for m in (heavy, light)]
+    dampings_of = [_dampings(drive.replace(mass=light, contact_stiffness=k)) for k in stiffness]
+    window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
+    above = [unstable_contact_stiffness(drive.replace(mass=heavy, contact_damping=c)) for c in dampings]
+    return {
+        "growth_rate": (
+            ("mass", "growth_contact_damping", "growth_contact_stiffness"),
+            growth,
+            attributes("s-1", "largest real part of the eigenvalues", r"max Re $s$"),
+        ),
+        "unstable_contact_stiffness": (
+            "growth_contact_damping",
+            above,
+            attributes("N m-1", "contact stiffness beyond which Lemma 8.1 is proved", "$k_c$"),
+        ),
+        "least_contact_damping": (
+            "growth_contact_stiffness",
+            [row[-1][0] for row in dampings_of],
+            attributes("N s m-1", "contact damping above which the smaller mass is stable for all", "$c_c$"),
+        ),
+        "window_of_soft_contact": (
+            ("growth_contact_stiffness", "end"),
+            window,
+            attributes("N s m-1", "ends of an interval of smaller dampings at which it is stable, too", "$c_c$"),
+        ),
+    }
+
+
+def _limits(drive: ThreadsParameters, heavy: float, light: float) -> Variables:
+    """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
+    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[_LAW]) for mass in (heavy, light)}
+    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
+    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
+    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
+    return {
+        "least_contact_damping_of_stiff_contact": (
+            (),
+            least_damping_of_stiff_contact(drive.replace(mass=light)),
+            attributes("N s m-1", "its limit for a stiff contact", "$c_c$"),
+        ),
+        "elastic_growth_limit": (
+            (),
+            elastic,
+            attributes("s-1", "limit of the growth rate of the smaller mass for a stiff elastic contact"),
+        ),
+        "growth_scale": (
+            (),
+            lever,
+            attributes("kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"),
+        ),
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -10,7 +10,7 @@ import xarray as xr
 from lsvib.data import printed
 from lsvib.data.attributes import attributes, flags
 from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, origin_of, parameter
+from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -47,8 +47,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
     changes = np.array([list(propagated(functions[name], drives[name]).values()) for name in _PRINTED_HALF_UNITS])
-    damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drives["stick_force"])
-    other = drives["stick_force"].replace(support_damping=damping)
     parts = ("threshold", "parameter")
     screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return xr.Dataset(
@@ -88,33 +86,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                     flag_meanings="no yes",
                 ),
             ),
-            "matching_support_damping": (
-                (),
-                damping,
-                attributes("N m s rad-1", "support damping at which the stick force is the printed one", "$c$"),
-            ),
-            "matching_detach_force": (
-                (),
-                functions["detach_force"](other),
-                attributes("N", "detach force with that damping", "$R$"),
-            ),
-            "matching_effective_damping_plus": (
-                (),
-                float(coefficients(other).damping[1]),
-                attributes("N m s rad-1", "effective damping of law + with that damping", "$C_+$"),
-            ),
-        },
+        }
+        | _matching(drives["stick_force"], functions),
         coords={
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
             "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
-            **{
-                f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], _WORDS.get(n, n.replace("_", " ")))
-                for n in _PRINTED_HALF_UNITS
-            },
-            **{
-                f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed"))
-                for n, value in zip(_PRINTED_HALF_UNITS, computed, strict=True)
-            },
+            **_printed_and_computed(computed),
             **drive_parameters(
                 list(drives.values()),
                 "threshold",
@@ -130,6 +107,40 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         },
     )
+
+
+def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidParameters], float]]) -> Variables:
+    """The damping with which the printed stick force is the computed one, and what else it would change."""
+    damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
+    other = drive.replace(support_damping=damping)
+    return {
+        "matching_support_damping": (
+            (),
+            damping,
+            attributes("N m s rad-1", "support damping at which the stick force is the printed one", "$c$"),
+        ),
+        "matching_detach_force": (
+            (),
+            functions["detach_force"](other),
+            attributes("N", "detach force with that damping", "$R$"),
+        ),
+        "matching_effective_damping_plus": (
+            (),
+            float(coefficients(other).damping[1]),
+            attributes("N m s rad-1", "effective damping of law + with that damping", "$C_+$"),
+        ),
+    }
+
+
+def _printed_and_computed(computed: np.ndarray) -> Variables:
+    """The thresholds in print, and computed, as scalars."""
+    words = {n: n.replace("_", " ") for n in _PRINTED_HALF_UNITS}
+    return {
+        f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], _WORDS.get(n, said)) for n, said in words.items()
+    } | {
+        f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{said}, computed"))
+        for (n, said), value in zip(words.items(), computed, strict=True)
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
