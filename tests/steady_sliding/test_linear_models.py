@@ -95,8 +95,8 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
         trace, det = whole[0, 0] + whole[1, 1], mpmath.det(whole)
         gap = mpmath.sqrt(trace * trace / 4 - det)
         expected = [trace / 2 - gap, trace / 2 + gap]
-        # The sensitivity of 1/ω² to rounding of the entries grows where both coincide, and where Γ is a small difference
-        # of terms of which the larger one is the inertia of the screw.
+        # The sensitivity of 1/ω² to rounding of the entries grows where both coincide, and where Γ is a small
+        # difference of terms of which the larger one is the inertia of the screw.
         size = max(*(abs(x) for x in expected), drive.screw_inertia / drive.coupling_stiffness)
         reach = 1e-14 * size * (1 + size / abs(gap))
         error = min(
