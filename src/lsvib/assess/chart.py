@@ -45,7 +45,7 @@ def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
     lead = values["lead"] / (2 * math.pi)  # travel per radian
     top = _BEYOND * values["speed_high"]
     turning = np.linspace(top / _POINTS, top, _POINTS)
-    weight = values["mass"] * GRAVITY * math.sin(sheet.load.tilt)
+    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
     ends = (values["force_low"], values["force_high"], 0.0, -weight)
     room = (_BEYOND - 1) * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
     force = np.linspace(min(ends) - room, max(ends) + room, _POINTS)

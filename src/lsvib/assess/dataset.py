@@ -25,7 +25,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
         for row in one.margins:
             at = changes.index(row.quantity)
             factor[k, at] = np.nan if row.factor is None else row.factor
-            slope[k, at] = one.sensitivities[row.quantity]
+            slope[k, at] = one.sensitivities.get(row.quantity, np.nan)
     found = assessment.mechanisms.values()
     variables: dict[str, Any] = {
         "occurs": (

@@ -13,7 +13,7 @@ from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
 from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, SHORT, VERDICTS
 
-_TONES = {"vibrates": "bad", "may vibrate": "warn", "steady until pushed": "warn", "steady without reserve": "warn"}
+_TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
 _ADVICE = 3  # changes that the summary names
 _MARGINS = 3  # causes whose margins are drawn
 _NEAR = 10.0  # factor within which a margin is worth a bar
@@ -25,7 +25,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     name = assessment.sheet.name
     parts = [
         page.heading(f"Will it vibrate? {name}", 1),
-        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'good')}"),
+        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'warn')}"),
         page.paragraph(_summary(assessment)),
         page.cards(_cards(assessment)),
         *_mechanisms(assessment),
@@ -51,9 +51,10 @@ def _where(one: Mechanism | Motion, assessment: Assessment) -> str:
     direction, speed, force = one.corner
     lead = assessment.values["lead"] / (2 * math.pi)
     way = "outward" if direction > 0 else "back"
+    side = "against" if force >= 0 else "in the direction of"
     return (
-        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {shown(force, 'N')} against "
-        "outward travel"
+        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with "
+        f"{shown(abs(force), 'N')} {side} outward travel"
     )
 
 
@@ -61,28 +62,54 @@ def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring = [one for one in found if one.occurs]
     if occurring:
-        one = occurring[0]
-        best = [row for row in one.margins if row.factor is not None][:_ADVICE]
+        one, *others = occurring
+        too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
+        best = [row for row in assessment.margins if row.factor is not None][:_ADVICE]
         changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
-        advice = f" The smallest single changes that end it: {changes}." if best else ""
-        return f"The cause is {SHORT[one.name]}, first {_where(one, assessment)}.{advice}"
+        advice = (
+            f" The smallest single changes that make it run steadily at the middle values: {changes}."
+            if best
+            else " No single change of one quantity alone makes it run steadily."
+        )
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{_absent(assessment)}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
-        return "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+        return (
+            "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+            f"{_absent(assessment)}"
+        )
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}."
+        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}.{_absent(assessment)}"
+    )
+
+
+def _absent(assessment: Assessment) -> str:
+    """A sentence on each damping that the sheet leaves out and that would alter the verdict."""
+    effect = "end" if assessment.verdict == "vibrates" else "start"
+    rows = [row for row in assessment.margins if row.factor is None and row.value is not None]
+    return "".join(
+        f" No {CHANGES[row.quantity]} is given; from {shown(row.value, _UNITS[row.quantity])} on it would {effect} "
+        "vibration."
+        for row in rows
     )
 
 
 def _cards(assessment: Assessment) -> list[tuple[str, str]]:
     lowering = assessment.efficiency["lowering"]
+    holds, least = assessment.uncertainty.holds, assessment.uncertainty.any
+    locking = "yes" if assessment.self_locking else "no"
+    if 0 < holds.value < 1:
+        locking = f"in {percent(holds.value)} of cases"
     cards = [
-        ("yes" if assessment.self_locking else "no", "self-locking: holds its load without the motor"),
+        (locking, "self-locking: holds its load without the motor"),
         (percent(assessment.efficiency["lifting"]), "efficiency when moving against the load"),
         ("needs torque" if lowering is None else percent(lowering), "efficiency when the load drives the screw back"),
-        (percent(assessment.uncertainty.any.value), "probability that it vibrates somewhere in the window"),
+        (
+            percent(least.value) if least.value or least.interval[1] == 0 else f"below {percent(least.interval[1])}",
+            "probability that it vibrates somewhere in the window",
+        ),
     ]
     worst = assessment.worst.vibration
     if worst.vibrates:
@@ -163,7 +190,7 @@ def _changes(assessment: Assessment) -> list[Html]:
 
 
 def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
-    weight = assessment.sheet.load.tilt != 0
+    weight = assessment.values["tilt"] != 0
     note = " The weight of the load comes on top of the force shown." if weight else ""
     return [
         page.heading("Where it vibrates"),
@@ -286,6 +313,11 @@ def _locking(assessment: Assessment) -> list[Html]:
         else "The thread is not self-locking: the load can drive the screw back, with an efficiency of "
         f"{percent(lowering)}."
     )
+    spread = assessment.uncertainty
+    if 0 < spread.holds.value < 1:
+        holds += f" That is so at the middle values; of all drives that were drawn, {percent(spread.holds.value)} hold."
+    low, high = spread.lifting
+    ends = f" (from {percent(low)} to {percent(high)} within the uncertainties)" if low < high else ""
     third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
     rule = (
         f"By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
@@ -293,7 +325,9 @@ def _locking(assessment: Assessment) -> list[Html]:
     )
     return [
         page.heading("Efficiency and self-locking"),
-        page.paragraph(f"Against the load the thread works with an efficiency of {percent(lifting)}. {holds} {rule}"),
+        page.paragraph(
+            f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
+        ),
         page.picture(
             pictures.embedded(pictures.locking_chart, assessment),
             "Friction at which a thread holds its load by itself.",
