@@ -152,6 +152,19 @@ def test_advice_makes_the_drive_steady_as_a_whole():
             assert all(found[name].reserve[0] >= 0 for name in NAMES if name in found) == steady, row
 
 
+def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
+    """Γ₀ < 0 makes the rigid drive unstable; with the given contact steady running returns, and the verdict says so."""
+    load = {"mass": "14 kg", "force": "-100 N"}
+    soft = {"stiffness": "1e5 N/m", "damping": "30 N*s/m"}
+    damping = {"rotational": "2e-4 N*m*s/rad", "translational": "20 N*s/m"}
+    stiff, given = sheet(load=load, damping=damping), sheet(load=load, damping=damping, contact=soft)
+    assert assess(stiff, samples=64).mechanisms["kinematic_constraint"].occurs
+    found = assess(given, samples=64)
+    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "push_needed")
+    assert found.nominal.vibration.model == "threads"
+    assert found.nominal.vibration.attractor == "steady sliding"
+
+
 SPRINGY = {
     "load": {"mass": {"low": "5 kg", "mode": "7 kg", "high": "10 kg"}, "force": "-50 N"},
     "contact": {"stiffness": {"median": "1e5 N/m", "factor": 1.5}, "damping": {"median": "1e5 N*s/m", "factor": 1.3}},

@@ -248,7 +248,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
         return Motion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
     strong = {"push": -_PUSHED} if name == "push_needed" else {}
     moved = vibration(sheet, values, corner, part, **strong)
-    if moved.reason is not None and part != "rigid":  # the simpler drive says more than nothing
+    if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
     push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
     return Motion(name, dict(entries), values, corner, moved, push)

@@ -18,6 +18,7 @@ PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_hig
 """Quantities of the window, which are changed together."""
 
 _DECADES = 3  # factors from a thousandth to a thousandfold are looked at
+_DECADES_BELOW = 6  # a damping that is not given is looked for from a millionth of the critical one up to it
 _PER_DECADE = 200  # steps of 1.2 %; a narrower island of stability between two of them is not seen
 _ROUNDS, _PARTS = 10, 32  # a step of 1.2 % is cut into 32 parts ten times, which leaves the last bits
 _NEXT_TO_NONE = 1e-12  # of a critical damping; below it a damping is as good as none
@@ -30,7 +31,7 @@ class Margin:
 
     ``factor`` [1] is what the quantity is multiplied with, ``value`` the quantity then (the larger end of a window);
     both None if no factor from 0.001 to 1000 does it. Of a damping that is zero only the ``value`` is known, if one up
-    to 1000 times the critical damping does it.
+    to the critical damping does it.
     """
 
     quantity: str
@@ -101,7 +102,7 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
             result.setdefault(mechanism, []).append(Margin(name, factor, value))
     for name, size in _absent_dampings(values).items():
         sized = {**values, name: size}
-        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-_DECADES, _DECADES, 2 * _DECADES * _PER_DECADE + 1)])
+        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-_DECADES_BELOW, 0.0, _DECADES_BELOW * _PER_DECADE + 1)])
         for mechanism, occurs in _occurs(sheet, sized, (name,), factors).items():
             factor = _edge(sheet, sized, (name,), mechanism, factors, occurs)
             result.setdefault(mechanism, []).append(Margin(name, None, None if factor is None else size * factor))

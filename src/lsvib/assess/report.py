@@ -2,16 +2,15 @@
 
 import math
 
-import yaml
-
 from lsvib.assess import page, pictures
-from lsvib.assess.assessment import Assessment, Mechanism, Motion
+from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import QUANTITIES, random_entries
+from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.motions import motions, rigid, where
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
-from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, SHORT, VERDICTS
+from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
 
 _TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
 _ADVICE = 3  # changes that the summary names
@@ -31,7 +30,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         *_mechanisms(assessment),
         *_changes(assessment),
         *_operating(assessment, charts),
-        *_motions(assessment),
+        *motions(assessment),
         *_uncertainty(assessment),
         *_locking(assessment),
         *data_sheet(assessment),
@@ -47,17 +46,6 @@ def shown_mechanisms(assessment: Assessment) -> list[str]:
     return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
 
 
-def _where(one: Mechanism | Motion, assessment: Assessment) -> str:
-    direction, speed, force = one.corner
-    lead = assessment.values["lead"] / (2 * math.pi)
-    way = "outward" if direction > 0 else "back"
-    side = "against" if force >= 0 else "in the direction of"
-    return (
-        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with "
-        f"{shown(abs(force), 'N')} {side} outward travel"
-    )
-
-
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring = [one for one in found if one.occurs]
@@ -71,7 +59,7 @@ def _summary(assessment: Assessment) -> str:
             if best
             else " No single change of one quantity alone makes it run steadily."
         )
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{_absent(assessment)}"
+        return f"The cause is {SHORT[one.name]}, worst {where(one, assessment)}.{too}{advice}{_absent(assessment)}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         return (
@@ -131,8 +119,10 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
             margin = "no single change brings it about" if not one.occurs else "no single change ends it"
         else:
             margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
-        where = _where(one, assessment) if one.occurs else ""
-        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(where) if where else ''}")
+        place = where(one, assessment) if one.occurs else ""
+        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
+        if name == "push_needed" and one.occurs and not rigid(assessment):
+            verdict = Html(f"possible{page.small('computed with stiff threads and support; ' + place)}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
         rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
@@ -200,76 +190,6 @@ def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
             f"operating window; a force above zero opposes outward travel.{note}",
         ),
     ]
-
-
-def _motions(assessment: Assessment) -> list[Html]:
-    same = assessment.worst is assessment.nominal
-    parts = [page.heading("What the vibration is")]
-    motions = [("At the given values" if same else "At the middle values", assessment.nominal)]
-    if not same:
-        motions.append(("In the worst case within the uncertainties", assessment.worst))
-    for title, motion in motions:
-        parts += _motion(title, motion, assessment)
-    return parts
-
-
-def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
-    moved, (push, sentence) = motion.vibration, motion.push
-    start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
-    parts = [
-        page.heading(title, 3),
-        page.paragraph(f"The drive is {_where(motion, assessment)}, where it is most at risk."),
-    ]
-    if motion is assessment.worst and motion is not assessment.nominal:
-        spreads = assessment.sheet.spreads()
-        values = ", ".join(
-            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
-        )
-        parts.append(page.paragraph(f"The values of this case: {values}."))
-    ends = ATTRACTORS.get(moved.attractor, moved.attractor)
-    if moved.reason is not None:
-        parts.append(page.paragraph(f"Of the motion {start} this is known: {moved.reason}"))
-    elif not moved.vibrates:
-        parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it returns to {ends}."))
-    else:
-        low, high = moved.load_speed
-        heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
-        rows = [
-            ("What it is", ends),
-            ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-            ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
-            ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
-            ("Largest contact force of the threads", shown(moved.peak_force, "N")),
-        ]
-        if moved.impulse:
-            rows.append(
-                ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
-            )
-        parts.append(page.table(["", start[0].upper() + start[1:]], rows))
-    lead = motion.values["lead"] / (2 * math.pi)
-    if push is not None and math.isfinite(push) and push > 0:
-        parts.append(
-            page.paragraph(
-                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
-                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
-            )
-        )
-    elif push is not None and math.isinf(push):
-        parts.append(page.paragraph(sentence))
-    if moved.time.size:
-        caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
-        parts.append(
-            page.picture(
-                pictures.embedded(pictures.motion_chart, motion), f"{caption}, {title.lower()}.".replace(" ,", ",")
-            )
-        )
-    if moved.scene and moved.time.size:
-        parts += [
-            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
-            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
-            page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
-        ]  # fmt: skip
-    return parts
 
 
 def _uncertainty(assessment: Assessment) -> list[Html]:

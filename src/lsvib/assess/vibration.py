@@ -105,8 +105,7 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
-        reason = None if end.label == Attractor.STEADY_SLIDING else f"the motion ends in {words}"
-        return Vibration(model, words, reason=reason, **shown)
+        return Vibration(model, words, **shown)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **shown)
 
 

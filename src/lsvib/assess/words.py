@@ -84,7 +84,7 @@ VERDICTS = {
     "operating window.",
     "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
     "values within the given uncertainties.",
-    "steady until pushed": "This drive runs steadily when left alone, but a strong push can start a vibration that "
+    "steady until pushed": "This drive runs steadily when left alone, but a strong push may start a vibration that "
     "goes on.",
     "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: swings "
     "that something else starts do not die away.",
