@@ -86,7 +86,7 @@ def _boundaries(
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
         found[_BOUNDARIES["onset_force"]] = -lever * drive.translation_damping * direction * turning - weight
-    if sheet.support is not None:  # the other thresholds are those of a screw that cannot shift
+    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
         return found
     for name in ("stick_force", "detach_force", "global_stability_force"):
         try:

@@ -63,13 +63,14 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
         parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}."))
     else:
-        low, high = moved.load_speed
+        (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
         heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
         rows = [
             ("What it is", ends),
             ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
             ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
             ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
+            ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
             ("Largest contact force of the threads", shown(moved.peak_force, "N")),
         ]
         if moved.impulse:

@@ -71,6 +71,7 @@ def _motion_json(motion: Motion) -> dict[str, Any]:
         "audible": moved.audible,
         "amplitude": moved.amplitude,
         "load_speed": None if moved.load_speed is None else list(moved.load_speed),
+        "screw_speed": None if moved.screw_speed is None else list(moved.screw_speed),
         "peak_contact_force": moved.peak_force,
         "peak_impulse": moved.impulse,
         "reason": moved.reason,
