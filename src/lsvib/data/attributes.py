@@ -41,6 +41,12 @@ def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dic
     return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
 
 
+def yes_no(long_name: str) -> dict[str, Any]:
+    """Return the attributes of an int8 variable that is 1 where a statement is true, else 0."""
+    return attributes("1", long_name, flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")
+
+
+CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")
 # Of events: the impulses of seizures, zero in other events, and a sign.
 IMPULSES = {
     "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),
