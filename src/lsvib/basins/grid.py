@@ -9,17 +9,13 @@ import numpy as np
 
 from lsvib import numbers
 from lsvib.drives.parameters import names_and_values
+from lsvib.drives.registry import all_models
 from lsvib.errors import InputError
 
 COORDINATES = {  # key of a state's coordinate: its name in automata and datasets
-    "u": "angle_deviation",
-    "w": "velocity_deviation",
-    "e": "thread_mismatch",
-    "v": "mismatch_rate",
-    "screw_shift": "screw_shift",
-    "shift_rate": "shift_rate",
-    "nut_angle": "nut_angle",
-    "nut_rate": "nut_rate",
+    key: name
+    for model in all_models().values()
+    for key, name in zip((*model.required, *model.optional), model.states, strict=True)
 }
 _MOST = 1_000_000_000  # cells along an axis
 

@@ -4,21 +4,18 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.drives.registry import all_models
+
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
-    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
-    "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
-    "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
-    "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
-    "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
     "normal_force": ("normal force of the threads", "N", "$N$"),
     "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
     "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
     "coupling_deflection": ("coupling deflection", "rad", "$z$"),
     "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
+    **{name: about for model in all_models().values() for name, about in model.quantities.items()},
 }
 
 

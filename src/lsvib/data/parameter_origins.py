@@ -20,7 +20,8 @@ import numpy as np
 
 from lsvib.data.attributes import attributes
 from lsvib.drives import chapter
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import all_models
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
@@ -30,9 +31,7 @@ NO_EFFECT = "of no effect: the results of this file do not depend on it"
 # of the cases, where the name alone is that of the drive that they change; of what is drawn.
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
 FIELDS = {
-    name: field.json_schema_extra
-    for kind in (RigidParameters, ThreadsParameters, SupportParameters, NutParameters)
-    for name, field in kind.model_fields.items()
+    name: field.json_schema_extra for model in all_models().values() for name, field in model.drive.model_fields.items()
 }
 _GREEK = ("Omega", "lambda", "mu")
 

@@ -12,12 +12,13 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.linear_parts import multiplied
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import all_models
 from lsvib.steady_sliding.characteristic import (
     DIGITS,
     Polynomial,
     hurwitz,
-    multiplied,
     polynomial,
     rationals,
     tangents,
@@ -26,11 +27,7 @@ from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
 from lsvib.steady_sliding.spectrum import neutral_margins
 
-OWN_DAMPING = {
-    ThreadsParameters: "contact_damping",
-    SupportParameters: "axial_support_damping",
-    NutParameters: "nut_damping",
-}
+OWN_DAMPING = {model.drive: model.own_damping for model in all_models().values() if model.own_damping}
 """The damping that a model adds to the rigid drive, by the class of its drives."""
 
 
