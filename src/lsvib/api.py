@@ -7,6 +7,7 @@ asked: making a drive, or asking for its stability, loads no engine.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from types import new_class
 from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib import numbers
@@ -324,8 +325,7 @@ def drive_class(model: str) -> type[_Drive]:
     from lsvib.drives.registry import find_model
 
     own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
-    made: type[_Drive] = type(own)(own.__name__, (_Drive, own), {"__module__": __name__, "__doc__": own.__doc__})
-    return made
+    return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
 
 
 @dataclass(frozen=True)

@@ -50,9 +50,7 @@ class RigidParameters(BaseModel):
         math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2
     )
     screw_inertia: Quantity = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
-    coupling_stiffness: Quantity = quantity(
-        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15
-    )
+    coupling_stiffness: Quantity = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
     support_damping: Quantity = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
     friction_coefficient: Quantity = quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
     input_speed: Quantity = quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
