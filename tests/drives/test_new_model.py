@@ -25,7 +25,7 @@ from lsvib.drives.parameters import Quantity, RigidParameters, ThreadsParameters
 class SlopeParameters(RigidParameters):
     """A drive with compliant threads on a slope."""
 
-    model = "slope"
+    model, own_damping = "slope", "contact_damping"
 
     contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
     contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
@@ -99,7 +99,7 @@ with xr.open_dataset("slope.nc") as motion:
 drive = drive_class("slope")(weight=3)
 found["drive"] = [repr(drive), drive.stability().kind]
 found["schema"] = schema()["properties"]["attraction"]["properties"]["model"]["enum"]
-found["coordinates"] = COORDINATES
+found["coordinates"] = dict(COORDINATES)
 try:
     find_model("wood")
 except lsvib.InputError as error:

@@ -2,7 +2,8 @@
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -12,11 +13,29 @@ from lsvib.drives.parameters import names_and_values
 from lsvib.drives.registry import all_models
 from lsvib.errors import InputError
 
-COORDINATES = {  # key of a state's coordinate: its name in automata and datasets
-    key: name
-    for model in all_models().values()
-    for key, name in zip((*model.required, *model.optional), model.states, strict=True)
-}
+
+class _Coordinates(Mapping[str, str]):
+    """The coordinates of the states of all models; the models are not imported before somebody asks."""
+
+    def __getitem__(self, key: str) -> str:
+        return self._names[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @cached_property
+    def _names(self) -> dict[str, str]:
+        return {
+            key: state
+            for model in all_models().values()
+            for key, state in zip((*model.required, *model.optional), model.states, strict=True)
+        }
+
+
+COORDINATES = _Coordinates()  # key of a state's coordinate: its name in automata and datasets
 _MOST = 1_000_000_000  # cells along an axis
 
 

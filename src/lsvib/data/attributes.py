@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.drives.registry import all_models
+from lsvib.drives.model_files import model_names
+from lsvib.drives.registry import find_model
 
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
@@ -15,7 +16,6 @@ _LONG_NAMES = {
     "coupling_deflection": ("coupling deflection", "rad", "$z$"),
     "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
-    **{name: about for model in all_models().values() for name, about in model.quantities.items()},
 }
 
 
@@ -29,8 +29,14 @@ def flags(kinds) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = _LONG_NAMES[name]
+    long_name, units, symbol = _LONG_NAMES[name] if name in _LONG_NAMES else _of_one_model(name)
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
+
+
+def _of_one_model(name: str) -> tuple[str, str, str]:
+    """Long name, unit and symbol of a quantity that only one model has."""
+    models = map(find_model, model_names())  # imported one by one, up to the one that has it
+    return next(model.quantities[name] for model in models if name in model.quantities)
 
 
 def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:

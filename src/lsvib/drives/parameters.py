@@ -44,6 +44,7 @@ class RigidParameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
     model: ClassVar[str] = "rigid"  # one of lsvib.drives.model_files.model_names()
+    own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Quantity = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
     lead_angle: Quantity = quantity(
@@ -120,7 +121,7 @@ class RigidParameters(BaseModel):
 class ThreadsParameters(RigidParameters):
     """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
 
-    model = "threads"
+    model, own_damping = "threads", "contact_damping"
 
     contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
     contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
@@ -129,7 +130,7 @@ class ThreadsParameters(RigidParameters):
 class SupportParameters(RigidParameters):
     """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
 
-    model = "support"
+    model, own_damping = "support", "axial_support_damping"
 
     screw_mass: Quantity = quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
     support_stiffness: Quantity = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
@@ -141,7 +142,7 @@ class SupportParameters(RigidParameters):
 class NutParameters(RigidParameters):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
 
-    model = "nut"
+    model, own_damping = "nut", "nut_damping"
 
     nut_inertia: Quantity = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
     nut_stiffness: Quantity = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)

@@ -30,9 +30,9 @@ class Model:
 
     Its linear stability needs ``characteristic(parameters, parts)``, the characteristic polynomial of steady sliding in
     the arithmetic of the parameters, as :class:`~lsvib.drives.linear_parts.LinearParts` helps to make it;
-    ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and ``own_damping``, the damper that
-    the model adds to the rigid drive. ``powers(drive, automaton)`` gives the powers of its cycles. ``section`` is the
-    section of the book that derives the model, by which models are listed.
+    ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and of the class ``drive`` the name
+    of the damper that the model adds to the rigid drive, ``own_damping``. ``powers(drive, automaton)`` gives the powers
+    of its cycles. ``section`` is the section of the book that derives the model, by which models are listed.
     """
 
     drive: type[RigidParameters]
@@ -50,7 +50,6 @@ class Model:
     characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial]
     powers: "type[Powers]"
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
-    own_damping: str = ""
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
 

@@ -301,7 +301,6 @@ MODEL = Model(
     characteristic=_characteristic,
     powers=ThreadsPowers,
     excess=_excess,
-    own_damping="contact_damping",
     quantities={
         "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
         "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),

@@ -10,12 +10,10 @@ from lsvib.drives.powers import Powers, product
 class TwoBodyPowers(Powers):
     """Powers of a drive whose second body moves at the fourth coordinate of the state, the row ``second``.
 
-    ``inertia`` names the parameter that is the mass or the moment of inertia of the second body, ``damper`` that of its
-    damping.
+    ``inertia`` names the parameter that is the mass or the moment of inertia of the second body.
     """
 
     inertia: str
-    damper: str
 
     @property
     def second(self) -> np.ndarray:
@@ -24,7 +22,7 @@ class TwoBodyPowers(Powers):
 
     def dampers(self) -> Iterator[tuple[float, np.ndarray]]:
         """Yield the damper of the second body."""
-        yield getattr(self.drive, self.damper), self.second
+        yield getattr(self.drive, self.drive.own_damping), self.second
 
     def friction(self, mode: int) -> Iterator[np.ndarray]:
         """Yield the powers [W] of the friction of threads, slide (F_0) and bearing (T_0)."""

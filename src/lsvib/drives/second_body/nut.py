@@ -187,7 +187,7 @@ def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
 class NutPowers(TwoBodyPowers):
     """Powers of the drive with a rotating nut: the nut turns at ψ = θ_2′, and the threads slip at θ′ − θ_2′."""
 
-    inertia, damper = "nut_inertia", "nut_damping"
+    inertia = "nut_inertia"
 
     def __init__(self, drive: NutParameters, automaton: Automaton) -> None:
         super().__init__(drive, automaton)

@@ -49,7 +49,7 @@ def two_body_model(
             "support_damping",
             "translation_damping",
             "axial_force",
-            powers.damper,
+            drive.own_damping,
             "slide_friction",
             "bearing_friction",
         ),
@@ -65,7 +65,6 @@ def two_body_model(
         equations=equations,
         characteristic=characteristic,
         powers=powers,
-        own_damping=powers.damper,
         quantities=quantities,
         section=section,
     )

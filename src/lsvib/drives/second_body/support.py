@@ -182,7 +182,7 @@ def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
 class SupportPowers(TwoBodyPowers):
     """Powers of the drive with axial support: the screw shifts along its axis at v = x_1′, and the nut with it."""
 
-    inertia, damper = "screw_mass", "axial_support_damping"
+    inertia = "screw_mass"
 
     def __init__(self, drive: SupportParameters, automaton: Automaton) -> None:
         super().__init__(drive, automaton)
