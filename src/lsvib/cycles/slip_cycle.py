@@ -11,9 +11,9 @@ motions decay, π α₊ / β₊ + π α₋ / β₋ > 0, and none otherwise: two 
 Rodrigo and Torres 1998).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from lsvib.cycles.forward_slip import ForwardDrive, Slip, bracketed_root, double, many
+from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.errors import EngineError
 
 _NEWTON = 8  # steps at most; from 1e-7 three of them reach all 50 digits
@@ -28,14 +28,17 @@ _SEARCHES = (
 class Half(NamedTuple):
     """Slopes with which a half return leaves Q = 0 and comes back, and their derivatives with respect to its time."""
 
-    leaves: object
-    comes: object
-    leaves_rate: object
-    comes_rate: object
+    leaves: Any
+    comes: Any
+    leaves_rate: Any
+    comes_rate: Any
 
 
-def half_return(slip: Slip, height, time) -> Half:
-    """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``."""
+def half_return(slip: Any, height: Any, time: Any) -> Half:
+    """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``.
+
+    ``slip`` is a :class:`Slip`, or has its ``a0``, ``a1`` and ``responses`` in another arithmetic.
+    """
     c, s, s_rate = slip.responses(time)
     leaves = -height * (1 - c) / s
     leaves_rate = -height * (slip.a0 * s * s - (1 - c) * s_rate) / (s * s)
@@ -55,10 +58,10 @@ class SlowestPoint(NamedTuple):
     ``times`` [s] of the half returns under law + and law −; ``at`` [s], the time from Q = 0 to this point.
     """
 
-    rate: object
+    rate: Any
     law: int
-    times: tuple
-    at: object
+    times: tuple[Any, Any]
+    at: Any
 
 
 def slowest_point(drive: ForwardDrive) -> SlowestPoint:
@@ -149,11 +152,11 @@ def _slowest(drive: ForwardDrive, law: int, time):
     return slowest
 
 
-def leaving(slip: Slip, contact, height, half: Half):
+def leaving(slip: Any, contact: Any, height: Any, half: Half) -> tuple[Any, Any]:
     """State (u − u_e, w) in which a half return leaves Q = 0; u_e [rad] is the equilibrium of its law.
 
-    Arguments: slip under the law; row (q_u, q_w) of Q; ``height``, Q at the equilibrium; the half return. With
-    y = u − u_e of the law, Q = q_u y + q_w w + height and Q′ = q_u w − q_w (a₀ y + a₁ w); here Q = 0 and Q′ = v.
+    Arguments: slip under the law, as of :func:`half_return`; row (q_u, q_w) of Q; ``height``, Q at the equilibrium; the
+    half return. With y = u − u_e, Q = q_u y + q_w w + height and Q′ = q_u w − q_w (a₀ y + a₁ w); here Q = 0, Q′ = v.
     """
     q_u, q_w = contact
     w = (half.leaves - q_w * slip.a0 * height / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)

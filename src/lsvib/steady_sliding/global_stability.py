@@ -21,7 +21,7 @@ _NONE = Start("", many.inf)
 
 
 def globally_stable_below(forward: ForwardDrive):
-    """Return the threshold R [N] with 50 digits; infinite if there is none below R_on. Arguments as of :func:`start`."""
+    """Return the threshold R [N] with 50 digits, infinite if there is none below R_on; see :func:`start`."""
     return start(forward).force
 
 
@@ -36,7 +36,9 @@ def start(forward: ForwardDrive) -> Start:
     found = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
         widest, _, time = widest_return(forward)
-        found = min(found, Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), key=lambda at: at.force)
+        found = min(
+            found, Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), key=lambda at: at.force
+        )
     elif forward.contact[1] < 0:
         _require_rest_in_every_cycle(forward, found.force)
     return found if found.force < forward.onset else _NONE
@@ -74,9 +76,9 @@ def rest_goes_on_from(forward: ForwardDrive) -> Start:
 def widest_return(forward: ForwardDrive):
     """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x; q_w > 0.
 
-    Returns it with that x and the time τ [s]. Slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the rate w = −Ω S′ − a₀ x S then, so that
-    the maximum is one over τ. It is found in double precision; its value is formed with 50 digits. Minus infinity if
-    no slip comes back.
+    Returns it with that x and the time τ [s] of the slip, which starts at x = −Ω S / (1 − C) and has the rate
+    w = −Ω S′ − a₀ x S as it comes back, so that the maximum is one over τ. It is found in double precision; its value
+    is formed with 50 digits. Minus infinity if no slip comes back.
     """
     row = oscillator(*forward.decimals, 0)
     speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[columns.A0])

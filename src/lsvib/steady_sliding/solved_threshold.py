@@ -1,6 +1,7 @@
 """Thresholds of a drive by name, each solved for any one of its parameters, with the derivatives by all others."""
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -39,11 +40,12 @@ _POLYNOMIAL = {
     "support": ("onset", "kinematic", "flutter"),
     "nut": ("onset", "kinematic", "flutter"),
 }
-NAMES = {model: (*names, *((*_FORCES, "rest_loss") if model == "rigid" else ())) for model, names in _POLYNOMIAL.items()}
+NAMES = {
+    model: (*names, *((*_FORCES, "rest_loss") if model == "rigid" else ())) for model, names in _POLYNOMIAL.items()
+}
 """The thresholds of each model."""
 _USUAL = {"kinematic": "mass", "negative_damping": "support_damping", "flutter": "mass", "rest_loss": "support_damping"}
-_SAME = 1e-6  # relative: Newton's method stays as close to where the sign changes, or that was a jump
-_JUMP = 1e-6  # of a force: what is left of the gap at a root, beside rounding
+_SAME = 1e-4  # relative: Newton's method goes no farther; a start is good to 1e-8 (of an extremum) or better
 
 
 def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = None) -> SolvedThreshold:
@@ -69,7 +71,13 @@ def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = Non
     if name in _FORCES and key == "axial_force":
         start = _FORCES[name](drive)
         sense = 1 if drive.input_speed > 0 else -1
-        found = _newton(drive, key, start, sense * start.force)
+        try:
+            found = _newton(drive, key, start, sense * start.force)
+        except Singular:
+            raise NoThreshold(
+                f"no axial_force is the threshold {name}: next to {sense * float(start.force):.9g} N, where the drive "
+                "changes what it does, its equations have no solution."
+            ) from None
         return _result(drive, name, key, [found], "The force is in closed form, and the only one.")
     return _by_search(drive, name, key)
 
@@ -104,13 +112,8 @@ def _by_search(drive: RigidParameters, name: str, unknown: str) -> SolvedThresho
     found = []
     for value in changes(drive, unknown, gap):
         near = drive.replace(**{unknown: value})
-        start = _start(name, near)[1]
-        try:
-            solution = _newton(near, unknown, start, value)
-        except Singular:
-            continue  # a jump of the gap, not a root
-        if abs(solution.value - value) <= _SAME * abs(value):
-            found.append(solution)
+        with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
+            found.append(_newton(near, unknown, _start(name, near)[1], value))
     span = f"{DECADES} decades on both sides of the drive's own value"
     if not found:
         raise NoThreshold(
@@ -133,9 +136,13 @@ def _gap(name: str, drive: RigidParameters) -> float:
 
 
 def _newton(drive: RigidParameters, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
-    sense = 1 if drive.input_speed > 0 else -1
-    equations = threshold_motions.equations(start.system, sense)
-    return _solution(drive, unknown, solved(drive, unknown, equations, guess, start.times), threshold_motions.words(start.system))
+    """Solve the equations from a start; raises ``Singular`` if that does not lead to a solution next to it."""
+    equations = threshold_motions.equations(start.system, 1 if drive.input_speed > 0 else -1)
+    root = solved(drive, unknown, equations, guess, start.times)
+    pairs = zip((root.exact, *root.inner), (guess, *start.times), strict=True)
+    if any(abs(found - near) > _SAME * abs(near) for found, near in pairs):
+        raise Singular
+    return _solution(drive, unknown, root, threshold_motions.words(start.system))
 
 
 def _solution(drive: RigidParameters, unknown: str, root: Root, words: str) -> ThresholdSolution:

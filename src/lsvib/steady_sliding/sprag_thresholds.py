@@ -7,9 +7,10 @@ where dh/dτ = 0; the repelling one goes on until it touches Q = 0 where it seiz
 Slip from the end of rest that seizes just there leaves no time for rest: the *loss of the rest phase*.
 """
 
+from collections.abc import Callable
 from typing import Any
 
-from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, many
+from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import NoThreshold
@@ -52,45 +53,61 @@ def end_of_rest(forward: ForwardDrive, force: Any) -> Any:
 class _Returns:
     """Slip under law − from θ′ = 0, by the time [s] after which it is back at the deflection that it started from."""
 
-    def __init__(self, forward: ForwardDrive) -> None:
-        self.forward, self.slip = forward, forward.slip(-1)
-        slip, (q_u, q_w) = self.slip, forward.contact
-        slowest = 1 / slip.a0**0.5 if slip.turns else -1 / slip.slow
-        first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
-        low, high = _FIRST * first, 2 * many.pi / slip.beta if slip.turns else _FEW_TURNS * slowest
-        self.times = [low * (high / low) ** (many.mpf(k) / _GRID) for k in range(_GRID)]
+    def __init__(self, forward: ForwardDrive, context: Any = many) -> None:
+        self.slip: Any = forward.slip(-1, context)
+        self.speed, q_u, q_w = (context.mpf(x) for x in (forward.speed, *forward.contact))
+        self.contact = q_u, q_w
+        slowest = 1 / self.slip.a0**0.5 if self.slip.turns else -1 / self.slip.slow
+        first = min(q_u / (self.slip.a0 * q_w), slowest) if q_w > 0 else slowest
+        self.ends = _FIRST * first, 2 * context.pi / self.slip.beta if self.slip.turns else _FEW_TURNS * slowest
 
     def start(self, time: Any) -> Any:
         """x [rad]."""
         c, s, _ = self.slip.responses(time)
-        return -self.forward.speed * s / (1 - c)
+        return -self.speed * s / (1 - c)
 
     def end(self, time: Any) -> tuple[Any, Any]:
         """x [rad] and the rate w [rad/s] on coming back."""
         x, (_, s, s_rate) = self.start(time), self.slip.responses(time)
-        return x, -self.forward.speed * s_rate - self.slip.a0 * x * s
+        return x, -self.speed * s_rate - self.slip.a0 * x * s
 
     def height(self, time: Any) -> Any:
         """h, the part of Q that depends on the state, on coming back."""
         x, w = self.end(time)
-        return self.forward.contact[0] * x + self.forward.contact[1] * w
+        return self.contact[0] * x + self.contact[1] * w
 
     def rise(self, time: Any) -> Any:
         """Q′ on coming back."""
         x, w = self.end(time)
-        return self.forward.contact[0] * w - self.forward.contact[1] * (self.slip.a0 * x + self.slip.a1 * w)
+        return self.contact[0] * w - self.contact[1] * (self.slip.a0 * x + self.slip.a1 * w)
 
-    def first_root(self, function: Any) -> Any:
-        """The first time at which a function of the time changes sign while slip comes back from below; None if none."""
-        last = None
-        for time in self.times:
-            if self.end(time)[1] <= 0:
-                return None
-            value = function(time)
-            if last is not None and (value > 0) != (last[1] > 0):
-                return bracketed_root(function, last[0], time, _CLOSE)
-            last = time, value
-        return None
+
+def _first_root(forward: ForwardDrive, function: Callable[[_Returns, Any], Any]) -> Any:
+    """The first time at which a function of returns changes sign while slip comes back forward; None if there is none.
+
+    Double precision looks for it as long as it can.
+    """
+    exact = _Returns(forward)
+    for returns in (_Returns(forward, double), exact):
+        try:
+            bracket = _bracket(returns, function)
+        except (ZeroDivisionError, OverflowError):  # 1 − C rounds to zero, or slip grows beyond all numbers
+            continue
+        return None if bracket is None else bracketed_root(lambda time: function(exact, time), *bracket, _CLOSE)
+    return None
+
+
+def _bracket(returns: _Returns, function: Callable[[_Returns, Any], Any]) -> tuple[Any, Any] | None:
+    (low, high), last = returns.ends, None
+    for k in range(_GRID):
+        time = low * (high / low) ** (k / _GRID)
+        if returns.end(time)[1] <= 0:
+            return None
+        value = function(returns, time)
+        if last is not None and (value > 0) != (last[1] > 0):
+            return many.mpf(last[0]), many.mpf(time)
+        last = time, value
+    return None
 
 
 def fold_start(drive: RigidParameters) -> Start:
@@ -114,7 +131,7 @@ def cycle_birth_start(drive: RigidParameters) -> Start:
     """
     forward = _without_rest(drive)
     returns = _Returns(forward)
-    time = returns.first_root(returns.rise)
+    time = _first_root(forward, _Returns.rise)
     if time is None:
         raise NoThreshold("slip under law - that comes back to where it started never touches Q = 0 there.")
     force = forward.onset - returns.height(time) / forward.inertia[-1]
@@ -131,7 +148,7 @@ def _before_rest(start: Start, x: Any, forward: ForwardDrive) -> Start:
 
 
 def rest_left(drive: RigidParameters) -> tuple[Any, Start]:
-    """Return Q as slip from the end of rest is back at that deflection, and the equations of its zero; R is the drive's.
+    """Return Q as slip from the end of rest is back at that deflection, and the equations of its zero.
 
     Where Q < 0 it seizes later, and rests again; where Q > 0 it has seized before, and goes on without rest. Raises
     ``NoThreshold`` if it does not come back, or has met Q = 0 long before.
@@ -139,7 +156,7 @@ def rest_left(drive: RigidParameters) -> tuple[Any, Start]:
     forward = _forward(drive)
     force = many.mpf(drive.axial_force) * (1 if drive.input_speed > 0 else -1)
     returns, begins = _Returns(forward), end_of_rest(forward, force)
-    time = returns.first_root(lambda time: returns.start(time) - begins)
+    time = _first_root(forward, lambda some, time: some.start(time) - begins)
     if time is None:
         raise NoThreshold("slip from the end of rest does not come back to where it started.")
     net = forward.inertia[-1] * (force - forward.onset)

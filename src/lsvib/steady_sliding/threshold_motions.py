@@ -1,4 +1,4 @@
-r"""Defining equations of the thresholds of the rigid drive that depend on a motion, written for numbers with derivatives.
+r"""Defining equations of the thresholds of the rigid drive that depend on a motion, for numbers with derivatives.
 
 All are written for Ω > 0; for Ω < 0 the drive is mirrored. Slip under law s is the oscillator Γ_s y″ + C_s y′ + k y = 0
 about its equilibrium y = 0, where Q = q_u y + q_w w + Γ_s R̃; S is its impulse response, C = S′ + a₁ S.
@@ -54,7 +54,8 @@ class DualDrive:
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.net = self.force - self.lever * p["translation_damping"] * self.speed
         self.xi = {law: friction.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
-        self.inertia, self.damping = {}, {}
+        self.inertia: dict[int, Dual] = {}
+        self.damping: dict[int, Dual] = {}
         for law, xi in self.xi.items():
             self.inertia[law] = friction.effective_inertia(p["screw_inertia"], p["mass"], self.radius, t, xi)
             self.damping[law] = friction.effective_damping(
@@ -182,11 +183,13 @@ _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]
         _touches(-1, lambda d: d.end_of_rest(-1)),
     ),
     "fold": (
-        "slip under law − from (x, −Ω) back at u = x after τ: dh/dτ = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)",
+        "slip under law − from (x, −Ω) back at u = x after τ: dh/dτ = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
+        "(eq. 8.17, Sect. 8.7)",
         _fold,
     ),
     "cycle_birth": (
-        "slip under law − from (x, −Ω) back at u = x after τ: Q′(τ) = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)",
+        "slip under law − from (x, −Ω) back at u = x after τ: Q′(τ) = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
+        "(eq. 8.17, Sect. 8.7)",
         _birth,
     ),
     "rest lost": (
@@ -194,8 +197,8 @@ _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]
         _rest_lost(DualDrive.end_against),
     ),
     "rest lost with the motion": (
-        "slip under law − from the end of rest, x = [C₋ Ω − r_m (ξ₊ − ξ₋) R] / k, is back at u = x after τ with Q(τ) = 0 "
-        "(eq. 8.17)",
+        "slip under law − from the end of rest, x = [C₋ Ω − r_m (ξ₊ − ξ₋) R] / k, is back at u = x after τ with "
+        "Q(τ) = 0 (eq. 8.17)",
         _rest_lost(lambda d: d.end_of_rest(-1)),
     ),
 }

@@ -65,9 +65,7 @@ _KINEMATIC = {
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
 _NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
 _NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
-_FLUTTER = (
-    "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
-)
+_FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
 
@@ -166,13 +164,13 @@ class Line:
         """Return the law s_0 of steady sliding, 0 where the contact carries no force."""
         values, t, sense = self.at(x)
         force = _net_force(self.kind, values, t, sense) * sense
-        return (force > 0) - (force < 0)
+        return int(force > 0) - int(force < 0)
 
     def stable(self, x: Fraction) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
         values, t, _ = self.at(x)
         law = self.law(x)
-        return bool(law) and min(margins(polynomial(self.kind, values, law, t), self.neutral)) > 0
+        return bool(law and min(margins(polynomial(self.kind, values, law, t), self.neutral)) > 0)
 
     def value(self, x: Fraction) -> float | Fraction:
         """Return the value of the unknown at a distance from zero."""
@@ -205,7 +203,7 @@ def _flutters(line: Line, condition: Condition, wanted: list[Condition], x: Frac
     if not law or condition is not wanted[0 if law > 0 else 1]:
         return False
     values, t, _ = line.at(x)
-    return min(margins(polynomial(line.kind, values, law, t), line.neutral)[:-1]) > 0
+    return bool(min(margins(polynomial(line.kind, values, law, t), line.neutral)[:-1]) > 0)
 
 
 def _changes(drive: RigidParameters, unknown: str, roots: list[tuple[Line, Any]]) -> list[Place]:

@@ -9,7 +9,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from mpmath import MPContext
+from mpmath import MPContext  # type: ignore[import-untyped]  # it has no types
 
 DIGITS = 70  # the coefficients of a drive lose up to 50 digits where they cancel; 20 are left
 many: Any = MPContext()  # an own context: the precision of the global one belongs to the caller
@@ -39,7 +39,7 @@ class Dual:
         return self._with(other, self.value - _plain(other), 1, -1)
 
     def __rsub__(self, other: Any) -> "Dual":
-        return -self + other
+        return (-self).__add__(other)
 
     def __mul__(self, other: Any) -> "Dual":
         there = _plain(other)
