@@ -24,14 +24,13 @@ class Named(dict):
 
 
 def root(function, guess):
-    """Root of a function next to a guess, by secants, to all digits."""
-    here = mpf(guess)
-    step = here * mpf(10) ** -9 if here else mpf(10) ** -9
-    low, high = here, here + step
+    """Root of a function next to a guess that is good to some 16 digits, by secants, to all digits."""
+    low = mpf(guess)
+    high = low * (1 + mpf(10) ** -16) if low else mpf(10) ** -16
     at_low, at_high = function(low), function(high)
     for _ in range(30):
-        if at_high == at_low or abs(high - low) <= mpf(10) ** (6 - WORK) * abs(high):
-            break
+        if at_high == at_low or abs(high - low) <= mpf(10) ** -28 * abs(high):
+            break  # what is left is smaller by the step before
         low, at_low, high = high, at_high, high - at_high * (high - low) / (at_high - at_low)
         at_high = function(high)
     return high

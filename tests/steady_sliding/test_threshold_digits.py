@@ -16,6 +16,7 @@ from lsvib.steady_sliding import solved_threshold
 from lsvib.steady_sliding.solved_threshold import solve_threshold
 
 DRIVES = 20  # of each threshold
+SLOPES = 5  # of these whose derivatives are compared
 VALUE, SLOPE = mpf("1e-12"), mpf("1e-9")
 _STEP = mpf(10) ** -14  # of a central difference, relative: its square is far below SLOPE, 40 digits far below it
 
@@ -52,7 +53,7 @@ def drawn(rng: np.random.Generator, name: str) -> RigidParameters:
 
 
 def accepted(name: str, unknown: str, count: int, draw=drawn):
-    """Drives that have a threshold, with its solutions, one parameter as the unknown."""
+    """Drives that have a threshold, with its solutions for one parameter, and how many slopes to ask for."""
     rng, found = np.random.default_rng([count, len(unknown)]), 0
     while found < count:
         drive = draw(rng, name)
@@ -61,7 +62,7 @@ def accepted(name: str, unknown: str, count: int, draw=drawn):
         except InputError:
             continue
         found += 1
-        yield rng, drive, solution
+        yield rng, drive, solution, 2 if found <= SLOPES else 0
 
 
 def hint(name: str, drive: RigidParameters):
@@ -117,22 +118,22 @@ def compared(drive, solved, solution, truth, rng, slopes):
         ("kinematic", "lead_angle", DRIVES),
         ("negative_damping", "pitch_radius", DRIVES),
         ("stick", "axial_force", DRIVES),
-        ("stick", "translation_damping", 3),
+        ("stick", "translation_damping", 1),
         ("detach", "axial_force", DRIVES),
-        ("detach", "mass", 3),
+        ("detach", "mass", 1),
         ("global_stability", "axial_force", DRIVES),
-        ("global_stability", "support_damping", 3),
+        ("global_stability", "support_damping", 1),
         ("fold", "axial_force", DRIVES),
-        ("fold", "lead_angle", 3),
+        ("fold", "lead_angle", 1),
         ("cycle_birth", "axial_force", DRIVES),
-        ("cycle_birth", "input_speed", 3),
+        ("cycle_birth", "input_speed", 1),
         ("rest_loss", "support_damping", DRIVES),
     ],
 )
 def test_twelve_digits_and_derivatives(name, unknown, drives):
-    for rng, drive, found in accepted(name, unknown, drives):
+    for rng, drive, found, slopes in accepted(name, unknown, drives):
         for solution in found.solutions:
-            judged(name, drive, found, solution, rng, 2)
+            judged(name, drive, found, solution, rng, slopes)
 
 
 def two_bodies(model: str):
@@ -177,7 +178,7 @@ KINDS = {"threads": ThreadsParameters, "support": SupportParameters, "nut": NutP
     [
         ("threads", "flutter", "mass"),
         ("threads", "onset", "contact_damping"),
-        ("support", "flutter", "mass"),
+        ("support", "flutter", "support_stiffness"),
         ("support", "kinematic", "friction_coefficient"),
         ("support", "onset", "axial_force"),
         ("nut", "onset", "mass"),
@@ -187,7 +188,7 @@ KINDS = {"threads": ThreadsParameters, "support": SupportParameters, "nut": NutP
 )
 def test_twelve_digits_of_drives_with_two_bodies(model, name, unknown):
     """A growth rate passes zero, or the contact force has no bound, by the state matrix of Newton's laws."""
-    for rng, drive, found in accepted(name, unknown, DRIVES, two_bodies(model)):
+    for rng, drive, found, slopes in accepted(name, unknown, DRIVES, two_bodies(model)):
         for solution in found.solutions:
 
             def truth(values, guess, words=solution.equation):
@@ -197,4 +198,4 @@ def test_twelve_digits_of_drives_with_two_bodies(model, name, unknown):
                 at = at or partial(threshold_digits.jam, model)
                 return threshold_digits.root(lambda x: at({**values, unknown: x}), guess)
 
-            compared(drive, found, solution, truth, rng, 1)
+            compared(drive, found, solution, truth, rng, slopes)

@@ -22,6 +22,7 @@ Equations = Callable[[Mapping[str, Dual], Sequence[Dual]], Sequence[Dual]]
 
 _NEWTON = 40  # steps; from the nine digits of a bracketed root four of them reach all that 70 digits allow
 _FIXED = 1e-35  # relative change after which one more step, which squares it, is the last
+_REACH = 1e-4  # relative, from the start, which is good to 1e-8 (of an extremum) or better
 _CANCELLED = 1e-45  # of the terms of an equation: what rounding leaves of them in 70 digits
 
 
@@ -49,19 +50,21 @@ class Root:
 def solved(drive: RigidParameters, unknown: str, equations: Equations, guess: Any, inner: Sequence[Any] = ()) -> Root:
     """Solve the equations of a threshold for a parameter of a drive.
 
-    Arguments: drive; name of the unknown; equations; a ``guess`` of the unknown and of the ``inner`` unknowns, close
-    enough for Newton's method. Raises ``Singular`` at a double root, and where Newton's method does not converge.
+    Arguments: drive; name of the unknown; equations; a ``guess`` of the unknown and of the ``inner`` unknowns, each
+    good to four digits. Raises ``Singular`` at a double root, and where Newton's method finds no root so close.
     """
     names = list(type(drive).model_fields)
     fixed = {name: number(value) for name, value in drive}
     # The unknowns: the inner ones, then the parameter.
-    place = [number(value) for value in (*inner, guess)]
+    begin = place = [number(value) for value in (*inner, guess)]
     columns = [*range(len(inner)), len(inner) + names.index(unknown)]
     close = False
     for _ in range(_NEWTON):
         values, jacobian, _ = _linearised(names, {**fixed, unknown: place[-1]}, place[:-1], equations)
         step = _solved(jacobian, columns, values)
         place = [x - dx for x, dx in zip(place, step, strict=True)]
+        if any(abs(x - near) > _REACH * abs(near) for x, near in zip(place, begin, strict=True)):
+            raise Singular
         if close:
             break
         close = all(abs(dx) <= _FIXED * abs(x) for x, dx in zip(place, step, strict=True))
