@@ -17,7 +17,7 @@ from lsvib.errors import NoThreshold
 from lsvib.steady_sliding.threshold_motions import Start
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before a root among them is refined
-_CLOSE = 1e-18  # relative, of a root: Newton's method squares it in every step
+_CLOSE = 1e-13  # relative, of a root: Newton's method squares it in every step
 _FEW_TURNS = 40.0  # slowest times after which slip without a turn has all but stopped
 _FIRST = 0.1  # of the shortest time in which slip does anything: no root is earlier
 
@@ -85,15 +85,17 @@ class _Returns:
 def _first_root(forward: ForwardDrive, function: Callable[[_Returns, Any], Any]) -> Any:
     """The first time at which a function of returns changes sign while slip comes back forward; None if there is none.
 
-    Double precision looks for it as long as it can.
+    In double precision as long as that can be: Newton's method goes on from there.
     """
-    exact = _Returns(forward)
-    for returns in (_Returns(forward, double), exact):
+    for context in (double, many):
+        returns = _Returns(forward, context)
         try:
             bracket = _bracket(returns, function)
+            if bracket is None:
+                return None
+            return many.mpf(bracketed_root(lambda time, at=returns: function(at, time), *bracket, _CLOSE))
         except (ZeroDivisionError, OverflowError):  # 1 − C rounds to zero, or slip grows beyond all numbers
             continue
-        return None if bracket is None else bracketed_root(lambda time: function(exact, time), *bracket, _CLOSE)
     return None
 
 
@@ -105,7 +107,7 @@ def _bracket(returns: _Returns, function: Callable[[_Returns, Any], Any]) -> tup
             return None
         value = function(returns, time)
         if last is not None and (value > 0) != (last[1] > 0):
-            return many.mpf(last[0]), many.mpf(time)
+            return last[0], time
         last = time, value
     return None
 
@@ -155,7 +157,7 @@ def rest_left(drive: RigidParameters) -> tuple[Any, Start]:
     """
     forward = _forward(drive)
     force = many.mpf(drive.axial_force) * (1 if drive.input_speed > 0 else -1)
-    returns, begins = _Returns(forward), end_of_rest(forward, force)
+    returns, begins = _Returns(forward), float(end_of_rest(forward, force))  # Newton's method adds the digits
     time = _first_root(forward, lambda some, time: some.start(time) - begins)
     if time is None:
         raise NoThreshold("slip from the end of rest does not come back to where it started.")
