@@ -70,7 +70,7 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     def stable(value: Fraction) -> bool:
         return min(margins(value)) > 0
 
-    conditions = [_interpolated(samples) for samples in zip(*(margins(Fraction(x)) for x in range(4)), strict=True)]
+    conditions = [interpolated(samples) for samples in zip(*(margins(Fraction(x)) for x in range(4)), strict=True)]
     if not all(conditions):  # one vanishes for every value of the parameter
         return StableSet(key, (), limit, neutral, False)
     places = [root for p in conditions for root in positive_roots(p, limit)]
@@ -133,7 +133,7 @@ def _end(found: StableSet, unit: str) -> str:
     return "cot(lead_angle)" if found.key == "friction_coefficient" else f"{float(found.limit):g} {unit}"
 
 
-def _interpolated(values: Sequence[Fraction]) -> Polynomial:
+def interpolated(values: Sequence[Fraction]) -> Polynomial:
     """The polynomial through ``values`` at 0, 1, 2, …, by Newton's divided differences; leading zeros left out."""
     differences = list(values)
     for order in range(1, len(values)):

@@ -13,10 +13,11 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
+from lsvib.steady_sliding.solved_threshold import solve_threshold
 
 # Half a unit of the last digit of the printed thresholds: 10.10 kg, 0.285, 20 N, 34.5 N, 46.5 N.
 _PRINTED_HALF_UNITS = {
@@ -30,6 +31,14 @@ _PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drive
 _NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
 _WORDS = {"critical_friction": "critical friction coefficient"}
 _HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
+
+_SOLVED = {  # name of each threshold among those that are solved for a parameter, and the parameter
+    "critical_mass": ("kinematic", "mass"),
+    "critical_friction": ("kinematic", "friction_coefficient"),
+    "onset_force": ("onset", "axial_force"),
+    "stick_force": ("stick", "axial_force"),
+    "detach_force": ("detach", "axial_force"),
+}
 
 Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
 Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
@@ -45,7 +54,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
     functions = _functions()
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
-    changes = np.array([list(propagated(functions[name], drives[name]).values()) for name in _PRINTED_HALF_UNITS])
+    solved = {name: solve_threshold(_with_screw(name, drive), *_SOLVED[name]) for name, drive in drives.items()}
+    changes = np.array([list(propagated(solved[name]).values()) for name in _PRINTED_HALF_UNITS])
     screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
@@ -64,7 +74,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         attrs={
             "title": "Rounding of Table 8.1 and the printed thresholds",
-            "source": "lsvib, thresholds in closed form and by the return map, central differences",
+            "source": "lsvib, thresholds in closed form and by the return map, with exact derivatives",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         },
     )
@@ -200,6 +210,13 @@ def _residual_and_rounding(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]
     precise = dataset.one_digit.values == 0
     allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
     return np.abs(dataset.print_residual.values), allowed
+
+
+def _with_screw(name: str, drive: RigidParameters) -> RigidParameters:
+    """The drive of a threshold; that of the critical friction has the mass of the screw as well."""
+    if name != "critical_friction":
+        return drive
+    return SupportParameters.of(drive, screw_mass=chapter.THRESHOLDS[name].drive["screw_mass"])
 
 
 def _own(changes: Mapping[str, float]) -> dict[str, float]:
