@@ -26,9 +26,6 @@ from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
 from lsvib.steady_sliding.spectrum import neutral_margins
 
-OWN_DAMPING = {kind: kind.own_damping for kind in RigidParameters.__subclasses__() if kind.own_damping}
-"""The damping that a model adds to the rigid drive, by the class of its drives."""
-
 
 @dataclass(frozen=True)
 class StableSet:

@@ -156,14 +156,6 @@ class RigidTrueDrive:
         cos = 1 / mp.sqrt(1 + self.tan**2)
         return self.Q(u, w) / (self.Gamma(s) * cos * (1 + self.mu * s * self.tan))
 
-    def self_check(self, u, w):
-        """Largest relative gap between (8.16), (8.17) and Newton's laws at (u, w)."""
-        v = w + self.Omega
-        T, P = -self.k * (self.z0 + u) - self.c * v, self.R - self.cx * self.p * v
-        pairs = [(self.Q(u, w), self.I * P - self.m * self.p * T)]
-        pairs += [(self.acceleration(s, u, w), (T - self.r * self.xi(s) * P) / self.Gamma(s)) for s in (-1, 1)]
-        return max(abs(x - y) / (abs(x) + abs(y)) for x, y in pairs)
-
     # --- which mode follows -----------------------------------------------------------------------------------
     def by_band(self, u):
         """Mode at theta_dot = 0 chosen by the band of rest torques; its ends, to within rounding, belong to it."""
