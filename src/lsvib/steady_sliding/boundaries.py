@@ -115,14 +115,14 @@ def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
 
 
 def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
-    """Critical mass, critical friction and least damping of its own of a drive, each as :func:`threshold_of`."""
+    """Return a drive's critical mass, critical friction and least own damping, each as :func:`threshold_of`."""
     own = drive.own_damping
     keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}
     return {name: threshold_of(drive, key) for name, key in keys.items()}
 
 
 def _asymptotic(p: Polynomial) -> tuple[Fraction, ...]:
-    """Numbers that are all positive exactly where steady sliding is asymptotically stable; p_0 always is."""
+    """Return numbers that are all positive exactly where steady sliding is asymptotically stable (p_0 > 0 always)."""
     return (*p[:4], hurwitz(p))
 
 
@@ -146,7 +146,7 @@ def interpolated(values: Sequence[Fraction]) -> Polynomial:
 def _apart(places: Iterable[Fraction], limit: Fraction) -> list[Fraction]:
     """Places below the limit in ascending order, each once even if it is a root of two polynomials.
 
-    The limit itself is none, though the coefficients vanish at μ = cot λ under law −.
+    The limit itself is left out, although the coefficients vanish at μ = cot λ under law −.
     """
     kept: list[Fraction] = []
     for place in sorted(places):

@@ -21,7 +21,7 @@ With u = z - z0, w = du/dt = theta_dot - Omega, R~ = R - p c_x Omega, s0 = sgn(R
     Gamma_s u'' + C_s u' + k u = r (xi_0 - xi_s) R~                                     (8.16)
     Q = p [m k u + (m c - I c_x) w] + Gamma_0 R~                                        (8.17)
 
-(`self_check` compares the two forms of Q and of the acceleration.)  Where R~ Omega = 0, s0 = 0, i.e. xi_0 = -tan.
+Where R~ Omega = 0, s0 = 0, i.e. xi_0 = -tan.
 
 Law of motion
   rest   theta_dot = theta_dd = 0.  The coupling torque T_r = -k (z0 + u) grows at k*Omega; rest holds while T_r is
