@@ -20,7 +20,7 @@ behind it: one computes the dataset, the other draws the picture from it. ``lsvi
 """
 _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
-    "2_beyond": "Beyond the chapter\n------------------\n\nWhat the chapter says without a figure, and what goes further.\n",
+    "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
 }
 _SCRIPT = '''"""
 {title}

@@ -38,14 +38,13 @@ MODULES = {
     "Data": ["lsvib.data.simulation", "lsvib.data.sweep", "lsvib.data.checks", "lsvib.data.writer"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
 }
-_FUNCTIONS = "   .. autofunction:: {}\n"
 
 
 def write_pages(source: Path) -> None:
     """Write ``api.rst``, ``parameters.rst`` and ``modules.rst`` into the sources of the site."""
     (source / "api.rst").write_text(public_names(), encoding="utf-8")
     (source / "parameters.rst").write_text(parameter_tables(), encoding="utf-8")
-    (source / "modules.rst").write_text(modules(source), encoding="utf-8")
+    (source / "modules.rst").write_text(module_pages(source), encoding="utf-8")
 
 
 def public_names() -> str:
@@ -63,13 +62,12 @@ def _entry(name: str) -> str:
     thing = getattr(lsvib, name)
     if not isinstance(thing, type):
         return f".. autofunction:: lsvib.{name}\n"
-    options = ["members", "undoc-members", "show-inheritance"]
+    options = {"members": "", "undoc-members": "", "show-inheritance": ""}
     if name.endswith("Drive"):  # what all drives can, and nothing of pydantic
-        options = ["members", "inherited-members: BaseModel", "exclude-members: model_config, __init__"]
+        options = {"members": "", "inherited-members": "BaseModel", "exclude-members": "model_config, __init__"}
     if issubclass(thing, Exception):
-        options = ["show-inheritance"]
-    return "\n".join([f".. autoclass:: lsvib.{name}", *(f"   :{option}:" if ":" not in option else
-                      f"   :{option.partition(': ')[0]}: {option.partition(': ')[2]}" for option in options), ""])  # fmt: skip
+        options = {"show-inheritance": ""}
+    return "\n".join([f".. autoclass:: lsvib.{name}", *(f"   :{key}: {value}" for key, value in options.items()), ""])
 
 
 def parameter_tables() -> str:
@@ -97,7 +95,7 @@ def parameter_tables() -> str:
     return "\n".join(lines)
 
 
-def modules(source: Path) -> str:
+def module_pages(source: Path) -> str:
     """Return the page that lists the documented modules, and write a page for each."""
     folder = source / "module"
     folder.mkdir()

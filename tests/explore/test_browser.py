@@ -1,25 +1,17 @@
 """The explorer in a real browser: drag, click, presets, keyboard, link and exports, with nothing on its console."""
 
 import re
-import shutil
 import subprocess
 import sys
 from urllib.parse import parse_qsl, urlsplit
 from urllib.request import urlopen
 
 import pytest
+from reference import chromium
 
 pytest.importorskip("bokeh", reason="The explorer needs bokeh, which is not installed.")
 playwright = pytest.importorskip("playwright.sync_api", reason="The browser is driven by playwright, not installed.")
-CHROMIUM = shutil.which("chromium")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="There is no Chromium on this machine."),
-]
-FLAGS = (
-    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-    "--disable-component-update --disable-sync"
-)
+pytestmark = chromium.needed
 VIEW = "mass=11.0&support_damping=0.001&axial_force=-10.0&u=0.1&low=-40&high=-0.5"
 _PATIENCE = 60_000  # ms, on a machine with other work; what is waited for comes within a second
 
@@ -36,24 +28,16 @@ def server():
 
 @pytest.fixture(scope="module")
 def browser():
-    with playwright.sync_playwright() as started:
-        chromium = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS.split())
-        yield chromium
-        chromium.close()
+    with chromium.started() as started:
+        yield started
 
 
 @pytest.fixture
 def page(browser, server):
     """A page with a view; whatever its console says at the end is an error."""
-    opened = browser.new_page(viewport={"width": 1500, "height": 1000})
-    said = []
-    opened.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
-    opened.on("pageerror", lambda error: said.append(str(error)))
-    opened.goto(f"{server}?{VIEW}")
-    words(opened, "sprag slip cycle of amplitude 0.056")
-    yield opened
-    opened.close()
-    assert said == []
+    with chromium.opened(browser, f"{server}?{VIEW}") as opened:
+        words(opened, "sprag slip cycle of amplitude 0.056")
+        yield opened
 
 
 def words(page, text: str) -> None:

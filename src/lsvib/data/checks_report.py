@@ -155,7 +155,9 @@ def _head(columns: Iterable[str]) -> str:
 
 def _row(cells: Iterable[tuple[str, str, str]], attributes: str = "") -> str:
     """A row of cells, each with the name of its column, HTML, and a class."""
-    inner = "".join(f'<td data-name="{name}"{f" class={kind}" if kind else ""}>{text}</td>' for name, text, kind in cells)
+    inner = "".join(
+        f'<td data-name="{name}"{f" class={kind}" if kind else ""}>{text}</td>' for name, text, kind in cells
+    )
     return f"<tr{attributes}>{inner}</tr>"
 
 

@@ -1,0 +1,61 @@
+"""The report of a run in a real browser: first page, pictures with captions, checks that can be filtered, a phone."""
+
+import shutil
+import zipfile
+
+import pytest
+from conftest import Project
+from reference import chromium
+
+pytestmark = [pytest.mark.workflow, *chromium.needed]
+
+
+@pytest.fixture(scope="module")
+def report(finished, tmp_path_factory):
+    """The folder of an unpacked report, of a copy of the finished project."""
+    folder = tmp_path_factory.mktemp("report")
+    shutil.copytree(finished[0].folder, folder / "project")
+    run = Project(folder / "project")("--report", "report.zip")
+    assert run.returncode == 0, run.stdout
+    with zipfile.ZipFile(folder / "project" / "report.zip") as archive:
+        archive.extractall(folder)
+    return folder / "report"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium.started() as started:
+        yield started
+
+
+def test_the_first_page_has_the_printed_thresholds_and_a_guide(report, browser):
+    with chromium.opened(browser, (report / "report.html").as_uri()) as page:
+        page.get_by_text("How to read this report").wait_for()
+        words = page.inner_text("body")
+        assert "| Critical mass, root of" in words
+        assert "10.107 kg" in words
+        assert "All 9 checks passed." in words
+
+
+def test_a_picture_has_its_caption_with_values(report, browser):
+    with chromium.opened(browser, (report / "report.html").as_uri()) as page:
+        page.get_by_text("Chapter 8", exact=True).first.click()
+        page.get_by_text("fig8_08").first.wait_for()
+
+
+@pytest.mark.parametrize("width", [1200, 390])
+def test_the_table_of_checks_can_be_filtered(finished, browser, width):
+    address = (finished[0].folder / "results" / "checks.html").as_uri()
+    with chromium.opened(browser, address, width) as page:
+        said, rows = page.get_by_role("status"), page.locator("#every tbody tr:visible")
+        assert said.inner_text() == "9 of 9 checks are shown."
+        assert page.locator("#printed tbody tr").count() == 1
+        page.get_by_label("Figure").select_option("fig8_08")
+        shown = rows.count()
+        assert 0 < shown < 9
+        assert said.inner_text() == f"{shown} of 9 checks are shown."
+        page.get_by_label("Words").fill("CRITICAL mass")
+        assert 0 < rows.count() < shown
+        page.get_by_label("only those that failed").check()
+        assert rows.count() == 0
+        assert chromium.wider_than_the_screen(page) <= 0
