@@ -40,7 +40,8 @@ _ENTRY = re.compile(r"^   (?:.*<)?([\w/]+)>?$", re.MULTILINE)  # of a table of c
 def build(out: Path, *, pictures: bool = True) -> Path:
     """Build the site below ``out`` and return the folder of its pages; ends the program if Sphinx warns."""
     source, pages = out / "source", out / "html"
-    shutil.rmtree(source, ignore_errors=True)
+    for old in (source, pages, out / "doctrees"):
+        shutil.rmtree(old, ignore_errors=True)
     assemble(source)
     options = ["-q", "-W", "--keep-going", "-b", "html", "-d", str(out / "doctrees")]
     if not pictures:

@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import lsvib
 
@@ -50,3 +51,16 @@ html_theme_options = {
     "footer_end": [],
     "navigation_with_keys": False,
 }
+
+
+def no_substitutions(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Let the bars of |N| in a docstring be bars: outside of literals they would ask for a substitution."""
+    for k, line in enumerate(lines):
+        parts = line.split("``")
+        parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+        lines[k] = "``".join(parts)
+
+
+def setup(app: Any) -> None:
+    """Tell Sphinx what to do with docstrings."""
+    app.connect("autodoc-process-docstring", no_substitutions)

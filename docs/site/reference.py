@@ -1,6 +1,7 @@
 """The reference: every public name, every parameter and the documented modules, written from the package itself."""
 
 import math
+from importlib import import_module
 from pathlib import Path
 
 import lsvib
@@ -105,7 +106,10 @@ def module_pages(source: Path) -> str:
         lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
         lines.append("")
         for name in names:
+            module = import_module(name)
+            others = [key for key in getattr(module, "__all__", ()) if getattr(module, key).__module__ != name]
             text = f"{_heading(name, '=')}\n.. automodule:: {name}\n   :members:\n"
+            text += f"   :exclude-members: {', '.join(others)}\n" if others else ""
             (folder / f"{name.removeprefix('lsvib.')}.rst").write_text(text, encoding="utf-8")
     return "\n".join(lines)
 
