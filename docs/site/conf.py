@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import lsvib
+from lsvib.drives.parameters import RigidParameters
 
 sys.path.insert(0, str(Path(lsvib.__file__).parents[2] / "docs" / "site"))  # the scraper of the gallery
 
@@ -43,6 +44,7 @@ html_show_sourcelink = False
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_context = {"default_mode": "auto"}
 html_sidebars = {"changelog": [], "tutorial": []}
 html_theme_options = {
     "header_links_before_dropdown": 6,
@@ -61,6 +63,17 @@ def no_substitutions(app: Any, what: str, name: str, thing: Any, options: Any, l
         lines[k] = "``".join(parts)
 
 
+def short_signature(
+    app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Write the parameters of a drive as a person does: they are numbers; their ranges stand in a table."""
+    if what == "class" and issubclass(thing, RigidParameters):
+        fields = [f"{key}: float = {field.default:.6g}" for key, field in thing.model_fields.items()]
+        return f"(*, {', '.join(fields)})", None
+    return signature, returned
+
+
 def setup(app: Any) -> None:
-    """Tell Sphinx what to do with docstrings."""
+    """Tell Sphinx what to do with docstrings and signatures."""
     app.connect("autodoc-process-docstring", no_substitutions)
+    app.connect("autodoc-process-signature", short_signature)
