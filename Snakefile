@@ -49,6 +49,7 @@ rule all:
         "results/checks.json",
         "results/checks.md",
         "results/checks.html",
+        "results/printed.rst",
         "results/verdict.txt",
     message:
         "All figures are drawn and all checks passed"

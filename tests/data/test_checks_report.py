@@ -1,10 +1,13 @@
 """The checks of a run for people: the text by figure, and the page whose table can be filtered."""
 
+import io
 import re
 from html.parser import HTMLParser
 
+import docutils.core
+
 from lsvib.data.checks import Check
-from lsvib.data.checks_report import checks_page, checks_text, printed
+from lsvib.data.checks_report import checks_page, checks_text, printed, printed_table
 from lsvib.drives.chapter import PRINTED, THRESHOLDS
 
 MASS = THRESHOLDS["critical_mass"]
@@ -70,6 +73,16 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
 def test_without_a_printed_number_there_is_no_table_of_them():
     assert "Printed" not in checks_text(CHECKS[:2])
     assert "Printed" not in checks_page(CHECKS[:2])
+
+
+def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
+    claim = Check.within("|a_b_|*", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")
+    for checks in ([*CHECKS, ("fig8_08", claim)], CHECKS[:1]):
+        complaints = io.StringIO()
+        settings = {"warning_stream": complaints, "report_level": 1}
+        shown = docutils.core.publish_doctree(printed_table(checks), settings_overrides=settings).astext()
+        assert complaints.getvalue() == ""
+        assert ("|a_b_|*" in shown) == (len(checks) > 1)
 
 
 def test_the_page_has_every_check_with_what_the_filter_asks_for():

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from reference import chromium
 
 import lsvib
 from lsvib.figures.folders import default_figures
@@ -89,3 +90,27 @@ def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
     shown = on_site("[a](../README.md) [b](figures/one_drive.png#x)", "docs/x.md", tmp_path, {"README.md": "index.rst"})
     assert shown == "[a](index.rst) [b](files/docs/figures/one_drive.png)"
     assert (tmp_path / "files" / "docs" / "figures" / "one_drive.png").is_file()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium.started() as started:
+        yield started
+
+
+@needs_sphinx
+@chromium.needs_chromium
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1300, 390])
+def test_the_site_opens_from_disk_and_needs_nothing_from_elsewhere(site, browser, width):
+    """The front page, a page of theory by its link, an anchor on another page, and the search."""
+    with chromium.opened(browser, (site / "index.html").as_uri(), width) as page:
+        page.get_by_role("link", name="trust", exact=True).click()
+        page.get_by_role("heading", name="Why the numbers can be trusted").wait_for()
+        assert chromium.wider_than_the_screen(page) <= 0
+        page.goto((site / "command.html").as_uri())
+        page.locator("a[href='lemmas.html#boundaries-of-stability-of-a-damped-drive']").first.click()
+        page.get_by_role("heading", name="Boundaries of stability of a damped drive").wait_for()
+        assert chromium.wider_than_the_screen(page) <= 0
+        page.goto((site / "search.html").as_uri() + "?q=Painlev%C3%A9")
+        page.locator("#search-results li a").first.wait_for()

@@ -221,6 +221,7 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
         ("checks.json",),
         ("checks.md",),
         ("checks.html", "figures/fig8_03.rst"),
+        ("printed.rst",),
         ("verdict.txt",),
     ],
     ids=lambda names: names[0],

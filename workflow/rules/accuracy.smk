@@ -19,6 +19,7 @@ use rule checks as accuracy_checks with:
     output:
         json="results/accuracy/checks.json",
         text="results/accuracy/checks.md",
+        printed="results/accuracy/printed.rst",
         page="results/accuracy/checks.html",
     log:
         "logs/accuracy_checks.log",

@@ -9,6 +9,7 @@ rule checks:
     output:
         json="results/checks.json",
         text="results/checks.md",
+        printed="results/printed.rst",
         page=report(
             "results/checks.html",
             caption="../report/checks.rst",

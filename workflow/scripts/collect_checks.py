@@ -3,7 +3,7 @@
 import sys
 
 from lsvib.data.checks import read_checks
-from lsvib.data.checks_report import checks_page, checks_text
+from lsvib.data.checks_report import checks_page, checks_text, printed_table
 from lsvib.errors import LsvibError
 from lsvib.files import write_json, write_text
 
@@ -14,5 +14,6 @@ try:
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], snakemake.output.json)
     write_text(checks_text(checks), snakemake.output.text)
     write_text(checks_page(checks), snakemake.output.page)
+    write_text(printed_table(checks), snakemake.output.printed)
 except LsvibError as error:
     sys.exit(f"checks: {error}")

@@ -1,5 +1,6 @@
 """The checks of a run for people: a text by figure, and one page with a table that can be filtered."""
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -17,9 +18,9 @@ body { margin: 0 auto; padding: 1rem; max-width: 76rem; color: var(--ink); backg
 h1 { font-size: 1.5rem; margin: .5rem 0; } h2 { font-size: 1.2rem; margin: 2rem 0 .5rem; }
 table { border-collapse: collapse; width: 100%; margin: .75rem 0; font-size: .93rem; }
 th, td { text-align: left; vertical-align: top; padding: .4rem .8rem .4rem 0; border-bottom: 1px solid var(--line);
-  overflow-wrap: anywhere; }
-th { color: var(--soft); } td small { color: var(--soft); display: block; }
-td.number { white-space: nowrap; }
+  white-space: nowrap; }
+th { color: var(--soft); } td small { color: var(--soft); display: block; font-weight: 400; }
+td.words { white-space: normal; overflow-wrap: anywhere; }
 .fail { color: #a33b00; font-weight: 700; } .verdict { padding: .7rem 1rem; background: var(--tint); }
 form { display: flex; flex-wrap: wrap; gap: .5rem 1.5rem; align-items: end; }
 label { display: grid; color: var(--soft); font-size: .9rem; }
@@ -28,7 +29,7 @@ input[type=search], select { font: inherit; padding: .3rem .5rem; min-width: 12r
 @media (max-width: 640px) {
   thead { display: none; } tr { display: block; border-bottom: 1px solid var(--line); padding: .5rem 0; }
   tr[hidden] { display: none; }
-  td { display: block; border: 0; padding: .1rem 0; }
+  td { display: block; white-space: normal; overflow-wrap: anywhere; border: 0; padding: .1rem 0; }
   td[data-name]::before { content: attr(data-name) ": "; color: var(--soft); }
   td:first-child { font-weight: 600; } td:first-child::before { content: ""; }
 }
@@ -80,6 +81,24 @@ def checks_text(checks: Pairs) -> str:
     return "\n".join(lines)
 
 
+def printed_table(checks: Pairs) -> str:
+    """Return the printed numbers among checks, pairs (figure, check), as a table in reStructuredText, for a report."""
+    found = printed(checks)
+    if not found:
+        return "None of the figures of this run has a number that the chapter prints.\n"
+    rows = [["number", "printed", "computed", "error", "figure"]]
+    rows += [[check.claim, *_numbers(check)[:3], figure] for figure, check in found]
+    lines = [".. list-table::", "   :header-rows: 1", ""]
+    for row in rows:
+        lines += [f"   {'*' if k == 0 else ' '} - {restructured(_flat(cell))}" for k, cell in enumerate(row)]
+    return "\n".join([*lines, ""])
+
+
+def restructured(text: str) -> str:
+    """Return a text whose characters mean nothing in reStructuredText but themselves."""
+    return re.sub(r"([*`|_\\])", r"\\\1", text)
+
+
 def checks_page(checks: Pairs) -> str:
     """Return checks, pairs (figure, check), as an HTML page that needs no other file: numbers first, then every check.
 
@@ -91,15 +110,16 @@ def checks_page(checks: Pairs) -> str:
         columns = ["number", "printed", "computed", "error", "allowed", "verdict", "figure"]
         parts.append(f"<h2>{_HEADING}</h2><table id='printed'>{_head(columns)}<tbody>")
         for figure, check in found:
-            numbers = [(name, text, "number") for name, text in zip(columns[1:5], _numbers(check), strict=True)]
-            parts.append(_row([("number", _claim(check), ""), *numbers, _mark(check), ("figure", figure, "")]))
+            numbers = [(name, text, "") for name, text in zip(columns[1:5], _numbers(check), strict=True)]
+            parts.append(_row([("number", _claim(check), "words"), *numbers, _mark(check), ("figure", figure, "")]))
         parts.append("</tbody></table>")
     parts.append(f"<h2>Every check</h2>{_form(dict.fromkeys(figure for figure, _ in checks))}<table id='every'>")
     parts.append(f"{_head(['claim', 'expected', 'found', 'error', 'allowed', 'verdict', 'figure'])}<tbody>")
     for figure, check in checks:
         expected, computed, error, allowed = _numbers(check)
-        cells = [("claim", _claim(check), ""), ("expected", escape(expected), ""), ("found", escape(computed), "")]
-        cells += [("error", error, "number"), ("allowed", allowed, "number"), _mark(check), ("figure", figure, "")]
+        cells = [("claim", _claim(check), "words"), ("expected", escape(expected), "")]
+        cells += [("found", escape(computed), "words"), ("error", error, ""), ("allowed", allowed, "")]
+        cells += [_mark(check), ("figure", figure, "")]
         parts.append(_row(cells, f' data-figure="{figure}" data-passed="{"yes" if check.passed else "no"}"'))
     parts.append("</tbody></table>")
     return (
