@@ -7,6 +7,7 @@ asked: making a drive, or asking for its stability, loads no engine.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from types import new_class
 from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib import numbers
@@ -395,9 +396,12 @@ DRIVES: dict[str, type[_Drive]] = {kind.model: kind for kind in (RigidDrive, Thr
 
 def drive_class(model: str) -> type[_Drive]:
     """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
-    if not isinstance(model, str) or model not in DRIVES:
-        raise InputError(f"model = {numbers.shown(model)} is not one of {', '.join(DRIVES)}.")
-    return DRIVES[model]
+    if isinstance(model, str) and model in DRIVES:
+        return DRIVES[model]
+    from lsvib.drives.registry import find_model
+
+    own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
+    return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, AsJson, Changes, pairs
+from lsvib.command.options import MODEL, MODEL_IF_GIVEN, AsJson, Changes, pairs
 from lsvib.command.printing import (
     print_json,
     print_parameters,
@@ -20,7 +20,7 @@ from lsvib.errors import InputError
 @app.command
 def config(
     *,
-    model: Annotated[str | None, Parameter(help="rigid (the default), threads, support or nut.")] = None,
+    model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     changes: Changes = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     as_json: AsJson = False,

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flags, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
@@ -53,51 +53,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     base = RigidParameters.of(settings["drive"])
     drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
     functions = _functions()
-    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
     solved = {name: solve_threshold(_with_screw(name, drive), *_SOLVED[name]) for name, drive in drives.items()}
     changes = np.array([list(propagated(solved[name]).values()) for name in _PRINTED_HALF_UNITS])
-    parts = ("threshold", "parameter")
     screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return xr.Dataset(
-        {
-            "print_residual": (
-                "threshold",
-                in_print / computed - 1,
-                attributes("1", "printed less computed, relative"),
-            ),
-            "print_half_unit": (
-                "threshold",
-                np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
-                attributes("1", "half a unit of the last printed digit of the threshold, relative"),
-            ),
-            "relative_change": (
-                parts,
-                changes / computed[:, None],
-                attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
-            ),
-            "half_unit": (
-                "parameter",
-                np.array(list(HALF_UNITS.values())),
-                attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
-            ),
-            "printed_value": (
-                "parameter",
-                [np.degrees(base.lead_angle) if n == "lead_angle_deg" else getattr(base, n) for n in HALF_UNITS],
-                attributes("1", "value of the parameter, SI units, angle in degrees"),
-            ),
-            "one_digit": (
-                "parameter",
-                np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
-                attributes(
-                    "1",
-                    "printed without a digit but the leading one",
-                    flag_values=np.array([0, 1], dtype=np.int8),
-                    flag_meanings="no yes",
-                ),
-            ),
-        }
-        | _matching(drives["stick_force"], functions),
+        _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
             "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
@@ -117,6 +78,49 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         },
     )
+
+
+def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
+    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
+    return {
+        "print_residual": (
+            "threshold",
+            in_print / computed - 1,
+            attributes("1", "printed less computed, relative"),
+        ),
+        "print_half_unit": (
+            "threshold",
+            np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
+            attributes("1", "half a unit of the last printed digit of the threshold, relative"),
+        ),
+        "relative_change": (
+            ("threshold", "parameter"),
+            changes / computed[:, None],
+            attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
+        ),
+    }
+
+
+def _table(drive: RigidParameters) -> Variables:
+    """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
+    return {
+        "half_unit": (
+            "parameter",
+            np.array(list(HALF_UNITS.values())),
+            attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
+        ),
+        "printed_value": (
+            "parameter",
+            [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS],
+            attributes("1", "value of the parameter, SI units, angle in degrees"),
+        ),
+        "one_digit": (
+            "parameter",
+            np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
+            yes_no("printed without a digit but the leading one"),
+        ),
+    }
 
 
 def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidParameters], float]]) -> Variables:
