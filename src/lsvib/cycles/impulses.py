@@ -57,9 +57,7 @@ def seizure_impulses(drive: RigidParameters, speed) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
     return Impulses(
-        normal=normal_impulse(
-            speed, math.sin(drive.lead_angle), drive.mass, drive.pitch_radius, drive.screw_inertia
-        ),
+        normal=normal_impulse(speed, math.sin(drive.lead_angle), drive.mass, drive.pitch_radius, drive.screw_inertia),
         axial=speed * drive.mass * drive.pitch_radius * math.tan(drive.lead_angle),
         torque=speed * drive.screw_inertia,
     )

@@ -35,7 +35,7 @@ def coefficients(drive: RigidParameters) -> Coefficients:
 
 
 def coefficients_of(d: Any) -> Coefficients:
-    """Return the coefficients from exact parameters, of one drive or of many (:class:`lsvib.drives.many.ManyDrives`)."""
+    """Return the coefficients from exact parameters, of one drive or of many (:mod:`lsvib.drives.many`)."""
     with localcontext(prec=PLACES):
         r, tan = d.pitch_radius, d.tan_lead
         xi = {s: friction.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}

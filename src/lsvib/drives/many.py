@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lsvib.drives.coefficients import Coefficients, coefficients_of
-from lsvib.drives.parameters import sine_and_cosine
+from lsvib.drives.parameters import RigidParameters, sine_and_cosine
 from lsvib.drives.rigid import Resume, automaton_of
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.pair_arrays import Pairs, double, in_groups
@@ -49,18 +49,26 @@ class Group:
 class ManyDrives:
     """Rigid drives that are given by arrays of their parameters.
 
-    ``values``: one value [SI unit] or an array (k) of each parameter of :class:`lsvib.drives.parameters.RigidParameters`, within its range.
+    ``values``: one value [SI unit] or an array (k) of each parameter of
+    :class:`lsvib.drives.parameters.RigidParameters`, within its range.
     """
 
     def __init__(self, values: Mapping[str, np.ndarray | float]) -> None:
+        # -0.0 and 0.0 are one drive, hence + 0.0 below
         self.size = max(np.size(value) for value in values.values())
-        self.values = {name: np.broadcast_to(np.asarray(x, dtype=float), (self.size,)) for name, x in values.items()}
+        self.values = {
+            name: np.broadcast_to(np.asarray(x, dtype=float) + 0.0, (self.size,)) for name, x in values.items()
+        }
         # The sine of an angle takes three hundred operations, but few drives of a sweep differ in it.
         angles, self._angle = np.unique(self.values["lead_angle"], return_inverse=True)
         with np.errstate(all="ignore"):  # far terms of the series underflow
             self._sine, self._cosine = sine_and_cosine(Pairs.exactly(angles, np.zeros(angles.size, dtype=bool)))
 
         self._sines = np.array([math.sin(angle) for angle in angles])  # numpy's may differ in the last bit
+
+    def one(self, entry: int) -> RigidParameters:
+        """Return one of the drives."""
+        return RigidParameters(**{name: float(column[entry]) for name, column in self.values.items()})
 
     def sines(self, entries: np.ndarray) -> np.ndarray:
         """Return sin λ (j) of some drives as doubles, as formulas in doubles have it."""

@@ -222,7 +222,9 @@ def _planar_flow(rows: Sequence[np.ndarray]) -> np.ndarray:
 
 def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:
     table = doubles([x for row in rows for x in row], shape or (len(rows), n + 1))
-    if table.ndim == len(shape or (0, 0)) and not np.isfinite(table).all():  # what is unsafe among many is refused later
+    if (
+        table.ndim == len(shape or (0, 0)) and not np.isfinite(table).all()
+    ):  # what is unsafe among many is refused later
         raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
     return table
 

@@ -213,10 +213,10 @@ def _inward(tables, section, room, search, place, width):
     right, second = _excess(tables, section, room, search, place + width)
     if not (left > 0.0 > right and first == second):
         return False
+    same = True
     for k in range(first):
-        if room.other_kinds[k] != room.kinds[k] or room.other_modes[k] != room.modes[k]:
-            return False
-    return True
+        same = same and room.other_kinds[k] == room.kinds[k] and room.other_modes[k] == room.modes[k]
+    return same
 
 
 @allocating_kernel
@@ -368,17 +368,16 @@ def _stays(tables, facts, mode, room):
 
 
 @allocating_kernel
-def ending(tables, facts, search, room, u, w, mode, force, speed, numbers):
-    """Follow the motion from a state, in ``mode`` if that is not negative: (outcome, bits of what happens on a cycle).
+def ending(tables, facts, search, room, u, w, force, speed, numbers):
+    """Follow the motion from a state: (outcome, bits of what happens on a cycle).
 
     ``numbers`` (NUMBERS) are replaced.
     """
     _put(room, u, w)
-    if mode < 0:
-        branch = event_loop.choose_branch(tables, 0, room.state, room.scale)
-        if branch < 0:
-            return OPEN, 0
-        mode = tables.branch_mode[branch]
+    branch = event_loop.choose_branch(tables, 0, room.state, room.scale)
+    if branch < 0:
+        return OPEN, 0
+    mode = tables.branch_mode[branch]
     used, chunk = 0, search.chunk
     while True:
         status, mode, count = _run(tables, mode, room, math.inf, -1, -1, chunk)
@@ -403,12 +402,12 @@ def ending(tables, facts, search, room, u, w, mode, force, speed, numbers):
 
 
 @allocating_kernel
-def endings(many, members, facts, search, starts, mode, force, speed, outcomes, bits, numbers):
+def endings(many, members, facts, search, starts, force, speed, outcomes, bits, numbers):
     """Follow the motions of many drives, each from its own start.
 
     Arguments: tables whose doubles have a first axis (k) for drives; the drives that are wanted (j); ``starts`` (k, 2);
-    mode that all start in, or −1; ``force`` (k, modes, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers``
-    (k, NUMBERS) are filled for the drives that are wanted.
+    ``force`` (k, modes, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers`` (k, NUMBERS) are filled for the
+    drives that are wanted.
     """
     room = _new_room(max(search.longest, 2 * search.patience))
     for k in members:
@@ -435,5 +434,5 @@ def endings(many, members, facts, search, starts, mode, force, speed, outcomes, 
         )
         numbers[k, :] = math.nan
         outcomes[k], bits[k] = ending(
-            tables, facts, search, room, starts[k, 0], starts[k, 1], mode, force[k], speed[k], numbers[k]
+            tables, facts, search, room, starts[k, 0], starts[k, 1], force[k], speed[k], numbers[k]
         )

@@ -23,7 +23,9 @@ import numpy as np
 T = TypeVar("T")
 
 _SPLIT = 134217729.0  # 2^27 + 1 cuts a double into two halves of 26 digits
-_RELATIVE = 2.0**-100  # error of one operation; proved are at most 15 · 2^-106, and the rest pays for rounding the bound
+_RELATIVE = (
+    2.0**-100
+)  # error of one operation; proved are at most 15 · 2^-106, and the rest pays for rounding the bound
 _UP = 1.0 + 2.0**-40  # factor that pays for rounding of bounds that are sums
 _UNDERFLOW = 1e-290  # error of a product of which parts may have underflown; they are below 1e-320
 _REST = 2.0**-104  # of a leading part, more than the rounding of "rest ± bound"
@@ -182,7 +184,7 @@ def double(number: Any) -> Any:
 
 
 def doubles(numbers: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
-    """Return numbers, in a flat list, as a table of doubles; of pairs one table for each entry, along the first axis."""
+    """Return numbers, in a flat list, as a table of doubles; of pairs one for each entry, along the first axis."""
     rounded = [double(number) for number in numbers]
     sizes = {x.size for x in rounded if isinstance(x, np.ndarray)}
     if not sizes:
