@@ -62,7 +62,7 @@ def sweep(
     if set(start) != {"u", "w"}:
         raise InputError(f"initial has the keys {', '.join(start) or 'none'}; it needs u and w.")
     state = tuple(numbers.start(f"initial {key}", start[key]) for key in ("u", "w"))
-    threads, drives, sizes = _number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
+    threads, drives, sizes = number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
     starts = np.broadcast_to(np.array(state), (drives.size, 2))
     found = all_endings(drives, starts, resume, threads, progress)
     return xr.Dataset(
@@ -140,7 +140,7 @@ def _values(name: str, given: Any) -> list[float]:
         raise InputError(f"over: {name} holds a value that {error}.") from None
 
 
-def _number_of(given: Any) -> int:
+def number_of(given: Any) -> int:
     most = 4096  # more than any machine has cores
     try:
         count = numbers.whole(given)
