@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lsvib.errors import InputError
+
 if TYPE_CHECKING:
     from lsvib.data.checks import Check
 
