@@ -101,7 +101,8 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
         table = np.asarray(table)
         if table.ndim > dimensions:
             return table
-        return np.ascontiguousarray(np.broadcast_to(table, (size, *table.shape)))
+        # a copy, so that kernels see the same type of array for every group
+        return np.array(np.broadcast_to(table, (size, *table.shape)), order="C")
 
     tables = automaton.tables
     dimensions = {"flow": 2, "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
