@@ -66,6 +66,10 @@ class ManyDrives:
 
         self._sines = np.array([math.sin(angle) for angle in angles])  # numpy's may differ in the last bit
 
+    def some(self, entries: np.ndarray) -> "ManyDrives":
+        """Return some of the drives, by their indices (j)."""
+        return ManyDrives({name: column[entries] for name, column in self.values.items()})
+
     def one(self, entry: int) -> RigidParameters:
         """Return one of the drives."""
         return RigidParameters(**{name: float(column[entry]) for name, column in self.values.items()})
