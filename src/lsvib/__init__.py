@@ -22,6 +22,8 @@ _HOMES = {
     "Condition": "lsvib.results",
     "Quantity": "lsvib.results",
     "Threshold": "lsvib.results",
+    "SolvedThreshold": "lsvib.results",
+    "ThresholdSolution": "lsvib.results",
     "Attractor": "lsvib.cycles.attractors",
     "SteadyState": "lsvib.cycles.attractors",
     "Basin": "lsvib.basins.exact_basin",

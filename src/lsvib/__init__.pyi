@@ -19,8 +19,10 @@ from lsvib.errors import LsvibError as LsvibError
 from lsvib.errors import NoThreshold as NoThreshold
 from lsvib.results import Condition as Condition
 from lsvib.results import Quantity as Quantity
+from lsvib.results import SolvedThreshold as SolvedThreshold
 from lsvib.results import StabilityReport as StabilityReport
 from lsvib.results import Threshold as Threshold
+from lsvib.results import ThresholdSolution as ThresholdSolution
 from lsvib.results import UndampedStability as UndampedStability
 from lsvib.steady_sliding.stability_table import stability_table as stability
 from lsvib.steady_sliding.summary import threshold_table as thresholds
@@ -40,11 +42,13 @@ __all__ = [
     "Quantity",
     "RigidDrive",
     "Scene",
+    "SolvedThreshold",
     "StabilityReport",
     "SteadyState",
     "SupportDrive",
     "ThreadsDrive",
     "Threshold",
+    "ThresholdSolution",
     "UndampedStability",
     "Window",
     "__version__",

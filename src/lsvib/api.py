@@ -7,6 +7,7 @@ asked: making a drive, or asking for its stability, loads no engine.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from types import new_class
 from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib import numbers
@@ -14,7 +15,7 @@ from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
-from lsvib.results import StabilityReport, Threshold
+from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -79,6 +80,27 @@ class _Drive(RigidParameters):
         from lsvib.steady_sliding.summary import threshold_table
 
         return Threshold.by_name(threshold_table(self, self.model))
+
+    def threshold(self, name: str, unknown: str | None = None) -> SolvedThreshold:
+        """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
+
+        ``name``: onset, kinematic (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
+        global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
+        ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
+        one of these; the drive's own value of it counts only as the middle of a search. Raises ``InputError`` for
+        another name, ``NoThreshold`` where there is no solution in the allowed range.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
+        >>> drive.threshold("kinematic", unknown="mass").value
+        10.106965213139869
+        >>> force = drive.threshold("global_stability")
+        >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
+        '-18.3754629689 N, and -1.63148 N/kg'
+        """
+        from lsvib.steady_sliding.solved_threshold import solve_threshold
+
+        return solve_threshold(self, name, unknown)
 
     def automaton(self, *, physics: Sequence[str] | None = None, resume: str = "contact_sign") -> "Automaton":
         """Return the tables that the engine runs; made once, and shared: do not change them.
@@ -319,9 +341,12 @@ DRIVES: dict[str, type[_Drive]] = {kind.model: kind for kind in (RigidDrive, Thr
 
 def drive_class(model: str) -> type[_Drive]:
     """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
-    if not isinstance(model, str) or model not in DRIVES:
-        raise InputError(f"model = {numbers.shown(model)} is not one of {', '.join(DRIVES)}.")
-    return DRIVES[model]
+    if isinstance(model, str) and model in DRIVES:
+        return DRIVES[model]
+    from lsvib.drives.registry import find_model
+
+    own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
+    return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import grimp
 from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.drives.registry import MODELS
+from lsvib.drives.model_files import model_module, model_names
 from lsvib.drives.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (
@@ -97,7 +97,7 @@ def sources(kind):
 
 def map_modules():
     """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")])
+    return imports("lsvib.data.tiles") | imports(model_module(MAP.get("model", "rigid")))
 
 
 def map_sources():
@@ -108,7 +108,7 @@ def map_sources():
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
-    "modal": tuple(module for model, module in MODELS.items() if model != "rigid"),
+    "modal": tuple(model_module(model) for model in model_names() if model != "rigid"),
     "mapper": ("lsvib.basins.planar_mapper",),
 }
 

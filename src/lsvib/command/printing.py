@@ -9,6 +9,7 @@ from lsvib.errors import InputError
 
 if TYPE_CHECKING:
     from lsvib.data.checks import Check
+    from lsvib.results import SolvedThreshold
 
 
 def print_json(value: Mapping[str, Any]) -> None:
@@ -30,6 +31,20 @@ def print_thresholds(table: Mapping[str, Any]) -> None:
             verdict = "pass" if entry["passed"] else "FAIL"
             line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
         print(line)
+
+
+def print_solved_threshold(found: "SolvedThreshold") -> None:
+    """Print all solutions of a threshold, with the derivatives that are not zero."""
+    print(
+        f"{found.name}: {len(found.solutions)} solution{'s' if found.several else ''} for {found.unknown}. {found.how}"
+    )
+    for solution in found.solutions:
+        print(f"{found.unknown} = {solution.value!r} {found.unit}, in error by at most {solution.error_bound:.1g}")
+        print(f"  equation: {solution.equation}")
+        print(f"  residual {solution.residual:.1g} of its terms")
+        for name, slope in solution.derivatives.items():
+            if slope.value:
+                print(f"  d/d {name} = {slope.value:.12g} {slope.unit}")
 
 
 def print_stability(table: Mapping[str, Any]) -> None:

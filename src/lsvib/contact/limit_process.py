@@ -33,8 +33,7 @@ from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
-from lsvib.drives.threads import ThreadsEvent, seated_state
-from lsvib.engine.automaton import Automaton
+from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
@@ -182,13 +181,13 @@ def branches(drive: RigidParameters, speed: float, duration: float, start: Seque
     yield LimitBranch.of(drive, None, start, cycles)
 
 
-def deviations(branch: LimitBranch, drive: ThreadsParameters, automaton: Automaton) -> dict[str, Any]:
+def deviations(branch: LimitBranch, drive: ThreadsParameters) -> dict[str, Any]:
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
-    ``distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule; ``impulse_error`` [1]
-    and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
+    ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
+    ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
     """
-    seated = seated_state(drive, *branch.start)
+    automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
         motion = steady_state(automaton, seated, max_events=_EVENTS).orbit
     else:
@@ -198,7 +197,7 @@ def deviations(branch: LimitBranch, drive: ThreadsParameters, automaton: Automat
     orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _corners(branch.impact)), rest_duration(motion)
     distance = [orbit.distance(rigid) for rigid in (branch.orbits if branch.differ else branch.orbits[:1])]
     values = {
-        "distance": distance if branch.differ else 2 * distance,
+        "motion_distance": distance if branch.differ else 2 * distance,
         "rest_error": [rest - rest_duration(rigid) for rigid in branch.rigid],
         "rests": rest_count(motion),
     }

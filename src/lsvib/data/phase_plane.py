@@ -35,11 +35,6 @@ def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
     return attributes("1", long_name, **flags(kinds))
 
 
-def span(settings: Mapping[str, Any]) -> np.ndarray:
-    """Return evenly spaced values from ``start`` to ``stop``, both included, ``count`` of them."""
-    return np.linspace(settings["start"], settings["stop"], settings["count"])
-
-
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
     return {

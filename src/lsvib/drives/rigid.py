@@ -31,6 +31,7 @@ import numpy as np
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.once import once
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.powers import Powers
 from lsvib.drives.registry import Model
 from lsvib.engine.automaton import (
     Automaton,
@@ -49,6 +50,8 @@ from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
+
+STATES = ("angle_deviation", "velocity_deviation")
 
 
 class EventKind(IntEnum):
@@ -125,7 +128,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             surfaces["band_end"] = Surface(stand.band_end, 0)
         modes, transitions = _painleve(flows, stand, rest, resume) if c.paradox else _regular(flows, stand, rest)
         return assemble(
-            states=("angle_deviation", "velocity_deviation"),
+            states=STATES,
             surfaces=surfaces,
             modes=modes,
             transitions=transitions,
@@ -329,8 +332,12 @@ MODEL = Model(
     events=EventKind,
     required=("u", "w"),
     optional=(),
+    states=STATES,
     terms=("support_damping", "translation_damping", "axial_force"),
     options=("rest",),
     outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
     equations="eqs 8.13-8.17",
+    characteristic=lambda p, parts: parts.rigid(),
+    powers=Powers,
+    section="5.3",
 )
