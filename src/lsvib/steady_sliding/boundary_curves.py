@@ -5,7 +5,10 @@ Rigid drive (:mod:`lsvib.steady_sliding.thresholds` proves what each one divides
 * ``kinematic``: Γ₊ = 0, the Painlevé region begins;
 * ``onset``: R̃ = 0, where Γ₊ ≤ 0 or C₊ < 0, so that steady sliding is unstable on the side R̃ Ω > 0;
 * ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
-* ``stick``, ``detach``, ``global_stability``: R is the force of that name.
+* ``stick``, ``detach``, ``global_stability``: R is the force of that name;
+* ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
+  end of rest comes to rest again. All rest ends in one state, so there is a stick–slip cycle if it does, and none if
+  not.
 
 Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
 """
@@ -22,6 +25,10 @@ import numpy as np
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import follow
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
@@ -32,6 +39,7 @@ LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
 _NODES = 96  # along each side of the plane; a curve is missed only between two nodes
 _COSTLY_NODES = 32  # for a threshold of both parameters, some milliseconds at each node
+_TURNS = 4000  # most events of slip that neither rests nor settles: it is on a cycle, to rounding
 _KEPT = 4096  # thresholds that are kept while a curve is traced; without R they are the same along it
 
 
@@ -44,7 +52,8 @@ class Boundary(IntEnum):
     GLOBAL_STABILITY = 3
     KINEMATIC = 4
     NEGATIVE_DAMPING = 5
-    FLUTTER = 6
+    STICK_SLIP_BIRTH = 6
+    FLUTTER = 7
 
 
 _FORCES: dict[Boundary, Callable[[RigidParameters], float]] = {
@@ -64,15 +73,16 @@ def boundary_curves(drive: RigidParameters, x: Plane, y: Plane) -> dict[Boundary
     kinds = (Boundary.FLUTTER,) if isinstance(drive, ThreadsParameters) else tuple(Boundary)[: Boundary.FLUTTER]
     names, found = (x[0], y[0]), {}
     for kind in kinds:
-        costly = kind is Boundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
+        costly = kind in _FOLLOWED or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, _COSTLY_NODES if costly else _NODES, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
         if kind in _SIGNS:
             values = _SIGNS[kind](_many(drive, names, nodes))
-        elif "axial_force" in names:
+        elif kind in _FORCES and "axial_force" in names:
             values = _over_force(function, names, nodes)
         else:
-            values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
+            where = _stable_but_not_damped(_many(drive, names, nodes)) if kind is Boundary.STICK_SLIP_BIRTH else None
+            values = _one_by_one(function, nodes, where)
         lines = contour(function, *nodes, values)
         if lines:
             found[kind] = lines
@@ -89,6 +99,19 @@ def _over_force(function: Callable[[float, float], float], names: tuple[str, str
     if names[0] == "axial_force":
         return nodes[0] - np.array([nodes[0][0] - function(nodes[0][0], b) for b in nodes[1]])[:, None]
     return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
+
+
+def _one_by_one(function: Callable[[float, float], float], nodes: list, where: np.ndarray | None) -> np.ndarray:
+    """Values at the nodes, at some of them if ``where`` is given."""
+    values = np.full((len(nodes[1]), len(nodes[0])), np.nan)
+    for j, i in np.argwhere(np.ones(values.shape, dtype=bool) if where is None else where):
+        values[j, i] = function(nodes[0][i], nodes[1][j])
+    return values
+
+
+def _stable_but_not_damped(v: SimpleNamespace) -> np.ndarray:
+    """Where Γ₊ > 0 > C₊ and R̃ Ω < 0, in doubles."""
+    return np.broadcast_to((v.inertia > 0) & (v.damping < 0) & (v.drag < 0), v.shape)
 
 
 def _many(drive: RigidParameters, names: tuple[str, str], nodes: list) -> SimpleNamespace:
@@ -115,6 +138,7 @@ _SIGNS: dict[Boundary, Callable[[SimpleNamespace], np.ndarray]] = {
     Boundary.NEGATIVE_DAMPING: lambda v: _where(v, v.damping, (v.inertia > 0) & (v.drag > 0)),
     Boundary.ONSET: lambda v: _where(v, v.drag, (v.inertia <= 0) | (v.damping < 0)),
 }
+_FOLLOWED = (Boundary.STICK_SLIP_BIRTH, Boundary.FLUTTER)  # of which every value takes a millisecond
 _EXACT: dict[Boundary, Callable[[Coefficients], float]] = {
     Boundary.KINEMATIC: lambda c: float(c.gamma[1]),
     Boundary.NEGATIVE_DAMPING: lambda c: float(c.damping[1]),
@@ -130,6 +154,8 @@ def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) ->
         changed = drive.replace(**{names[0]: float(first), names[1]: float(second)})
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
+        if kind is Boundary.STICK_SLIP_BIRTH:
+            return comes_to_rest_again(changed)
         if kind is Boundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), steady_law(changed), tangents(changed, DIGITS)[0])
             return float(min((*exact[:4], hurwitz(exact))))
@@ -150,3 +176,24 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
             return math.nan
 
     return of
+
+
+def comes_to_rest_again(drive: RigidParameters) -> float:
+    """Return 1 if slip from the end of rest comes to rest again, −1 if it ends in steady sliding; else 0.
+
+    nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −.
+    """
+    c = coefficients(drive)
+    if c.paradox or not c.damping[1] < 0 < c.damping[-1] or not c.net_force * drive.exact().input_speed < 0:
+        return math.nan
+    automaton = rigid_automaton(drive)
+    (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
+    tables = automaton.tables
+    row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
+    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
+    start = (-row[2] / row[0] + before, -drive.input_speed)
+    motion = follow(automaton, start, math.inf, mode=int(rest), stop=(EventKind.STICK, -1), max_events=_TURNS)
+    if motion.status == Status.SETTLED:
+        return -1.0
+    # Without R the band of rest is a point, and the screw comes to rest by an accumulation of reversals.
+    return 1.0 if motion.status == Status.STOP_EVENT or (motion.mode == rest).any() else 0.0

@@ -38,11 +38,15 @@ _CURVES = {  # words on a curve, and how it is drawn
     "global stability": ("global stability", "-"),
     "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
+    "stick slip birth": ("birth of stick–slip", "-"),
     "flutter": ("flutter", "-"),
 }
 _HALO = [patheffects.withStroke(linewidth=2.2, foreground="white")]
-_SHORTEST = 0.12  # length of a line, in widths of the picture, that a name has room on
-_CLOSE = 0.045  # distance of two names, in widths of the picture, that would cover each other
+# In widths of the picture:
+_SHORTEST = 0.06  # length of a line that gets its name
+_STEP = 0.004  # between points at which room for a name is looked for
+_LETTER = 0.0135  # width of a letter
+_HEIGHT = 0.02  # distance of the middle of a name from its line
 
 
 @style.styled
@@ -102,40 +106,53 @@ def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
     """Draw the exact curves, and write its name on the longest line of each."""
     names = style.flag_names(dataset.boundary_name)
     axes.figure.canvas.draw()  # so that places on the picture are known
+    lines: dict[str, list[np.ndarray]] = {}
+    for number in np.unique(dataset.boundary_line.values):
+        part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
+        name = names[int(part.boundary_name[0])]
+        points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=_CURVES[name][1], path_effects=_HALO, zorder=2)
+        lines.setdefault(name, []).append(_evenly(axes.transData.transform(points) / axes.bbox.width))
     taken: list[np.ndarray] = []
-    for kind in np.unique(dataset.boundary_name.values):
-        words, dashes = _CURVES[names[int(kind)]]
-        here = dataset.isel(boundary_point=dataset.boundary_name.values == kind)
-        lines = []
-        for number in np.unique(here.boundary_line.values):
-            part = here.isel(boundary_point=here.boundary_line.values == number)
-            points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
-            axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_HALO, zorder=2)
-            lines.append(points)
-        _write_on(axes, lines, words, taken)
+    for name, own in lines.items():
+        others = [line for other, parts in lines.items() if other != name for line in parts]
+        _write_on(axes, max(own, key=len), _CURVES[name][0], others + taken, taken)
 
 
-def _write_on(axes: Axes, lines: list[np.ndarray], words: str, taken: list[np.ndarray]) -> None:
-    """Write words along the longest of some lines, where no others are near; a line that is too short gets none."""
-    width = axes.bbox.width
-    shown = [axes.transData.transform(line) for line in lines]
-    lengths = [np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))]) / width for line in shown]
-    best = int(np.argmax([length[-1] for length in lengths]))
-    line, length = shown[best], lengths[best]
-    if length[-1] < _SHORTEST:
+def _evenly(points: np.ndarray) -> np.ndarray:
+    """Points (k, 2) along a line at equal distances of ``_STEP``."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    places = np.linspace(0, length[-1], max(2, int(length[-1] / _STEP)))
+    return np.column_stack([np.interp(places, length, points[:, i]) for i in (0, 1)])
+
+
+def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
+    """Write words along a line, on that side and at that place of it that is farthest from all other lines and words.
+
+    Lengths are in widths of the picture. A line that is too short gets no words; ``taken`` gets the place.
+    """
+    half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
+    if len(line) < _SHORTEST / _STEP:
         return
-    for share in (0.5, 0.3, 0.7, 0.2, 0.8, 0.4, 0.6):
-        ends = [
-            np.array([np.interp(share * length[-1] + d, length, line[:, i]) for i in (0, 1)]) for d in (-0.04, 0.04)
-        ]
-        middle = 0.5 * (ends[0] + ends[1])
-        if all(np.hypot(*(middle - other)) > 5 * _CLOSE * width for other in taken):
-            break
-    taken.append(middle)
-    slope = np.degrees(np.arctan2(*(ends[1] - ends[0])[::-1]))
-    slope = (slope + 90) % 180 - 90  # never upside down
+    left, top = axes.transAxes.transform([(0, 0), (1, 1)]) / axes.bbox.width
+    inside = _evenly(np.array([left, (top[0], left[1]), top, (left[0], top[1]), left]))
+    obstacles = np.concatenate([*others, inside])
+    best, place = -1.0, None
+    for middle in range(half // 2, len(line) - half // 2, 2):
+        ends = line[max(0, middle - half)], line[min(len(line) - 1, middle + half)]
+        along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+        along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
+        for side in (1, -1):
+            shift = side * np.array([-along[1], along[0]])
+            covered = line[middle] + shift * _HEIGHT + np.outer(np.linspace(-half, half, 9) * _STEP, along)
+            room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
+            room = min(room, 2 * _HEIGHT) - 0.1 * _HEIGHT * abs(2 * middle / len(line) - 1) + 0.01 * _HEIGHT * side
+            if room > best:
+                best, place = room, (line[middle] + shift * _HEIGHT, along, covered)
+    if place is None:
+        return
+    taken.append(place[2])
     axes.annotate(
-        words, axes.transData.inverted().transform(middle), rotation=slope, rotation_mode="anchor", ha="center",
-        va="bottom", fontsize=6.5, xytext=(-np.sin(np.radians(slope)) * 2, np.cos(np.radians(slope)) * 2),
-        textcoords="offset points", path_effects=_HALO, zorder=3,
+        words, axes.transData.inverted().transform(place[0] * axes.bbox.width), ha="center", va="center", fontsize=6.5,
+        rotation=np.degrees(np.arctan2(place[1][1], place[1][0])), rotation_mode="anchor", path_effects=_HALO, zorder=3,
     )  # fmt: skip
