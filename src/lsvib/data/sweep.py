@@ -144,6 +144,7 @@ def parameter_values(name: str, given: Any) -> list[float]:
 
 
 def number_of(given: Any) -> int:
+    """Return a number of workers; raises ``InputError`` if it is none."""
     most = 4096  # more than any machine has cores
     try:
         count = numbers.whole(given)
