@@ -40,11 +40,11 @@ class Vibration:
     """Where a motion ends that starts next to steady sliding.
 
     ``model``: of the package; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
-    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``peak_force``: the
-    largest contact force between impacts [N], ``impulse``: the largest impulse of an impact [N s] (0 without).
-    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
-    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its start. ``reason``: why nothing is
-    known, if so.
+    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
+    likewise [rad/s], ``peak_force``: the largest contact force between impacts [N], ``impulse``: the largest impulse of
+    an impact [N s] (0 without). ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of
+    the load [m], ``speed`` of the screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its
+    start. ``reason``: why nothing is known, if so.
     """
 
     model: str
@@ -52,6 +52,7 @@ class Vibration:
     frequency: float | None = None
     amplitude: float | None = None
     load_speed: tuple[float, float] | None = None
+    screw_speed: tuple[float, float] | None = None
     peak_force: float | None = None
     impulse: float | None = None
     scene: dict[str, Any] = field(default_factory=dict)
@@ -106,8 +107,7 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
-        reason = None if end.label == Attractor.STEADY_SLIDING else f"the motion ends in {words}"
-        return Vibration(model, words, reason=reason, **shown)
+        return Vibration(model, words, **shown)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **shown)
 
 
@@ -153,18 +153,26 @@ def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -
     if row.size > 2:
         rates[3] = 1.0
     impulses = np.abs(event_impulses(drive, orbit).normal)
-    slowest, fastest = orbit_extremes(orbit, rates)
+    turning = np.zeros(row.size + 1)
+    turning[1], turning[-1] = 1.0, drive.input_speed
+    return {
+        "frequency": 1 / orbit.end_time,
+        "amplitude": 0.5 * (high - low),
+        "load_speed": _speeds(orbit, rates),
+        "screw_speed": _speeds(orbit, turning),
+        "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
+        "impulse": float(impulses.max(initial=0.0)),
+    }
+
+
+def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
+    """Lowest and highest speed on a cycle, a row over the state and 1; what rounding leaves of standstill is zero."""
+    slowest, fastest = orbit_extremes(orbit, row)
     if abs(slowest) < _STANDSTILL * abs(fastest):
         slowest = 0.0
     elif abs(fastest) < _STANDSTILL * abs(slowest):
         fastest = 0.0
-    return {
-        "frequency": 1 / orbit.end_time,
-        "amplitude": 0.5 * (high - low),
-        "load_speed": (slowest, fastest),
-        "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
-        "impulse": float(impulses.max(initial=0.0)),
-    }
+    return slowest, fastest
 
 
 def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
