@@ -15,7 +15,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of instability; it ``hold``s exactly if each of its inequalities has a positive margin.
+    """A condition of instability; ``hold`` is true exactly if each of its inequalities has a positive margin.
 
     ``margins``: by name, in SI units of the quantity that the name says. Missing margins are omitted; a condition
     without margins does not hold.

@@ -3,6 +3,7 @@
 import importlib.metadata
 import importlib.util
 import json
+import os
 import re
 import sys
 from functools import cache
@@ -135,9 +136,9 @@ def settings(wildcards):
     return config.get(wildcards.figure, {})
 
 
-def caption(wildcards):
-    """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
-    return caption_file(wildcards.figure).read_text(encoding="utf-8")
+def caption(figure):
+    """Return the file with the words of a figure's caption, relative to the working directory."""
+    return os.path.relpath(caption_file(figure))
 
 
 def category(wildcards):
@@ -168,7 +169,7 @@ def print_results(started, log=None):
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
             print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
-            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, {records}")
+            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, .html, .json")
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import drive_of
 from lsvib.assess.sheet import Sheet
-from lsvib.basins.exact_basin import basin
+from lsvib.basins.exact_basin import AttractsNothing, basin
+from lsvib.basins.resilience import smallest_push
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.drives.coefficients import coefficients
@@ -177,9 +178,9 @@ def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
 def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
-    By the boundary of the region of attraction of the rigid drive (:mod:`lsvib.basins.exact_basin`), in closed form,
-    and bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
-    unstable, None if it is not known; and a sentence.
+    By the boundary of the region of attraction of the rigid drive, in closed form
+    (:func:`lsvib.basins.resilience.smallest_push`). Returns the change, infinite if motion comes back from any, zero if
+    steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
     try:
@@ -190,25 +191,13 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
         if not c.paradox and 0 < ratio < _LEAST_DAMPING:
             return None, "The largest push is not computed for a drive with so little damping."
         region = basin(drive)
-    except InputError as error:
-        text = str(error)
-        return (0.0 if "attracts nothing" in text else None), text
-    except EngineError as error:
+    except AttractsNothing as error:
+        return 0.0, str(error)
+    except (InputError, EngineError) as error:
         return None, str(error)
     if not region.curves:
         return math.inf, "Steady motion comes back after any push."
-    speed = abs(region.drive.input_speed)
-    sizes = np.geomspace(1e-6, _FARTHEST, 401) * speed
-    found = math.inf
-    for sign in (1, -1):
-        lost = next((k for k, size in enumerate(sizes) if not region.contains((0.0, sign * size))), None)
-        if lost is None:
-            continue
-        below, above = (0.0 if lost == 0 else sizes[lost - 1]), sizes[lost]
-        for _ in range(60):  # a factor of 1.06, to the last bits
-            middle = 0.5 * (below + above)
-            below, above = (middle, above) if region.contains((0.0, sign * middle)) else (below, middle)
-        found = min(found, float(above))
-    if math.isinf(found):
-        return found, "Steady motion comes back after any push of the screw's speed."
+    found = smallest_push(region, 1)
+    if found > _FARTHEST * abs(drive.input_speed):
+        return math.inf, "Steady motion comes back after any push of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
