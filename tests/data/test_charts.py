@@ -108,7 +108,7 @@ def expected_over_force(drive, forces: np.ndarray) -> np.ndarray:
     ends = [
         value for value in (force(name, drive.replace(axial_force=0.0)) for name in names) if value.__class__ is float
     ]
-    onset = float(drive.axial_force - c.net_force)
+    onset = drive.axial_force - float(c.net_force)
     if not c.paradox and c.damping[1] < 0:
         ends += birth(drive, onset, forces.min() if way > 0 else forces.max())
     ends = np.sort([-np.inf, *ends, onset, np.inf])
