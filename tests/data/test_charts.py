@@ -18,7 +18,7 @@ from lsvib.data.writer import write_dataset
 from lsvib.drives.coefficients import coefficients
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, comes_to_rest_again
+from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, stops_again
 
 DAMPED = {"support_damping": 1e-3, "translation_damping": 300.0}
 PAIRS = {  # of parameters, with the ends of both axes and the drive
@@ -57,7 +57,7 @@ def expected(drive) -> Behaviour | None:
     if c.damping[1] >= 0:
         return Behaviour.NO_VIBRATION
     if not drags:
-        return {1.0: Behaviour.COEXISTENCE, -1.0: Behaviour.NO_VIBRATION}.get(comes_to_rest_again(drive))
+        return {1.0: Behaviour.COEXISTENCE, -1.0: Behaviour.NO_VIBRATION}.get(stops_again(drive))
     stick, detach = force("stick", plain), force("detach", plain)
     if isinstance(stick, str) and "no limit cycle" not in stick:
         return None
@@ -122,14 +122,14 @@ def expected_over_force(drive, forces: np.ndarray) -> np.ndarray:
 
 
 def birth(drive, onset: float, far: float) -> list[float]:
-    """The force below the onset at which slip from the end of rest begins to come to rest again, by bisection."""
+    """The force below the onset at which slip from the end of rest begins to come back to θ′ = 0, by bisection."""
     near = onset + 1e-6 * (far - onset)
-    signs = [comes_to_rest_again(drive.replace(axial_force=R)) for R in (near, far)]
+    signs = [stops_again(drive.replace(axial_force=R)) for R in (near, far)]
     if signs[0] == signs[1] or (far - onset) * drive.input_speed >= 0:
         return []
     for _ in range(40):
         middle = 0.5 * (near + far)
-        if comes_to_rest_again(drive.replace(axial_force=middle)) == signs[0]:
+        if stops_again(drive.replace(axial_force=middle)) == signs[0]:
             near = middle
         else:
             far = middle

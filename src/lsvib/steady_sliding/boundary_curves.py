@@ -7,8 +7,8 @@ Rigid drive (:mod:`lsvib.steady_sliding.thresholds` proves what each one divides
 * ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
 * ``stick``, ``detach``, ``global_stability``: R is the force of that name;
 * ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
-  end of rest comes to rest again. All rest ends in one state, so there is a stick–slip cycle if it does, and none if
-  not.
+  end of rest comes back to θ′ = 0. Orbits do not cross; so if it does, what is outside of it stays there and ends on a
+  cycle, and if not, whatever rests ends in steady sliding.
 
 Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
 """
@@ -43,7 +43,8 @@ LOGARITHMIC = ("contact_stiffness", "contact_damping")
 _NODES = 96  # along each side of the plane; a curve is missed only between two nodes
 _COSTLY_NODES = 32  # for a threshold of both parameters, some milliseconds at each node
 _ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
-_TURNS = 4000  # most events of slip that neither rests nor settles: it is on a cycle, to rounding
+_TURNS = 400  # most events of slip that neither stops nor settles: it is on a cycle, to rounding
+_STOPS = (EventKind.STICK, EventKind.REVERSAL, EventKind.ACCUMULATION)  # θ′ = 0
 _KEPT = 4096  # thresholds that are kept while a curve is traced; without R they are the same along it
 
 
@@ -107,7 +108,7 @@ def _over_force(function: Callable[[float, float], float], names: tuple[str, str
 
 
 def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> np.ndarray:
-    """What :func:`comes_to_rest_again` says at the nodes, by the motions of all of them from the middle of rest."""
+    """What :func:`stops_again` says at the nodes, by the motions of all of them from the middle of rest."""
     v = _many(drive, names, nodes)
     where = np.broadcast_to((v.inertia > 0) & (v.damping < 0) & (v.drag < 0), v.shape)
     values, grids = np.full(v.shape, np.nan), dict(zip(names, np.meshgrid(*nodes), strict=True))
@@ -164,7 +165,7 @@ def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) ->
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
         if kind is Boundary.STICK_SLIP_BIRTH:
-            return comes_to_rest_again(changed)
+            return stops_again(changed)
         if kind is Boundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), steady_law(changed), tangents(changed, DIGITS)[0])
             return float(min((*exact[:4], hurwitz(exact))))
@@ -187,8 +188,8 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
     return of
 
 
-def comes_to_rest_again(drive: RigidParameters) -> float:
-    """Return 1 if slip from the end of rest comes to rest again, −1 if it ends in steady sliding; else 0.
+def stops_again(drive: RigidParameters) -> float:
+    """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
 
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −.
     """
@@ -201,8 +202,7 @@ def comes_to_rest_again(drive: RigidParameters) -> float:
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
     before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
     start = (-row[2] / row[0] + before, -drive.input_speed)
-    motion = follow(automaton, start, math.inf, mode=int(rest), stop=(EventKind.STICK, -1), max_events=_TURNS)
-    if motion.status == Status.SETTLED:
-        return -1.0
-    # Without R the band of rest is a point, and the screw comes to rest by an accumulation of reversals.
-    return 1.0 if motion.status == Status.STOP_EVENT or (motion.mode == rest).any() else 0.0
+    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
+    if np.isin(motion.kind, _STOPS).any():
+        return 1.0
+    return -1.0 if motion.status == Status.SETTLED else 0.0
