@@ -30,6 +30,7 @@ _HOMES = {
     "Grid": "lsvib.basins.grid",
     "Axis": "lsvib.basins.grid",
     "Window": "lsvib.basins.clipping",
+    "Resilience": "lsvib.basins.resilience",
     "LsvibError": "lsvib.errors",
     "InputError": "lsvib.errors",
     "NoThreshold": "lsvib.errors",

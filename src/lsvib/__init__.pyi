@@ -8,6 +8,7 @@ from lsvib.basins.clipping import Window as Window
 from lsvib.basins.exact_basin import Basin as Basin
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
+from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.cycles.attractors import Attractor as Attractor
 from lsvib.cycles.attractors import SteadyState as SteadyState
 from lsvib.data.simulation import simulate as simulate
@@ -40,6 +41,7 @@ __all__ = [
     "NoThreshold",
     "NutDrive",
     "Quantity",
+    "Resilience",
     "RigidDrive",
     "Scene",
     "SolvedThreshold",

@@ -20,8 +20,10 @@ from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lsvib.basins.clipping import Window
     from lsvib.basins.exact_basin import Basin
     from lsvib.basins.grid import Grid
+    from lsvib.basins.resilience import Resilience
     from lsvib.cycles.attractors import Attractor, SteadyState
     from lsvib.cycles.continuation import CycleBranch
     from lsvib.cycles.periodic import Cycle
@@ -281,6 +283,59 @@ class RigidDrive(_Drive):
         from lsvib.basins.exact_basin import basin
 
         return basin(self)
+
+    def resilience(
+        self,
+        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
+        *,
+        samples: int = 0,
+        seed: int = 0,
+    ) -> "Resilience":
+        """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
+
+        All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s];
+        ``samples``: number of random starts in it, drawn with a ``seed``, for an estimate of the share to compare with.
+        The pushes are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where every push is survived,
+        zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
+        >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
+        '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
+        """
+        from lsvib.basins.resilience import resilience
+        from lsvib.data.resilience import samples_of, window_of
+
+        part = window_of(window)
+        return resilience(self, part, *samples_of(samples, seed, part))
+
+    def resilience_sweep(
+        self,
+        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
+        *,
+        samples: int = 0,
+        seed: int = 0,
+        progress: Progress | None = None,
+        **over: Sequence[float],
+    ) -> "xr.Dataset":
+        """Return what steady sliding survives over values of some parameters, as a dataset.
+
+        Arguments: as of :meth:`resilience`; ``over``, values [SI units] of each parameter by its name, all combinations
+        of them; ``progress``, called with the numbers of points done and in all. Variables: fatal_angle [rad],
+        fatal_speed [rad/s], fatal_energy [J], with a window basin_fraction [1], with samples sampled_fraction [1] and
+        the ends of its interval; nan where the basin is not covered. Raises ``InputError``.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
+        >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
+        >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
+        ['inf', '0.000616', '0.000154']
+        """
+        from lsvib.data.resilience import resilience_sweep, samples_of, window_of
+
+        part = window_of(window)
+        return resilience_sweep(self, over, part, *samples_of(samples, seed, part), progress)
 
     def sweep(
         self,

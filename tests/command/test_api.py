@@ -311,6 +311,7 @@ def test_examples_of_docstrings_and_documentation():
         "steady_state",
         "threshold",
         "basin",
+        "resilience",
         "attraction",
         "automaton",
         "coefficients",

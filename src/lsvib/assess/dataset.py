@@ -83,7 +83,7 @@ def _margins(assessment: Assessment, changes: list[str]) -> dict[str, tuple]:
         for row in one.margins:
             at = changes.index(row.quantity)
             factor[k, at] = np.nan if row.factor is None else row.factor
-            slope[k, at] = one.sensitivities[row.quantity]
+            slope[k, at] = one.sensitivities.get(row.quantity, np.nan)
     return {
         "margin": (
             ("mechanism", "change"),

@@ -72,7 +72,7 @@ def sweep(
     in all. The dataset has a dimension for each parameter, in the order given, and the variables of :class:`Point`.
     Raises ``InputError`` for values, starts or drives that are not acceptable.
     """
-    axes = {name: _values(name, values) for name, values in names_and_values("over", over).items()}
+    axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
     if not axes:
         raise InputError("over names no parameter; give the values of one, such as axial_force.")
     total = math.prod(map(len, axes.values()))
@@ -91,7 +91,7 @@ def sweep(
     }
     return xr.Dataset(
         {name: (tuple(axes), columns[name].reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
-        coords={name: (name, np.array(values), _coordinate(name)) for name, values in axes.items()},
+        coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
         attrs={
             "title": f"What the rigid lead-screw drive ends on over {', '.join(axes)}",
             "source": "lsvib, exact event-driven motion and its return map",
@@ -178,8 +178,11 @@ def _told(points: Any, total: int, progress: Progress | None) -> list[Point]:
     return found
 
 
-def _values(name: str, given: Any) -> list[float]:
-    """The values of a parameter as numbers; whether they are in its range is for the drive to say."""
+def parameter_values(name: str, given: Any) -> list[float]:
+    """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
+
+    Raises ``InputError`` for an unknown name, and for what is no list of numbers.
+    """
     if name not in RigidParameters.model_fields:
         raise InputError(f"{name} is not a known key; the known keys are {', '.join(RigidParameters.model_fields)}.")
     if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
@@ -203,6 +206,6 @@ def _processes(given: Any) -> int:
     return count
 
 
-def _coordinate(name: str) -> dict[str, Any]:
+def coordinate(name: str) -> dict[str, Any]:
     about = described(RigidParameters, name)
     return attributes(about["unit"], about["long_name"])

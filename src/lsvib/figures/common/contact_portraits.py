@@ -24,6 +24,19 @@ _LAWS = (1, -1)
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
 _NO_EFFECT = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 _UNIT = "kg-1 m-2"
+_SIGN_OF_FORCE = {
+    Paradox.INDETERMINATE: "theta' > 0 and W < 0, so that N has the sign opposite to chi",
+    Paradox.INCONSISTENT: "theta' > 0 and W > 0, so that N has the sign of chi",
+}
+_OF_RATE = (
+    "derivative of N b_- / W by the scaled time omega_- t, omega_-^2 = k_c cos(lambda) b_- Gamma_- / (m I), "
+    "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
+)
+# Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
+_MANIFOLDS = (
+    "unstable_away_from_zero_force", "unstable_across_zero_force",
+    "stable_away_from_zero_force", "stable_across_zero_force",
+)  # fmt: skip
 _VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
 _SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
 
@@ -123,9 +136,14 @@ def _equilibria(cases: Sequence[dict[int, ForceFlow]], scale: float) -> Variable
 def _laws(drive: ThreadsParameters, flows: dict[int, ForceFlow]) -> Variables:
     """The friction laws: on which side of N = 0 each of them holds, and its effective inertia."""
     gamma = coefficients(drive).gamma
+    paradox = Paradox(flows[1].side)  # law + holds where χ has this sign
     return {
         "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
-        "law_side": ("law", [flow.side for flow in flows.values()], attributes("1", "sign where the law holds")),
+        "law_side": (
+            "law",
+            [flow.side for flow in flows.values()],
+            attributes("1", "sign of the contact force chi where the law holds", comment=_SIGN_OF_FORCE[paradox]),
+        ),
         "effective_inertia_of_law": (
             "law",
             [float(gamma[law]) for law in _LAWS],
@@ -184,6 +202,17 @@ def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, 
             _force("contact force on a manifold of the saddle"),
         ),
         "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold": (
+            "manifold",
+            np.arange(len(_MANIFOLDS), dtype=np.int8),
+            attributes(
+                "1",
+                "branch of the manifolds of the saddle",
+                flag_values=np.arange(len(_MANIFOLDS), dtype=np.int8),
+                flag_meanings=" ".join(_MANIFOLDS),
+                comment="samples begin at the saddle; along a stable branch time runs against them",
+            ),
+        ),
     }
 
 
@@ -264,4 +293,4 @@ def _force(long_name: str) -> dict[str, Any]:
 
 
 def _rate(long_name: str) -> dict[str, Any]:
-    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
+    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
