@@ -106,7 +106,7 @@ def test_a_drag_of_a_slider_recomputes_the_region(page):
 
 
 def test_a_drag_is_redrawn_within_a_tenth_of_a_second(page):
-    """From the slider to the screen, with server and network between; the best of some, with room for a busy machine."""
+    """From the slider to the screen, with the server between; the best of some, with room for a busy machine."""
     times = page.evaluate(REDRAW, 25)
     print("ms from slider to screen:", " ".join(f"{time:.0f}" for time in sorted(times)))
     assert min(times[1:]) < 1e3 * _BUSY * 0.1
