@@ -251,7 +251,7 @@ def test_thresholds_of_every_model_are_those_of_the_function():
         assert set(threshold_table({}, model)) == {
             "critical_mass",
             "critical_friction",
-            f"least_{boundaries.OWN_DAMPING[kind]}",
+            f"least_{kind.own_damping}",
         }
     with pytest.raises(InputError, match="model = 'elastic' is not one of rigid, threads, support, nut"):
         threshold_table({}, "elastic")

@@ -37,8 +37,8 @@ from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
-_SAME = 1e-9  # relative difference in time of two rigid motions that is none
-_EVENTS = 1000  # of a compliant motion in which its cycle must show
+_SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
+_EVENTS = 1000  # within which the cycle of a compliant motion must be found
 
 
 class BranchFamily(IntEnum):
@@ -50,7 +50,7 @@ class BranchFamily(IntEnum):
 
 
 class Region(IntEnum):
-    """Where the screw stands after an impact, in ascending order of u; or a whole cycle."""
+    """Where the screw stands after an impact, in ascending order of u; CYCLE for a branch that is a whole cycle."""
 
     CYCLE = 0
     TORQUE_ABOVE_BAND = 1
@@ -158,7 +158,7 @@ class LimitBranch:
 
 
 def _corners(impact: Impact | None) -> int:
-    """Corners of a curve; a cycle is longer and bends more."""
+    """Number of corners that represent a motion; a cycle is longer and bends more than what follows one impact."""
     return 3000 if impact is None else 800
 
 
@@ -220,9 +220,9 @@ def outcome(motion: Motion) -> ImpactOutcome:
 def impact_impulse(drive: ThreadsParameters, motion: Motion) -> float:
     """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
 
-    From the last reversal of the contact force before the first rest to the end of that rest, without what the static
-    force gives in it. From the momentum of the nut: in slip under law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ),
-    at rest ∫(N − N_static) dt = −m cos λ Δx′.
+    The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
+    impulse of the static force during the rest is not counted. The momentum of the nut gives the impulse: in slip under
+    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′.
     """
     modes, starts, ends, durations = motion.arcs()
     codes = motion.automaton.codes[modes]

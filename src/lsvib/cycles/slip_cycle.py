@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.errors import EngineError
 
-_NEWTON = 8  # steps at most; from 1e-7 three of them reach all 50 digits
-_EXACT = 1e-35  # relative residual; the coefficients have 50 digits
+_NEWTON = 8  # steps at most; three steps lead from an error of 1e-7 to all 50 digits
+_EXACT = 1e-35  # relative residual of a solution; the coefficients have 50 digits
 _SEARCHES = (
-    # context, smallest phase beyond half a turn that is looked at, relative tolerance of the start for Newton's method
+    # The arithmetic, the smallest phase beyond half a turn that is tried, and the relative error of Newton's start.
     (double, 1e-10, 1e-7),
     (many, 1e-40, 1e-20),  # where large motions hardly decay, or rates lie so far apart that double precision fails
 )
@@ -76,7 +76,7 @@ def slowest_point(drive: ForwardDrive) -> SlowestPoint:
 
 
 def _times(drive: ForwardDrive, context, nearest: float, close: float):
-    """Times [s] of the two half returns, nearly; None if the context has too few digits for them."""
+    """Approximate times [s] of the two half returns; None if the arithmetic has too few digits for them."""
     plus, minus = drive.slip(1, context), drive.slip(-1, context)
     heights = {law: context.mpf(drive.inertia[law] / drive.inertia[-1]) for law in (1, -1)}
 
@@ -120,7 +120,7 @@ def _times(drive: ForwardDrive, context, nearest: float, close: float):
 
 
 def _polished(drive: ForwardDrive, times):
-    """The two times to many digits by Newton's method; None if it does not lead to a cycle."""
+    """Refine the two times to all digits by Newton's method; None if it does not lead to a cycle."""
     if times is None:
         return None
     plus, minus = drive.slip(1), drive.slip(-1)

@@ -26,9 +26,6 @@ from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
 from lsvib.steady_sliding.spectrum import neutral_margins
 
-OWN_DAMPING = {kind: kind.own_damping for kind in RigidParameters.__subclasses__() if kind.own_damping}
-"""The damping that a model adds to the rigid drive, by the class of its drives."""
-
 
 @dataclass(frozen=True)
 class StableSet:
@@ -118,14 +115,14 @@ def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
 
 
 def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
-    """Critical mass, critical friction and least damping of its own of a drive, each as :func:`threshold_of`."""
+    """Return a drive's critical mass, critical friction and least own damping, each as :func:`threshold_of`."""
     own = drive.own_damping
     keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}
     return {name: threshold_of(drive, key) for name, key in keys.items()}
 
 
 def _asymptotic(p: Polynomial) -> tuple[Fraction, ...]:
-    """Numbers that are all positive exactly where steady sliding is asymptotically stable; p_0 always is."""
+    """Return numbers that are all positive exactly where steady sliding is asymptotically stable (p_0 > 0 always)."""
     return (*p[:4], hurwitz(p))
 
 
@@ -149,7 +146,7 @@ def interpolated(values: Sequence[Fraction]) -> Polynomial:
 def _apart(places: Iterable[Fraction], limit: Fraction) -> list[Fraction]:
     """Places below the limit in ascending order, each once even if it is a root of two polynomials.
 
-    The limit itself is none, though the coefficients vanish at μ = cot λ under law −.
+    The limit itself is left out, although the coefficients vanish at μ = cot λ under law −.
     """
     kept: list[Fraction] = []
     for place in sorted(places):

@@ -21,7 +21,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
-DIGITS = 100  # of tan λ at first: enough unless a condition vanishes to some 80 digits, which calls for four times more
+DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
 
 
 def polynomial(kind: type[RigidParameters], values: Mapping[str, Fraction], law: int, tan_lead: Fraction) -> Polynomial:
@@ -49,7 +49,7 @@ def tangents(drive: RigidParameters, digits: int) -> tuple[Fraction, Fraction]:
 def settled(drive: RigidParameters, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
     """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
 
-    ``judge`` must depend on signs of polynomials of the coefficients alone, so that digits enough always decide. Raises
+    ``judge`` must depend on signs of polynomials of the coefficients alone, so that enough digits always decide. Raises
     ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
     values, digits = rationals(drive), DIGITS

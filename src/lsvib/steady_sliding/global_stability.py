@@ -12,11 +12,11 @@ from lsvib.engine.kernels import columns, flow_planar
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding.threshold_motions import Start
 
-_GRID = 240  # durations of slip that are looked at, in ratio, before the best is refined
+_GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
-_REFINEMENTS = 40  # leave 4e-9 of the bracket, and at a maximum the square of that in the value
-_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, in the end with the square
-_EXACT = 1e-40  # relative step; the coefficients have 50 digits
+_REFINEMENTS = 40  # They leave 4e-9 of the bracket; near a maximum the value is then wrong by the square of that.
+_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, at last quadratically
+_EXACT = 1e-40  # relative size of the last step; the coefficients have 50 digits
 _NONE = Start("", many.inf)
 
 

@@ -140,7 +140,7 @@ _DETAILS: dict[str, Callable[..., dict[str, Any]]] = {"threads": _threads, "supp
 
 
 def _condition(**margins: Decimal | Fraction | float | None) -> dict[str, Any]:
-    """A condition holds where all its margins exist and are positive; those that do not exist are left out."""
+    """Missing margins are omitted; a condition holds where all its margins exist and are positive."""
     known = {name: float(value) for name, value in margins.items() if value is not None}
     return {"margins": known, "hold": all(value is not None and value > 0 for value in margins.values())}
 

@@ -20,7 +20,7 @@ from typing import Any
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundaries import OWN_DAMPING, interpolated
+from lsvib.steady_sliding.boundaries import interpolated
 from lsvib.steady_sliding.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
 from lsvib.steady_sliding.real_roots import SAME, positive_roots
 from lsvib.steady_sliding.spectrum import neutral_margins
@@ -95,7 +95,7 @@ def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
 
 def undamped(drive: RigidParameters, unknown: str) -> bool:
     """Whether nothing damps the drive, whatever the unknown is: stability is then neutral stability."""
-    dampings = ["support_damping", "translation_damping", OWN_DAMPING.get(type(drive))]
+    dampings = ["support_damping", "translation_damping", drive.own_damping]
     return unknown not in dampings and not any(getattr(drive, name) for name in dampings if name)
 
 

@@ -16,7 +16,9 @@ from lsvib.steady_sliding.threshold_motions import Start
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
 _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
-_BALANCED = 1e-12  # decay of large motions in a turn that double input cannot tell from none
+_BALANCED = (
+    1e-12  # Large motions that decay by less in a turn cannot be told from undamped ones by input in double precision.
+)
 
 
 def _negatively_damped(drive: RigidParameters) -> Coefficients:
@@ -34,7 +36,7 @@ def _negatively_damped(drive: RigidParameters) -> Coefficients:
 
 
 def _apart(start: Start, forward: ForwardDrive) -> Start:
-    """Refuse a force of the mirrored drive that is not apart from the onset, or beyond all forces."""
+    """Refuse a force of the mirrored drive that cannot be told from the onset, or that exceeds all allowed forces."""
     if float(start.force) == float(forward.onset):
         raise NoThreshold(
             "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."

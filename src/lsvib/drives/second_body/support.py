@@ -99,7 +99,7 @@ class _SupportBuild(Screw):
         kick = d.mass * self.reach / (d.mass + d.screw_mass)
         return TwoBodies(
             states=STATES,
-            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),
+            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),  # 0.1 rad: cycles of Table 8.1
             horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
             slip=self.speed,
             sliding=self.nut_speed,

@@ -15,6 +15,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.errors import InputError
 
+_HALVINGS = 60  # of the range of the damping: to the last bit
 _QUANTITIES = {
     "amplitude": ("rad", phase_plane.AMPLITUDE, ""),
     "mean_deflection": ("rad", "mean coupling deflection", r"$\langle z \rangle$"),
@@ -180,7 +181,7 @@ def _resting_damping(drive: RigidParameters, start: list[float], largest: float)
     low, high = 0.0, largest
     if not rests(low):
         return 0.0
-    for _ in range(60):
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if rests(middle) else (low, middle)
     return high
