@@ -27,7 +27,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events that are followed between two looks at a motion
@@ -113,12 +113,12 @@ class StateMapper:
 
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Return label, time [s], number of sprags and first event of the motion from a state (n)."""
-        mode, time, sprags, first = None, 0.0, 0, None
+        mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(self._events)
         if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
             return Attractor.STEADY_SLIDING, 0.0, 0, -1
         for _ in range(self._rounds):
             try:
-                motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
+                motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK, budget=budget)
             except EngineError as error:
                 label = Attractor.UNBOUNDED if isinstance(error, DivergenceError) else Attractor.UNRESOLVED
                 return label, np.inf, sprags, -1 if first is None else first

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import drifts, leaps
-from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, section_key
+from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, conserves, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Motion, enter, follow
+from lsvib.engine.motion import Budget, Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError
 
 _CHUNK = 64  # events that are looked at first; every further look takes twice as many
@@ -31,13 +31,15 @@ _MORE_PATIENCE = 1000.0  # time that a return after a leap may take, in times of
 _REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
-_BLOCK_EVENTS = 5000  # most events of a motion with modes in blocks; each takes ten to a hundred times as long
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 _FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 _CORNERS = (1e-9, 1e-5)
+
+
+_TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
 class Attractor(IntEnum):
@@ -168,9 +170,9 @@ def _steady_state(
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     if mode is None and _at_equilibrium(automaton, state):
         return SteadyState(Attractor.STEADY_SLIDING, state)
-    if isinstance(automaton.tables.flow, BlockFlow):
-        max_events = min(max_events, _BLOCK_EVENTS)
-    used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
+    if state.size > 2:
+        return _of_more_states(automaton, state, mode, Budget(max_events))
+    used, chunk = 0, min(_CHUNK, patience)
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -183,8 +185,6 @@ def _steady_state(
         if automaton.contracts or _only_touches(motion):
             return _neutral(automaton, motion)
         used += motion.time.size
-        if used >= patience and size_of_state > 2:
-            return _pursued(automaton, motion, max_events - used)
         if used >= patience:
             patience *= _LONGER
             slow = _slow_end(automaton, motion, max_events - used, twice)
@@ -205,26 +205,34 @@ def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
     return not automaton.tables.flow.field[enter(automaton, state)[0], :, -1].any()
 
 
-def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
-    """Find the end of a motion with more than two states from a first part of it, within the work ``left``.
-
-    If leaps were made, the motion from some events later on must end alike, with as much work.
-    """
+def _of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
+    """Find the attractor of a motion with more than two states; the budget may be spent twice."""
 
     def ended(part: Motion) -> SteadyState | None:
-        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part)
+        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part, budget)
 
+    found: SteadyState | drifts.Recurrence | None = None
+    used, chunk = 0, _CHUNK
     try:
-        found, leapt = drifts.pursue(motion, left, ended)
-        if leapt and found is not None:  # a leap loses the phase of fast oscillations
-            later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=_LATER)
-            again, _ = drifts.pursue(later, left, ended)
-            found = found if _name(again) == _name(found) else None
+        while found is None and used < _LONG:
+            motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
+            found, state, mode = ended(motion), motion.end_state, motion.end_mode
+            used, chunk = used + motion.time.size, 2 * chunk
+        if found is None:
+            again = Budget(budget.left)
+            found, leapt = drifts.pursue(motion, budget, ended)
+            if leapt and found is not None:  # a leap loses the phase of fast oscillations
+                budget = again
+                later = follow(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
+                second, _ = drifts.pursue(later, budget, ended)
+                found = found if _name(second) == _name(found) else None
+    except DivergenceError:
+        return SteadyState(Attractor.UNRESOLVED if automaton.passive else Attractor.UNBOUNDED, state)
     except EngineError:
-        found = None
+        return SteadyState(Attractor.UNRESOLVED, state)
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
-    return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
+    return found or SteadyState(Attractor.UNRESOLVED, state)
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
@@ -355,7 +363,7 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
 
 
-def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
+def _recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = None) -> SteadyState | None:
     """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = _watched(motion)
     if seen is None:
@@ -366,13 +374,13 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if len(points) < _FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
-    section = ReturnSection(automaton, key, points[-1], size, nearest, longest)
+    section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         return _cycle(section, section.repeated())
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
     for returns in divisors:  # a slow cycle may seem to have a multiple of its returns
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
-        section = ReturnSection(automaton, key, points[-1], size, returns, longest)
+        section = ReturnSection(automaton, key, points[-1], size, returns, longest, budget)
         found = section.fixed_point(before) if len(before) else None
         if found is None:
             continue
@@ -385,7 +393,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
-            there = ReturnSection(automaton, key, found.state, size, fewer, longest)
+            there = ReturnSection(automaton, key, found.state, size, fewer, longest, budget)
             again = there.fixed_point(before)
             if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
                 return _cycle(there, again)
@@ -393,7 +401,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if not repeats.size or _drifts(points[::-nearest]):
         return None
     found = section.repeated()
-    return None if abs(found.multiplier) >= 1 - MARGIN else _cycle(section, found)
+    return None if abs(found.multiplier) >= 1 - MARGIN and not found.neutral else _cycle(section, found)
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
@@ -421,11 +429,21 @@ def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
         return None
     automaton = orbit.automaton
     modes = automaton.codes[orbit.arcs()[0]]
-    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
+    if found.neutral:
+        label = Attractor.NEUTRAL_FAMILY
+    elif np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
         label = Attractor.SPRAG_SLIP_CYCLE
     elif np.isin(modes, automaton.rest_codes).any():
         label = Attractor.STICK_SLIP_CYCLE
+        if conserves(automaton) and _rest(orbit) <= _TOUCH * orbit.end_time:
+            label = Attractor.NEUTRAL_FAMILY
     else:
         label = Attractor.OTHER_CYCLE
     residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
     return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)
+
+
+def _rest(orbit: Motion) -> float:
+    """Time [s] that a motion rests."""
+    modes, _, _, durations = orbit.arcs()
+    return float(durations[np.isin(orbit.automaton.codes[modes], orbit.automaton.rest_codes)].sum())
