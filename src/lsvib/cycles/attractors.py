@@ -15,12 +15,13 @@ import numpy as np
 
 from lsvib.cycles import drifts, leaps
 from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, conserves, section_key
+from lsvib.cycles.settling import settles_after
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion, enter, follow
-from lsvib.errors import DivergenceError, EngineError
+from lsvib.errors import DivergenceError, EngineError, WorkSpentError
 
 _CHUNK = 64  # events that are looked at first; every further look takes twice as many
 _PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
@@ -33,6 +34,7 @@ _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which th
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 _FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
+_SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
@@ -50,7 +52,7 @@ class Attractor(IntEnum):
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # a cycle of pure slip
-    UNBOUNDED = 4  # never the label of a drive, into which energy enters as the work of constant forces only
+    UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
     REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
     RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
@@ -215,7 +217,7 @@ def _of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, b
     used, chunk = 0, _CHUNK
     try:
         while found is None and used < _LONG:
-            motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
+            motion = followed(automaton, state, mode, chunk, budget)
             found, state, mode = ended(motion), motion.end_state, motion.end_mode
             used, chunk = used + motion.time.size, 2 * chunk
         if found is None:
@@ -233,6 +235,28 @@ def _of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, b
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState(Attractor.UNRESOLVED, state)
+
+
+def followed(automaton: Automaton, state: np.ndarray, mode: int | None, events: int, budget: Budget) -> Motion:
+    """Follow a motion over some events; one carried in blocks settles also if its rates show that it does.
+
+    Raises what ``follow`` raises, and ``WorkSpentError`` where the search for one event has no end in sight.
+    """
+    if not isinstance(automaton.tables.flow, BlockFlow):
+        return follow(automaton, state, math.inf, mode=mode, max_events=events, budget=budget)
+    part = Budget(min(budget.left, _SEARCH))
+    before = part.left
+    motion = follow(automaton, state, math.inf, mode=mode, max_events=events, budget=part)
+    budget.spend(before - part.left)
+    if motion.status != Status.WORK_SPENT:
+        return motion
+    time = settles_after(automaton, motion.end_mode, motion.end_state)
+    if time is None:
+        raise WorkSpentError("the search for the next event takes more work than is allowed.")
+    last = follow(automaton, motion.end_state, time, mode=motion.end_mode, max_events=1, budget=budget)
+    if last.status == Status.TIME_REACHED:
+        return replace(motion, status=Status.SETTLED)
+    return last
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:

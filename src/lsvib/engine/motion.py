@@ -14,7 +14,7 @@ from lsvib.errors import DivergenceError, EngineError, InputError, WorkSpentErro
 
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
-_FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL)
+_FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL, Status.WORK_SPENT)
 
 # Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
 CALL = 10.0  # of a call of the engine from Python
@@ -119,7 +119,8 @@ def follow(
     Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
     there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
     many; budget: what the run may cost, counted down; without one it may cost anything. Returns a :class:`Motion` with
-    status TIME_REACHED, STOP_EVENT, SETTLED or, with ``max_events``, EVENTS_FULL. Raises ``EngineError`` if the model
+    status TIME_REACHED, STOP_EVENT, SETTLED or, with ``max_events``, EVENTS_FULL, or WORK_SPENT where the search for
+    the event after the last one takes all that the budget has. Raises ``EngineError`` if the model
     has no answer or there are more than ten million events, ``DivergenceError`` if the motion grows without bound,
     ``WorkSpentError`` if the budget does not suffice.
     """
@@ -143,7 +144,9 @@ def follow(
         status, mode, count = event_loop.run(
             automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
-        if budget.left < math.inf:
+        if status == Status.WORK_SPENT:
+            budget.left = 0.0
+        elif budget.left < math.inf:
             budget.spend(an_event * count + a_step * (steps - clock[3]))
         pieces.append([column[:count] for column in events])
         total += count
@@ -184,8 +187,6 @@ def _complain(status: Status, time: float, state: np.ndarray) -> None:
         raise EngineError(
             f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
         )
-    if status == Status.WORK_SPENT:
-        raise WorkSpentError(f"the search for the next event takes more work than is allowed ({where}).")
     if status == Status.NO_BRANCH:
         raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
     raise EngineError(f"the clock left the range of numbers ({where}).")
