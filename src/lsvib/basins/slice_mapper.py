@@ -32,7 +32,7 @@ from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
-_EVENTS = 1_000_000  # units of work beyond the rounds, each some microseconds
+_EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more

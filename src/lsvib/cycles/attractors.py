@@ -34,6 +34,7 @@ _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which th
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 _FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
+_APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near with more states
 _SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
@@ -398,6 +399,8 @@ def _recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = No
     if len(points) < _FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
+    if size.size > 2 and changes[nearest - 1].max() > _APART:
+        return None
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         return _cycle(section, section.repeated())

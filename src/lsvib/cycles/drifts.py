@@ -32,7 +32,8 @@ _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
 _LONGEST = 4000  # most events in a return
 _CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
-_PART = 0.3  # change of the logarithm of an amplitude that one leap may make
+_PART = 0.7  # change of the logarithm of an amplitude that one leap may make
+_MORE_TRUST = 4.0  # factor by which leaps may get longer if the trend after a leap is that before it
 _WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
 # A leap has 2^doublings returns, each one doubling more than the last: so many before the first, and at least. One leap
@@ -72,6 +73,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
+    before, trust = None, 1.0
     while budget.left > 0:
         found = ended(motion)
         if found is not None:
@@ -86,8 +88,9 @@ def pursue(
         if trend is None:
             window = min(2 * window, _LAST_WINDOW)
         elif trend.consistent:
-            state, mode = _extrapolated(automaton, motion, trend)
-            leapt = True
+            trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
+            state, mode = _extrapolated(automaton, motion, trend, trust)
+            leapt, before = True, trend
             motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window, budget=budget), 0
         elif trend.none and window == _LAST_WINDOW:
             blank += 1
@@ -218,6 +221,13 @@ class _Trend(NamedTuple):
     consistent: bool
     none: bool
 
+    def continues(self, before: "_Trend | None") -> bool:
+        """Whether it is that before a leap, in windows of any length."""
+        if before is None or before.mode != self.mode:
+            return False
+        one, other = (t.step / np.abs(t.step).max() for t in (before, self))
+        return bool(np.abs(one - other).max() <= _STEADY)
+
 
 def _trend(motion: Motion) -> _Trend | None:
     """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
@@ -240,25 +250,34 @@ def _trend(motion: Motion) -> _Trend | None:
     quarters = np.array([np.log(part).mean(axis=0) / 2 for part in np.array_split(squares, _QUARTERS)])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    leading = int(np.argmax(np.abs(step)))
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
     steady = spread <= _STEADY * np.abs(step)
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
     none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
-    return _Trend(home, full, bend, bool(steady[leading]) and not none, none)
+    # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
+    consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
+    return _Trend(home, full, bend, consistent and not none, none)
 
 
-def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend) -> tuple[np.ndarray, int | None]:
-    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short."""
+def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:
+    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short.
+
+    ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
+    """
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
-    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), _CHANGE * (sizes / (bends + _STILL)).min())
+    leap = min(
+        _PART / sizes.min(), _PART / max(trend.step.max(), _STILL), trust * _CHANGE * (sizes / (bends + _STILL)).min()
+    )
     if leap <= _QUARTERS:
         return motion.end_state, motion.end_mode
     flow, home = automaton.tables.flow, trend.mode
     modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
-    factors = np.exp(np.clip(leap * trend.step + 0.5 * leap * (leap + 1) * trend.bend, _LEAST, _PART))
+    change = leap * trend.step
+    if trust == 1.0:
+        change = change + 0.5 * leap * (leap + 1) * trend.bend
+    factors = np.exp(np.clip(change, _LEAST, _PART))
     modal[: 2 * factors.size] *= np.repeat(factors, 2)
     return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1], None
