@@ -456,21 +456,19 @@ def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
         return None
     automaton = orbit.automaton
     modes = automaton.codes[orbit.arcs()[0]]
-    if found.neutral:
-        label = Attractor.NEUTRAL_FAMILY
-    elif np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
+    rests = np.isin(modes, automaton.rest_codes).any()
+    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
         label = Attractor.SPRAG_SLIP_CYCLE
-    elif np.isin(modes, automaton.rest_codes).any():
-        label = Attractor.STICK_SLIP_CYCLE
-        if conserves(automaton) and _rest(orbit) <= _TOUCH * orbit.end_time:
-            label = Attractor.NEUTRAL_FAMILY
+    elif found.neutral or (rests and conserves(automaton) and _only_touches_rest(orbit)):
+        label = Attractor.NEUTRAL_FAMILY
     else:
-        label = Attractor.OTHER_CYCLE
+        label = Attractor.STICK_SLIP_CYCLE if rests else Attractor.OTHER_CYCLE
     residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
     return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)
 
 
-def _rest(orbit: Motion) -> float:
-    """Time [s] that a motion rests."""
-    modes, _, _, durations = orbit.arcs()
-    return float(durations[np.isin(orbit.automaton.codes[modes], orbit.automaton.rest_codes)].sum())
+def _only_touches_rest(motion: Motion) -> bool:
+    """Whether a motion rests for no longer than the largest of a neutral family seems to, where it touches θ′ = 0."""
+    modes, _, _, durations = motion.arcs()
+    resting = np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)
+    return bool(durations[resting].sum() <= _TOUCH * durations.sum())

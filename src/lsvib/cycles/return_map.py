@@ -290,12 +290,14 @@ class ReturnSection:
                 return None
         else:
             return None
-        leading, neutral = largest(slopes), self._is_neutral(slopes, margin)
+        # The fixed point may touch a surface that the motion crosses on its way: its own multipliers count.
+        own, margin = self.slopes(place)
+        leading, neutral = largest(own), self._is_neutral(own, margin)
         if not (neutral or abs(leading) < 1 - margin):
             return None
         if np.abs(place).max() > _THERE:
-            if neutral:
-                return None  # the motion is another member of the family, or comes to it by rests
+            if self._is_neutral(slopes, margin):
+                return None  # the motion is another member of the family
             away = np.vstack([earlier, np.zeros(self.dimension)]) - place
             distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
             if len(earlier) < _WATCHED or not np.isfinite(distances).all():
