@@ -42,12 +42,14 @@ rule all:
         collect(
             "results/figures/{figure}.{format}",
             figure=FIGURES,
-            format=["png"] if config.get("draft") else ["png", "pdf"],
+            format=["png", "rst"] if config.get("draft") else ["png", "pdf", "rst"],
         ),
         collect("results/datasets/{figure}.nc", figure=FIGURES),
         collect("results/checks/{figure}.json", figure=FIGURES),
         "results/checks.json",
         "results/checks.md",
+        "results/checks.html",
+        "results/printed.rst",
         "results/verdict.txt",
     message:
         "All figures are drawn and all checks passed"

@@ -8,6 +8,7 @@ from lsvib.basins.clipping import Window as Window
 from lsvib.basins.exact_basin import Basin as Basin
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
+from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.cycles.attractors import Attractor as Attractor
 from lsvib.cycles.attractors import SteadyState as SteadyState
 from lsvib.data.simulation import simulate as simulate
@@ -19,8 +20,10 @@ from lsvib.errors import LsvibError as LsvibError
 from lsvib.errors import NoThreshold as NoThreshold
 from lsvib.results import Condition as Condition
 from lsvib.results import Quantity as Quantity
+from lsvib.results import SolvedThreshold as SolvedThreshold
 from lsvib.results import StabilityReport as StabilityReport
 from lsvib.results import Threshold as Threshold
+from lsvib.results import ThresholdSolution as ThresholdSolution
 from lsvib.results import UndampedStability as UndampedStability
 from lsvib.steady_sliding.stability_table import stability_table as stability
 from lsvib.steady_sliding.summary import threshold_table as thresholds
@@ -38,13 +41,16 @@ __all__ = [
     "NoThreshold",
     "NutDrive",
     "Quantity",
+    "Resilience",
     "RigidDrive",
     "Scene",
+    "SolvedThreshold",
     "StabilityReport",
     "SteadyState",
     "SupportDrive",
     "ThreadsDrive",
     "Threshold",
+    "ThresholdSolution",
     "UndampedStability",
     "Window",
     "__version__",

@@ -7,6 +7,7 @@ asked: making a drive, or asking for its stability, loads no engine.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from types import new_class
 from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib import numbers
@@ -14,13 +15,15 @@ from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
-from lsvib.results import StabilityReport, Threshold
+from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from lsvib.basins.clipping import Window
     from lsvib.basins.exact_basin import Basin
     from lsvib.basins.grid import Grid
+    from lsvib.basins.resilience import Resilience
     from lsvib.cycles.attractors import Attractor, SteadyState
     from lsvib.cycles.continuation import CycleBranch
     from lsvib.cycles.periodic import Cycle
@@ -79,6 +82,27 @@ class _Drive(RigidParameters):
         from lsvib.steady_sliding.summary import threshold_table
 
         return Threshold.by_name(threshold_table(self, self.model))
+
+    def threshold(self, name: str, unknown: str | None = None) -> SolvedThreshold:
+        """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
+
+        ``name``: onset, kinematic (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
+        global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
+        ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
+        one of these; the drive's own value of it counts only as the middle of a search. Raises ``InputError`` for
+        another name, ``NoThreshold`` where there is no solution in the allowed range.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
+        >>> drive.threshold("kinematic", unknown="mass").value
+        10.106965213139869
+        >>> force = drive.threshold("global_stability")
+        >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
+        '-18.3754629689 N, and -1.63148 N/kg'
+        """
+        from lsvib.steady_sliding.solved_threshold import solve_threshold
+
+        return solve_threshold(self, name, unknown)
 
     def automaton(self, *, physics: Sequence[str] | None = None, resume: str = "contact_sign") -> "Automaton":
         """Return the tables that the engine runs; made once, and shared: do not change them.
@@ -191,6 +215,32 @@ class _Drive(RigidParameters):
             self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
         )
 
+    def chart(
+        self,
+        x: "str | tuple[str, float, float, int]",
+        y: "str | tuple[str, float, float, int]",
+        *,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+    ) -> "xr.Dataset":
+        """Return what the drive does over two of its parameters, with the exact curves that divide the chart.
+
+        For rigid drives and those with compliant threads (docs/charts.md). Arguments: ``x`` and ``y``, each (parameter,
+        start, stop, number of cells) in SI units, or such text as "mass=1:20:400"; ``resume`` as of :meth:`automaton`;
+        number of ``workers``, which changes no label; ``progress``, called with numbers of motions done and in all.
+        Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
+        >>> names = found.label.flag_meanings.split()
+        >>> [names[label + 1] for label in found.label.sel(mass=2).values]
+        ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
+        """
+        from lsvib.data.chart import chart
+
+        return chart(self, x, y, rule(resume), workers, progress)
+
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
 
@@ -260,6 +310,59 @@ class RigidDrive(_Drive):
 
         return basin(self)
 
+    def resilience(
+        self,
+        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
+        *,
+        samples: int = 0,
+        seed: int = 0,
+    ) -> "Resilience":
+        """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
+
+        All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s];
+        ``samples``: number of random starts in it, drawn with a ``seed``, for an estimate of the share to compare with.
+        The pushes are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where every push is survived,
+        zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
+        >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
+        '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
+        """
+        from lsvib.basins.resilience import resilience
+        from lsvib.data.resilience import samples_of, window_of
+
+        part = window_of(window)
+        return resilience(self, part, *samples_of(samples, seed, part))
+
+    def resilience_sweep(
+        self,
+        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
+        *,
+        samples: int = 0,
+        seed: int = 0,
+        progress: Progress | None = None,
+        **over: Sequence[float],
+    ) -> "xr.Dataset":
+        """Return what steady sliding survives over values of some parameters, as a dataset.
+
+        Arguments: as of :meth:`resilience`; ``over``, values [SI units] of each parameter by its name, all combinations
+        of them; ``progress``, called with the numbers of points done and in all. Variables: fatal_angle [rad],
+        fatal_speed [rad/s], fatal_energy [J], with a window basin_fraction [1], with samples sampled_fraction [1] and
+        the ends of its interval; nan where the basin is not covered. Raises ``InputError``.
+
+        >>> import lsvib
+        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
+        >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
+        >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
+        ['inf', '0.000616', '0.000154']
+        """
+        from lsvib.data.resilience import resilience_sweep, samples_of, window_of
+
+        part = window_of(window)
+        return resilience_sweep(self, over, part, *samples_of(samples, seed, part), progress)
+
     def sweep(
         self,
         *,
@@ -273,7 +376,7 @@ class RigidDrive(_Drive):
 
         Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``initial``,
         u [rad] and w [rad/s], by default next to steady sliding; ``resume`` as of :meth:`automaton`; number of
-        processes (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
+        threads (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
         all. Variables: attractor, amplitude [rad], period [s], multiplier [1], peak_normal_force [N],
         peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
 
@@ -319,9 +422,12 @@ DRIVES: dict[str, type[_Drive]] = {kind.model: kind for kind in (RigidDrive, Thr
 
 def drive_class(model: str) -> type[_Drive]:
     """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
-    if not isinstance(model, str) or model not in DRIVES:
-        raise InputError(f"model = {numbers.shown(model)} is not one of {', '.join(DRIVES)}.")
-    return DRIVES[model]
+    if isinstance(model, str) and model in DRIVES:
+        return DRIVES[model]
+    from lsvib.drives.registry import find_model
+
+    own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
+    return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """What a drive answers in numbers: small values that cannot change. Everything else that it answers is a dataset."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 
@@ -15,7 +15,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of instability; it ``hold``s exactly if each of its inequalities has a positive margin.
+    """A condition of instability; ``hold`` is true exactly if each of its inequalities has a positive margin.
 
     ``margins``: by name, in SI units of the quantity that the name says. Missing margins are omitted; a condition
     without margins does not hold.
@@ -92,6 +92,77 @@ class StabilityReport:
                 quantities={name: Quantity(**entry) for name, entry in undamped["quantities"].items()},
             ),
         )
+
+
+@dataclass(frozen=True)
+class ThresholdSolution:
+    """One solution of the equations of a threshold for a parameter of a drive.
+
+    ``value`` of the parameter, a double in its SI unit; ``residual`` [1], what the equations leave at it, relative to
+    their terms; ``error_bound`` in its unit, which includes the rounding to a double; ``derivatives``, of the value by
+    every other parameter, by name, each with its unit; ``equation``, what is solved, in words.
+    """
+
+    value: float
+    residual: float
+    error_bound: float
+    derivatives: Mapping[str, Quantity]
+    equation: str
+
+    def change(self, by: Mapping[str, float]) -> dict[str, float]:
+        """Return what changes of other parameters, by name in their SI units, change the value, to first order."""
+        return {name: float(self.derivatives[name].value or 0.0) * step for name, step in by.items()}
+
+
+@dataclass(frozen=True)
+class SolvedThreshold:
+    """A threshold by ``name``, solved for the parameter ``unknown`` of a drive of a ``model``.
+
+    ``solutions``, at least one, in ascending order, in ``unit``; ``how`` says whether these are all. ``value``,
+    ``residual``, ``error_bound``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says that
+    there are more.
+    """
+
+    name: str
+    model: str
+    unknown: str
+    unit: str
+    solutions: tuple[ThresholdSolution, ...]
+    how: str
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one solution."""
+        return len(self.solutions) > 1
+
+    @property
+    def value(self) -> float:
+        """The smallest solution, in ``unit``."""
+        return self.solutions[0].value
+
+    @property
+    def residual(self) -> float:
+        """Residual [1] of the smallest solution."""
+        return self.solutions[0].residual
+
+    @property
+    def error_bound(self) -> float:
+        """Bound of the error of the smallest solution, in ``unit``."""
+        return self.solutions[0].error_bound
+
+    @property
+    def derivatives(self) -> Mapping[str, Quantity]:
+        """Derivatives of the smallest solution by all other parameters, by name."""
+        return self.solutions[0].derivatives
+
+    @property
+    def equation(self) -> str:
+        """Equation of the smallest solution, in words."""
+        return self.solutions[0].equation
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the threshold as plain numbers and names."""
+        return asdict(self)
 
 
 @dataclass(frozen=True)

@@ -300,12 +300,23 @@ def test_examples_of_docstrings_and_documentation():
     from lsvib.data import simulation
 
     failed += doctest.testmod(simulation).failed
+    failed += doctest.testfile(str(ROOT / "docs" / "thresholds.md"), module_relative=False).failed
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)
     text = page.read_text(encoding="utf-8")
     assert result.attempted >= len(lsvib.__all__)
-    for name in (*lsvib.__all__, "steady_state", "basin", "attraction", "automaton", "coefficients", "replace"):
+    for name in (
+        *lsvib.__all__,
+        "steady_state",
+        "threshold",
+        "basin",
+        "resilience",
+        "attraction",
+        "automaton",
+        "coefficients",
+        "replace",
+    ):
         assert name in text, f"docs/python.md says nothing of {name}"
 
 

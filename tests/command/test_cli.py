@@ -127,6 +127,22 @@ def test_thresholds_of_another_model(run, model, damping, unit):
         assert text.count("stability from") == sum(len(entry["stable_intervals"]) for entry in table.values())
 
 
+def test_a_threshold_solved_for_a_parameter(run):
+    arguments = ("thresholds", "--solve", "kinematic", "--for", "lead_angle", "--set", "mass=11")
+    code, out, error = run(*arguments, "--json")
+    assert (code, error) == (0, "")
+    found = lsvib.RigidDrive(mass=11).threshold("kinematic", "lead_angle")
+    assert json.loads(out) == json.loads(json.dumps(found.to_json()))
+    text = run(*arguments)[1]
+    assert text.startswith("kinematic: 2 solutions for lead_angle. All of them: ")
+    for solution in found.solutions:
+        assert f"lead_angle = {solution.value!r} rad, in error by at most " in text
+        assert f"  d/d mass = {solution.derivatives['mass'].value:.12g} rad/(kg)\n" in text
+    onset = ("thresholds", "--model", "threads", "--set", "mass=9", "--solve", "onset", "--for", "contact_damping")
+    own = lsvib.thresholds({"mass": 9.0}, model="threads")["least_contact_damping"]["value"]
+    assert json.loads(run(*onset, "--json")[1])["solutions"][0]["value"] == own
+
+
 def test_stability_does_not_contradict_itself(run):
     """Above the least damping of an infinitely stiff contact, below that of this one."""
     code, text, _ = run("stability", "--model", "threads", "--set", "mass=9", "--set", "contact_damping=5e4")
@@ -227,6 +243,10 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["thresholds", "--set", "masss=1"], "masss is not a known key"),
         (["thresholds", "--set", "mass=5kg"], "mass = '5kg' is not a number; the allowed range is 0 < mass <= 1e+09"),
         (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
+        (["thresholds", "--solve", "stuck"], "threshold = 'stuck' is not one of those of model rigid: onset, kine"),
+        (["thresholds", "--solve", "stick", "--for", "weight"], "unknown = 'weight' is not a parameter of model rigid"),
+        (["thresholds", "--solve", "stick"], "conditions (8.19) hold for no axial force"),
+        (["thresholds", "--for", "mass"], "--for mass needs --solve"),
         (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
         (["stability", "--set", "axial_force=0"], "axial_force"),
         (["stability", "--model", "elastic"], "model = 'elastic' is not one of rigid, threads, support, nut"),

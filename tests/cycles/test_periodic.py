@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 import lsvib
 from lsvib.bench.reference import rigid_digits
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.continuation import _other_sections
+from lsvib.cycles.continuation import other_sections
 from lsvib.cycles.periodic import cycle_of, cycle_on
 from lsvib.cycles.search import search, starts
 from lsvib.drives.threads import seated_state
@@ -103,7 +103,7 @@ def test_work_balances(drive, initial):
 def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
     cycle, _ = cycle_after(drive, initial)
     seen = 0
-    for other in _other_sections(cycle):
+    for other in other_sections(cycle):
         again = cycle_on(drive, other.section, "start")
         if again is None:
             continue

@@ -1,4 +1,4 @@
-"""Checks: the verdict, its limits, and its two written forms."""
+"""Checks: the verdict, its limits, and how it is written as data."""
 
 import json
 import math
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.data.checks import Check, counts, failures, markdown_table, printed_thresholds
+from lsvib.data.checks import Check, counts, failures, printed_thresholds
 from lsvib.drives.chapter import THRESHOLDS
 from lsvib.errors import InputError
 
@@ -48,24 +48,6 @@ def test_json_round_trip_of_a_statement():
     back = Check.from_json(json.loads(json.dumps(check.to_json())))
     assert back.passed is False
     assert back.tolerance is None
-
-
-def test_table_has_a_line_for_each_check():
-    checks = [("fig8_08", within(10.107)), ("fig8_07", Check.holds("mean of |N| grows", "Fig. 8.12", "3 of 3", False))]
-    head, rule, first, second = markdown_table(checks).splitlines()
-    columns = [cell.strip() for cell in head.strip("|").split("|")]
-    assert columns == ["figure", "claim", "expected", "computed", "error", "tolerance", "verdict"]
-    assert set(rule) == {"|", "-"}
-    assert [cell.strip() for cell in first.strip("|").split("|")][2:] == [
-        "10.1 kg",
-        "10.107 kg",
-        "0.000693",
-        "0.02",
-        "pass",
-    ]
-    assert "mean of \\|N\\| grows" in second
-    assert second.endswith("| FAIL    |")
-    assert len({len(head), len(rule), len(first), len(second)}) == 1
 
 
 def test_the_end_of_a_run_says_printed_thresholds_beside_computed_ones():

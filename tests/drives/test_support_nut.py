@@ -264,7 +264,7 @@ def test_start_at_rest_finds_the_one_consistent_mode(model):
 
 def test_mirror_symmetry_is_exact():
     """(state, R, Ω) → −(state, R, Ω): the same bits with the other sign."""
-    for (model, slide, bearing, parameters, start), automaton, _ in random_motions(3, 25):
+    for (model, slide, bearing, parameters, start), automaton, _ in random_motions(3, 10):
         motion = follow(automaton, start, 0.03, max_events=300)
         opposite = {name: -parameters[name] for name in ("axial_force", "input_speed")}
         image = follow(

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from reference.threads_comparison import Comparison, compare
 
-from lsvib.bench.reference.threads_digits import peak_normal_force, simulate
+from lsvib.bench.reference.threads_digits import SPARE_DIGITS, Function, simulate
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import ThreadsMode
 
@@ -82,6 +82,18 @@ def test_scenes_visit_every_mode_and_every_kind_of_event():
     assert set().union(*(result.modes for result in results)) == {mode.name.lower() for mode in ThreadsMode}
     kinds = {kind for result in results for kind, _ in result.kinds}
     assert kinds == {"contact_reversal", "stick", "reversal", "release"}
+
+
+def peak_normal_force(result):
+    """Largest |N| of a run of the reference: at the ends of its arcs or where N′ = 0."""
+    peak = mpf(0)
+    with mp.workdps(40 + SPARE_DIGITS):
+        row = result.drive.row(result.drive.N)
+        for _, _, arc, stay in result.arcs:
+            force = Function(arc, row)
+            times = [mpf(0), *force.derivative().roots(mpf(0), stay), stay] if stay else [mpf(0)]
+            peak = max([peak] + [abs(force(t)) for t in times])
+    return peak
 
 
 def test_reference_against_published_values():

@@ -83,9 +83,11 @@ def test_random_motions():
     assert not visited[True] & {"SLIP_FORWARD_POSITIVE", "SLIP_BACKWARD_NEGATIVE", "CONTACT_REVERSAL"}
 
 
-@pytest.mark.slow
-def test_many_more_random_motions():
-    assert compare_random_motions(5000)[0] == []
+@pytest.mark.parametrize(
+    "count", [pytest.param(1500, marks=pytest.mark.slow), pytest.param(5000, marks=pytest.mark.long)]
+)
+def test_many_more_random_motions(count):
+    assert compare_random_motions(count)[0] == []
 
 
 @pytest.mark.parametrize("mass", [10.05, 10.09, 10.11, 10.15])  # Γ₊ = 0 at 10.0998 kg

@@ -110,6 +110,19 @@ def test_what_is_of_no_effect_has_none(figure):
     xr.testing.assert_identical(other.drop_vars(idle), dataset.drop_vars(idle))
 
 
+# Dimensions whose entries need no label: they count points, or the long name of what lies along them tells the order.
+_COUNTED = ("start", "event", "seizure", "end", "edge", "bracket")
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_every_dimension_is_labelled_or_counts_points(figure):
+    dataset = dataset_of(figure)
+    counted = {name for name in dataset.sizes if name in _COUNTED or name.split("_")[-1] in ("sample", "point")}
+    assert set(dataset.sizes) - counted <= set(dataset.coords)
+    for name in set(dataset.sizes) - counted:
+        assert "flag_meanings" in dataset[name].attrs or dataset[name].attrs["units"], name
+
+
 def test_origin_says_which_values_are_printed():
     assert origin_of("support_damping", 2e-4) == "printed: Table 8.1"
     assert origin_of("support_damping", 1e-3) == ASSUMED

@@ -24,6 +24,7 @@ from lsvib.steady_sliding import input_rounding
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
+from lsvib.steady_sliding.solved_threshold import solve_threshold
 from lsvib.steady_sliding.thresholds import onset_force
 
 
@@ -53,16 +54,16 @@ def test_each_check_of_the_rounding_can_fail():
 def test_rounding_is_the_derivative_times_half_a_unit():
     """Closed forms: m_cr = I / (xi tan(lambda) r_m²) is in proportion to I and 1 / r_m², the onset to Omega and r_m."""
     drive = RigidParameters.of(translation_damping=1e3)
-    change = input_rounding.propagated(critical_mass, drive)
+    change = input_rounding.propagated(solve_threshold(drive, "kinematic"))
     value = critical_mass(drive)
-    assert change["screw_inertia"] == pytest.approx(value * 0.005 / 3.12, rel=1e-9)
-    assert change["pitch_radius"] == pytest.approx(-2 * value * 0.005 / 5.18, rel=1e-9)
+    assert change["screw_inertia"] == pytest.approx(value * 0.005 / 3.12, rel=1e-14)
+    assert change["pitch_radius"] == pytest.approx(-2 * value * 0.005 / 5.18, rel=1e-14)
     assert [change[name] for name in input_rounding.ROUND] == [0.0, 0.0, 0.0]
-    change = input_rounding.propagated(onset_force, drive)
-    assert change["input_speed"] == pytest.approx(onset_force(drive) * 0.5 / 40, rel=1e-9)
+    change = input_rounding.propagated(solve_threshold(drive, "onset"))
+    assert change["input_speed"] == pytest.approx(onset_force(drive) * 0.5 / 40, rel=1e-14)
     tangent, step = math.tan(drive.lead_angle), math.radians(0.005)
     expected = onset_force(drive) * step * (1 + tangent**2) / tangent
-    assert change["lead_angle_deg"] == pytest.approx(expected, rel=1e-9)
+    assert change["lead_angle_deg"] == pytest.approx(expected, rel=1e-14)
 
 
 def test_each_check_of_the_contact_stability_can_fail():

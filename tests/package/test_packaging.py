@@ -34,12 +34,12 @@ def test_requirements_pin_what_the_project_declares():
     tools = [re.split("[>=]", text)[0] for text in extras["dev"]]
     assert set(pins("requirements.txt")) == set(names)
     assert set(pins("requirements-dev.txt")) == set(tools)
-    for extra in ("solvers", "accuracy"):
+    for extra in ("solvers", "accuracy", "docs"):
         assert set(pins(f"requirements-{extra}.txt")) == {re.split("[>=]", text)[0] for text in extras[extra]}
     browser = {"playwright"}  # of the tests alone
     assert set(pins("requirements-explore.txt")) - browser == {re.split("[>=]", text)[0] for text in extras["explore"]}
     assert (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()[-1] == "-e ."
-    for name, base in (("solvers", ""), ("accuracy", "-solvers"), ("dev", "-solvers"), ("explore", "")):
+    for name, base in (("solvers", ""), ("accuracy", "-solvers"), ("dev", "-solvers"), ("explore", ""), ("docs", "")):
         lines = (ROOT / f"requirements-{name}.txt").read_text(encoding="utf-8").splitlines()
         assert f"-r requirements{base}.txt" in lines
 
@@ -49,12 +49,14 @@ def test_installed_versions_are_the_pinned_ones():
     assert {name: version(name) for name in wanted} == wanted
 
 
-def test_versions_agree():
+def test_the_version_is_in_one_place_and_the_others_agree():
     with (ROOT / "pyproject.toml").open("rb") as file:
-        declared = tomllib.load(file)["project"]["version"]
-    assert version("lsvib") == lsvib.__version__ == declared
-    assert f"\nversion: {declared}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert f"## {declared} " in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+        declared = tomllib.load(file)
+    assert declared["project"]["dynamic"] == ["version"]
+    assert declared["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "lsvib.__version__"}
+    assert version("lsvib") == lsvib.__version__
+    assert f"\nversion: {lsvib.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"## {lsvib.__version__} " in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
 def test_the_package_brings_types_settings_and_links():

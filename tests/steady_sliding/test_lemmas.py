@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.classes import growth_rate
+from reference.companion_roots import roots
 
-from lsvib.bench.reference.companion_roots import roots
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.classes import damped_class, growth_rate
+from reference.companion_roots import roots
 from reference.newton import accelerations
 
-from lsvib.bench.reference.companion_roots import roots
 from lsvib.contact.contact_force import contact_frequency
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import NutParameters, SupportParameters, ThreadsParameters

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.newton import eigenvalues, is_stable, steady_law
 
+from lsvib.drives.linear_parts import multiplied
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding import boundaries, characteristic, linearised, real_roots, spectrum, stiff_contact
@@ -237,7 +238,7 @@ def test_positive_roots_of_known_polynomials(halves, power):
     size = Fraction(10) ** power
     polynomial = (Fraction(3),)
     for half in halves:
-        polynomial = characteristic.multiplied(polynomial, (Fraction(1), -Fraction(half, 2) * size))
+        polynomial = multiplied(polynomial, (Fraction(1), -Fraction(half, 2) * size))
     found = real_roots.positive_roots(polynomial, 1000 * size)
     assert [float(x) for x in found] == [
         float(Fraction(half, 2) * size) for half in sorted({h for h in halves if h > 0})
@@ -250,7 +251,7 @@ def test_thresholds_of_every_model_are_those_of_the_function():
         assert set(threshold_table({}, model)) == {
             "critical_mass",
             "critical_friction",
-            f"least_{boundaries.OWN_DAMPING[kind]}",
+            f"least_{kind.own_damping}",
         }
     with pytest.raises(InputError, match="model = 'elastic' is not one of rigid, threads, support, nut"):
         threshold_table({}, "elastic")

@@ -11,7 +11,7 @@ from reference.newton import DIGITS, eigenvalues, is_stable, steady_law
 
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundaries import OWN_DAMPING, stable_set
+from lsvib.steady_sliding.boundaries import stable_set
 from lsvib.steady_sliding.stability_table import stability_table
 from lsvib.steady_sliding.summary import threshold_table
 
@@ -58,7 +58,7 @@ def _sorted(exact: list, zero: list[bool]) -> list[complex]:
 def judge_thresholds(model: str, drive: RigidParameters, law: int, random: np.random.Generator, tally: dict) -> None:
     """Hold every boundary against Routh's array on both sides, and the set between them at random places."""
     table = threshold_table(dict(drive), model)
-    own = OWN_DAMPING[type(drive)]
+    own = drive.own_damping
     for name, key in {
         "critical_mass": "mass",
         "critical_friction": "friction_coefficient",

@@ -7,18 +7,20 @@ rule accuracy:
         collect("results/figures/{figure}.{format}", figure=ACCURACY_FIGURES, format=["png", "pdf"]),
         collect("results/datasets/{figure}.nc", figure=ACCURACY_FIGURES),
         collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
-        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "verdict.txt", "table.md"]),
+        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "checks.html", "verdict.txt", "table.md"]),
     message:
         "All figures of accuracy are drawn and all their checks passed"
 
 
 use rule checks as accuracy_checks with:
     input:
-        sources=source_files(imports("lsvib.data.checks")),
+        sources=source_files(imports("lsvib.data.checks_report")),
         checks=collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
     output:
         json="results/accuracy/checks.json",
-        table="results/accuracy/checks.md",
+        text="results/accuracy/checks.md",
+        printed="results/accuracy/printed.rst",
+        page="results/accuracy/checks.html",
     log:
         "logs/accuracy_checks.log",
 

@@ -2,13 +2,20 @@
 
 
 rule checks:
-    """Collect the checks of all figures in one file for machines and one table for people."""
+    """Collect the checks of all figures: for machines, as a text by figure, and as a page that can be filtered."""
     input:
-        sources=source_files(imports("lsvib.data.checks")),
+        sources=source_files(imports("lsvib.data.checks_report")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
     output:
         json="results/checks.json",
-        table="results/checks.md",
+        text="results/checks.md",
+        printed="results/printed.rst",
+        page=report(
+            "results/checks.html",
+            caption="../report/checks.rst",
+            category="Checks",
+            labels={"table": "every check"},
+        ),
     log:
         "logs/checks.log",
     message:

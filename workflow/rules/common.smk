@@ -3,6 +3,7 @@
 import importlib.metadata
 import importlib.util
 import json
+import os
 import re
 import sys
 from functools import cache
@@ -11,7 +12,7 @@ from pathlib import Path
 import grimp
 from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.drives.registry import MODELS
+from lsvib.drives.model_files import model_module, model_names
 from lsvib.drives.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (
@@ -97,7 +98,7 @@ def sources(kind):
 
 def map_modules():
     """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return imports("lsvib.data.tiles") | imports(MODELS[MAP.get("model", "rigid")])
+    return imports("lsvib.data.tiles") | imports(model_module(MAP.get("model", "rigid")))
 
 
 def map_sources():
@@ -108,7 +109,7 @@ def map_sources():
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
-    "modal": tuple(module for model, module in MODELS.items() if model != "rigid"),
+    "modal": tuple(model_module(model) for model in model_names() if model != "rigid"),
     "mapper": ("lsvib.basins.planar_mapper",),
 }
 
@@ -135,9 +136,9 @@ def settings(wildcards):
     return config.get(wildcards.figure, {})
 
 
-def caption(wildcards):
-    """Return the caption of the figure; one caption file cannot serve all, and Snakemake knows no wildcard in its name."""
-    return caption_file(wildcards.figure).read_text(encoding="utf-8")
+def caption(figure):
+    """Return the file with the words of a figure's caption, relative to the working directory."""
+    return os.path.relpath(caption_file(figure))
 
 
 def category(wildcards):
@@ -168,7 +169,7 @@ def print_results(started, log=None):
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
             print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
-            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, {records}")
+            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, .html, .json")
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
 

@@ -19,10 +19,12 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
                 )
             ),
             engine=sorted({part for f in figures for part in engine(imports(dataset_module(f)))}),
+            captions=[caption(f) for f in figures],
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),
             png=expand("results/figures/{figure}.png", figure=figures),
+            captions=expand("results/figures/{figure}.rst", figure=figures),
         log:
             f"logs/draft_{number + 1}.log",
         benchmark:

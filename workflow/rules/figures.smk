@@ -50,6 +50,7 @@ rule figure:
     input:
         dataset="results/datasets/{figure}.nc",
         sources=sources("figures"),
+        caption=lambda wildcards: caption(wildcards.figure),
     output:
         png=report(
             "results/figures/{figure}.png",
@@ -58,12 +59,11 @@ rule figure:
             labels={"figure": "{figure}"},
         ),
         pdf="results/figures/{figure}.pdf",
+        caption="results/figures/{figure}.rst",
     log:
         "logs/figure/{figure}.log",
     benchmark:
         "benchmarks/figure/{figure}.tsv"
-    params:
-        caption=caption,
     message:
         "Drawing {wildcards.figure}"
     script:

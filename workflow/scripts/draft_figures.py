@@ -10,11 +10,11 @@ from lsvib.figures.draw import DRAFT
 sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 out = snakemake.output
-for (figure, settings), dataset, checks, png in zip(
-    snakemake.params.settings.items(), out.datasets, out.checks, out.png, strict=True
+for (figure, settings), dataset, checks, png, caption in zip(
+    snakemake.params.settings.items(), out.datasets, out.checks, out.png, out.captions, strict=True
 ):
     try:
-        build_figure(figure, settings, dataset, checks, png, resolution=DRAFT)
+        build_figure(figure, settings, dataset, checks, png, caption=caption, resolution=DRAFT)
         Path(png).with_suffix(".pdf").unlink(missing_ok=True)
     except LsvibError as error:
         sys.exit(f"{figure}: {error}")

@@ -9,6 +9,7 @@ sys.stderr = open(snakemake.log[0], "w", buffering=1)
 
 figure = snakemake.wildcards.figure
 try:
-    draw_figure(figure, snakemake.input.dataset, snakemake.output.png, snakemake.output.pdf)
+    out = snakemake.output
+    draw_figure(figure, snakemake.input.dataset, out.png, out.pdf, out.caption)
 except LsvibError as error:
     sys.exit(f"{figure}: {error}")

@@ -1,4 +1,4 @@
-"""The whole verdict on one data sheet, as plain values ready for the report, the dataset and JSON."""
+"""The whole verdict on one data sheet, as values ready for the report, the dataset and JSON."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.drive import QUANTITIES, nominal_draw, quantities, random_entries
-from lsvib.assess.friction import lifting_efficiency, lowering_efficiency, square_coefficient
-from lsvib.assess.margins import Margin, margins, sensitivities
+from lsvib.assess.drive import nominal_draw, quantities, random_entries, square_thread
+from lsvib.assess.friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.uncertainty import Uncertainty, draw_of, study, worst_shares
+from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, worst_shares
 from lsvib.assess.vibration import Vibration, survived_push, vibration
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import VERDICTS
@@ -23,6 +24,9 @@ _BEYOND = (
     "yet, only the onset."
 )
 _PUSHED = 5.0  # times the speed: a start that shows what a strong push does
+
+WorstCase = tuple[float, NDArray[np.float64]]
+"""Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,8 @@ class Assessment:
 
     ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
-    ``nominal``, ``worst``: the motion at the middle values and in the worst case, each where the reserve is lowest.
+    ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
+    values and in the worst case, each where the reserve is lowest.
     """
 
     sheet: Sheet
@@ -73,6 +78,7 @@ class Assessment:
     lead_angle: float
     square_friction: float
     mechanisms: dict[str, Mechanism]
+    margins: list[Margin]
     uncertainty: Uncertainty
     nominal: Motion
     worst: Motion
@@ -94,11 +100,13 @@ def assess(
     values = {key: float(value) for key, value in quantities(sheet, entries).items()}
     _require_a_drive(sheet, values)
     spread = study(sheet, samples, seed, threads, folder, progress)
-    found = _mechanisms(sheet, values, spread)
-    angle, friction = _friction(sheet, values)
-    verdict = _verdict(found, spread)
+    edges = margins(sheet, values)
+    found = _mechanisms(sheet, values, spread, edges)
+    angle, friction = map(float, square_thread(sheet, values))
+    worst_cases = _worst_cases(sheet, found, spread)
+    verdict = _verdict(found, spread, worst_cases)
     lowering = float(lowering_efficiency(friction, angle))
-    nominal = _motion(sheet, _critical(found), entries, found)
+    nominal = _motion(sheet, _critical(found), entries)
     return Assessment(
         sheet=sheet,
         seed=seed,
@@ -112,16 +120,15 @@ def assess(
         lead_angle=angle,
         square_friction=friction,
         mechanisms=found,
+        margins=edges[ANY],
         uncertainty=spread,
         nominal=nominal,
-        worst=_worst_motion(sheet, found, spread) if random_entries(sheet) else nominal,
+        worst=_worst_motion(sheet, found, worst_cases) if worst_cases else nominal,
     )
 
 
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
-    if not values["pitch_diameter"] > 0:
-        raise InputError("thread.nominal_diameter is not above half the pitch, so there is no pitch diameter.")
     for corner in corners(sheet, values):
         for part in ("rigid", *(part for part in ("contact", "support") if getattr(sheet, part) is not None)):
             try:
@@ -135,15 +142,10 @@ def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
                 raise InputError(f"The data sheet makes a drive that is out of range: {error}") from None
 
 
-def _friction(sheet: Sheet, values: dict[str, float]) -> tuple[float, float]:
-    """Lead angle [rad] and coefficient of the square thread at the middle values."""
-    angle = float(np.arctan(values["lead"] / (np.pi * values["pitch_diameter"])))
-    return angle, float(square_coefficient(values["friction"], angle, values["half_angle"]))
-
-
-def _mechanisms(sheet: Sheet, values: dict[str, float], spread: Uncertainty) -> dict[str, Mechanism]:
-    places, lowest = corners(sheet, values), worst(sheet, values)
-    edges, slopes = margins(sheet, values), sensitivities(sheet, values)
+def _mechanisms(
+    sheet: Sheet, values: dict[str, float], spread: Uncertainty, edges: dict[str, list[Margin]]
+) -> dict[str, Mechanism]:
+    places, lowest, slopes = corners(sheet, values), worst(sheet, values), sensitivities(sheet, values)
     found = {}
     for name, one in lowest.items():
         corner = tuple(float(x) for x in places[int(one.corner[0])])
@@ -193,7 +195,19 @@ def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, res
     return occurs
 
 
-def _verdict(found: dict[str, Mechanism], spread: Uncertainty) -> str:
+def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> dict[str, WorstCase]:
+    """Lowest reserve within the uncertainties of each mechanism, and the shares (d) of the unit cube that have it.
+
+    Searched for, since a corner of the uncertainties may be too small for any sample to fall into it. Empty if nothing
+    is uncertain.
+    """
+    if not random_entries(sheet):
+        return {}
+    places = {name: worst_shares(sheet, name, spread.lowest[name]) for name in found}
+    return {name: (float(evaluated(sheet, at[:, None])[name].reserve[0]), at) for name, at in places.items()}
+
+
+def _verdict(found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase]) -> str:
     steady = [one for name, one in found.items() if name != "push_needed"]
     if any(one.occurs for one in steady):
         name = "vibrates"
@@ -201,6 +215,8 @@ def _verdict(found: dict[str, Mechanism], spread: Uncertainty) -> str:
         name = "may vibrate"
     elif found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
         name = "steady until pushed"
+    elif any(reserve < 0 for reserve, _ in worst_cases.values()):
+        name = "steady but for rare values"
     elif min(one.reserve for one in steady) == 0:
         name = "steady without reserve"
     else:
@@ -217,7 +233,7 @@ def _critical(found: dict[str, Mechanism]) -> str:
     return "push_needed" if own[name].reserve > 0 and found["push_needed"].occurs else name
 
 
-def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str, Mechanism]) -> Motion:
+def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
     values = {key: float(value) for key, value in quantities(sheet, entries).items()}
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = tuple(float(x) for x in places[int(lowest[name].corner[0])])
@@ -225,98 +241,25 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float], found: dict[str,
     if name == "push_needed" and sheet.support is None:
         corner = _most_pushed(sheet, values, places, corner)[1]
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
+    if name == "thread_contact":  # of which a drive with a support knows nothing
+        part = "contact"
     if name == "falling_friction" and lowest[name].reserve[0] < 0:
         beyond = Vibration("rigid", "unknown", reason=_BEYOND)
         return Motion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
     strong = {"push": -_PUSHED} if name == "push_needed" else {}
     moved = vibration(sheet, values, corner, part, **strong)
-    if moved.reason is not None and part != "rigid":  # the simpler drive says more than nothing
+    if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
     push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
     return Motion(name, dict(entries), values, corner, moved, push)
 
 
-def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> Motion:
+def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], worst_cases: dict[str, WorstCase]) -> Motion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
-    name = _critical_of_samples(sheet, found, spread)
-    shares = worst_shares(sheet, name, spread.lowest[name])
-    draw = draw_of(sheet, shares[:, None])
-    entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
-    return _motion(sheet, name, entries, found)
-
-
-def _critical_of_samples(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> str:
-    def lowest(name: str) -> float:
-        draw = draw_of(sheet, spread.lowest[name][:, None])
-        return float(worst(sheet, quantities(sheet, draw))[name].reserve[0])
-
-    own = {name: lowest(name) for name in found if name != "push_needed"}
+    own = {name: reserve for name, (reserve, _) in worst_cases.items() if name != "push_needed"}
     name = min(own, key=lambda key: (-found[key].probability, own[key]))
-    return "push_needed" if own[name] > 0 > lowest("push_needed") else name
-
-
-def as_json(assessment: Assessment) -> dict[str, Any]:
-    """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
-    units = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
-    return {
-        "name": assessment.sheet.name,
-        "verdict": assessment.verdict,
-        "sentence": VERDICTS[assessment.verdict],
-        "self_locking": assessment.self_locking,
-        "efficiency": assessment.efficiency,
-        "mechanisms": {
-            name: {
-                "occurs": one.occurs,
-                "probability": one.probability,
-                "interval": list(one.interval),
-                "reserve": one.reserve,
-                "at": {"direction": one.corner[0], "screw_speed": one.corner[1], "force": one.corner[2]},
-                "margin": {
-                    row.quantity: {"factor": row.factor, "value": row.value, "unit": units[row.quantity]}
-                    for row in one.margins
-                },
-                "sensitivity": one.sensitivities,
-            }
-            for name, one in assessment.mechanisms.items()
-            if name != "push_needed"
-        },
-        "after_a_push": {
-            "possible": assessment.mechanisms["push_needed"].occurs,
-            "probability": assessment.mechanisms["push_needed"].probability,
-            "interval": list(assessment.mechanisms["push_needed"].interval),
-        },
-        "quantities": {key: {"value": value, "unit": units[key]} for key, value in assessment.values.items()},
-        "samples": assessment.uncertainty.samples,
-        "seed": assessment.seed,
-        "any_mechanism": {
-            "probability": assessment.uncertainty.any.value,
-            "interval": list(assessment.uncertainty.any.interval),
-        },
-        "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
-        "nominal": _motion_json(assessment.nominal),
-        "worst_case": _motion_json(assessment.worst),
-        "assumptions": dict(assessment.sheet.assumptions),
-        "sources": dict(assessment.sheet.sources),
-    }
-
-
-def _motion_json(motion: Motion) -> dict[str, Any]:
-    moved, (push, sentence) = motion.vibration, motion.push
-    return {
-        "mechanism": motion.mechanism,
-        "entries": motion.entries,
-        "at": {"direction": motion.corner[0], "screw_speed": motion.corner[1], "force": motion.corner[2]},
-        "model": moved.model,
-        "attractor": moved.attractor,
-        "vibrates": moved.vibrates,
-        "frequency": moved.frequency,
-        "audible": moved.audible,
-        "amplitude": moved.amplitude,
-        "load_speed": None if moved.load_speed is None else list(moved.load_speed),
-        "peak_contact_force": moved.peak_force,
-        "peak_impulse": moved.impulse,
-        "reason": moved.reason,
-        "scene": moved.scene,
-        "survived_push": None if push is None or not np.isfinite(push) else push,
-        "survived_push_sentence": sentence,
-    }
+    if own[name] > 0 > worst_cases["push_needed"][0]:
+        name = "push_needed"
+    draw = draw_of(sheet, worst_cases[name][1][:, None])
+    entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
+    return _motion(sheet, name, entries)

@@ -45,7 +45,7 @@ def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
     lead = values["lead"] / (2 * math.pi)  # travel per radian
     top = _BEYOND * values["speed_high"]
     turning = np.linspace(top / _POINTS, top, _POINTS)
-    weight = values["mass"] * GRAVITY * math.sin(sheet.load.tilt)
+    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
     ends = (values["force_low"], values["force_high"], 0.0, -weight)
     room = (_BEYOND - 1) * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
     force = np.linspace(min(ends) - room, max(ends) + room, _POINTS)
@@ -86,7 +86,7 @@ def _boundaries(
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
         found[_BOUNDARIES["onset_force"]] = -lever * drive.translation_damping * direction * turning - weight
-    if sheet.support is not None:  # the other thresholds are those of a screw that cannot shift
+    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
         return found
     for name in ("stick_force", "detach_force", "global_stability_force"):
         try:

@@ -60,14 +60,15 @@ def _lowest(verdict: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     return min(verdict["mechanisms"].items(), key=lambda pair: pair[1]["reserve"])
 
 
-def _nearest(one: dict[str, Any]) -> tuple[str | None, float | None]:
-    """The quantity with the smallest change that alters the verdict on a mechanism, and its factor."""
-    return next(((key, row["factor"]) for key, row in one["margin"].items() if row["factor"] is not None), (None, None))
+def _nearest(verdict: dict[str, Any]) -> tuple[str | None, float | None]:
+    """The quantity with the smallest change that makes a drive steady or unsteady, and its factor."""
+    margins = verdict["any_mechanism"]["margin"]
+    return next(((key, row["factor"]) for key, row in margins.items() if row["factor"] is not None), (None, None))
 
 
 def _short(verdict: dict[str, Any]) -> dict[str, Any]:
     name, one = _lowest(verdict)
-    quantity, factor = _nearest(one)
+    quantity, factor = _nearest(verdict)
     worst = verdict["worst_case"]
     return {
         "name": verdict["name"],

@@ -10,7 +10,7 @@ from lsvib.assess.assessment import Assessment, Motion
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import attributes, yes_no
 
 _REFERENCES = "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8"
 
@@ -19,48 +19,17 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
     """Return the dataset of an assessment; names of mechanisms, changes and entries stand in flags and attributes."""
     mechanisms = list(assessment.mechanisms)
     changes = sorted({row.quantity for one in assessment.mechanisms.values() for row in one.margins})
-    factor = np.full((len(mechanisms), len(changes)), np.nan)
-    slope = np.full_like(factor, np.nan)
-    for k, one in enumerate(assessment.mechanisms.values()):
-        for row in one.margins:
-            at = changes.index(row.quantity)
-            factor[k, at] = np.nan if row.factor is None else row.factor
-            slope[k, at] = one.sensitivities[row.quantity]
-    found = assessment.mechanisms.values()
-    variables: dict[str, Any] = {
-        "occurs": (
-            "mechanism",
-            np.array([one.occurs for one in found], dtype=np.int8),
-            {**attributes("1", "whether the mechanism occurs at the middle values"), **_words(("no", "yes"))},
-        ),
-        "reserve": ("mechanism", [one.reserve for one in found], attributes("1", "lowest reserve in the window")),
-        "probability": ("mechanism", [one.probability for one in found], attributes("1", "probability to occur")),
-        "interval": (
-            ("mechanism", "end"),
-            [list(one.interval) for one in found],
-            attributes("1", "confidence interval of the probability, 95 per cent"),
-        ),
-        "margin": (
-            ("mechanism", "change"),
-            factor,
-            attributes("1", "factor on a quantity at which the verdict changes, missing if there is none"),
-        ),
-        "sensitivity": (
-            ("mechanism", "change"),
-            slope,
-            attributes("1", "change of the reserve per relative change of a quantity"),
-        ),
-        "reserve_counts": (
-            ("mechanism", "class"),
-            np.array([assessment.uncertainty.probability[name].counts for name in mechanisms], dtype=np.int64),
-            attributes("1", "number of samples by reserve"),
-        ),
-        "chart": (
-            ("direction", "force", "speed"),
-            np.stack([chart.kind for chart in charts]),
-            {**attributes("1", "what occurs at a point of operation"), **_words(KINDS)},
-        ),
-    }
+    variables: dict[str, Any] = {**_probabilities(assessment), **_margins(assessment, changes)}
+    variables["reserve_counts"] = (
+        ("mechanism", "class"),
+        np.array([assessment.uncertainty.probability[name].counts for name in mechanisms], dtype=np.int64),
+        attributes("1", "number of samples by reserve"),
+    )
+    variables["chart"] = (
+        ("direction", "force", "speed"),
+        np.stack([chart.kind for chart in charts]),
+        {**attributes("1", "what occurs at a point of operation"), **_words(KINDS)},
+    )
     coordinates = {
         "mechanism": _flagged("mechanism", mechanisms),
         "change": _flagged("changed quantity", changes),
@@ -85,6 +54,48 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
             "worst_case_scene": json.dumps(assessment.worst.vibration.scene),
         },
     )
+
+
+def _probabilities(assessment: Assessment) -> dict[str, tuple]:
+    """Whether each mechanism occurs at the middle values, with which reserve, and how probable it is."""
+    found = assessment.mechanisms.values()
+    return {
+        "occurs": (
+            "mechanism",
+            np.array([one.occurs for one in found], dtype=np.int8),
+            yes_no("whether the mechanism occurs at the middle values"),
+        ),
+        "reserve": ("mechanism", [one.reserve for one in found], attributes("1", "lowest reserve in the window")),
+        "probability": ("mechanism", [one.probability for one in found], attributes("1", "probability to occur")),
+        "interval": (
+            ("mechanism", "end"),
+            [list(one.interval) for one in found],
+            attributes("1", "confidence interval of the probability, 95 per cent"),
+        ),
+    }
+
+
+def _margins(assessment: Assessment, changes: list[str]) -> dict[str, tuple]:
+    """Margin and sensitivity of each mechanism for each change of a quantity; missing where there is none."""
+    factor = np.full((len(assessment.mechanisms), len(changes)), np.nan)
+    slope = np.full_like(factor, np.nan)
+    for k, one in enumerate(assessment.mechanisms.values()):
+        for row in one.margins:
+            at = changes.index(row.quantity)
+            factor[k, at] = np.nan if row.factor is None else row.factor
+            slope[k, at] = one.sensitivities.get(row.quantity, np.nan)
+    return {
+        "margin": (
+            ("mechanism", "change"),
+            factor,
+            attributes("1", "factor on a quantity at which the verdict changes, missing if there is none"),
+        ),
+        "sensitivity": (
+            ("mechanism", "change"),
+            slope,
+            attributes("1", "change of the reserve per relative change of a quantity"),
+        ),
+    }
 
 
 def _words(names: Any) -> dict[str, Any]:

@@ -25,6 +25,7 @@ QUANTITIES = {
     "rotational_damping": ("rotational damping", "N m s rad-1"),
     "translational_damping": ("damping of the load", "N s m-1"),
     "mass": ("moved mass", "kg"),
+    "tilt": ("angle of the axis above the horizontal", "rad"),
     "force_low": ("smallest force against outward travel", "N"),
     "force_high": ("largest force against outward travel", "N"),
     "speed_low": ("smallest speed of the screw", "rad s-1"),
@@ -74,6 +75,7 @@ def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
         "rotational_damping": draw.get("damping.rotational", 0.0),
         "translational_damping": draw.get("damping.translational", 0.0),
         "mass": draw["load.mass"],
+        "tilt": draw.get("load.orientation", 0.0),
     }
     for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
         if keys is not None:
@@ -129,7 +131,7 @@ def _coefficient(sheet: Sheet, draw: Values, angle: Any, half_angle: Any) -> Any
     if sheet.friction.efficiency is not None:
         square = coefficient_from_efficiency(draw["friction.efficiency"], angle)
         return flank_coefficient(square, angle, half_angle)
-    return float(np.mean(sheet.friction.curve.coefficients))
+    return float(np.mean(sheet.friction.curve.coefficients)) * draw.get("friction.curve_factor", 1.0)
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ class Point:
 def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) -> Point:
     """Return a point of operation: direction of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N].
 
-    The axis leans by the tilt of the load, so that its weight m g sin(tilt) adds to the force. The force R of the
+    The axis leans by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the
     package acts along outward travel, whence the sign.
     """
     radius = 0.5 * values["pitch_diameter"]
@@ -166,9 +168,18 @@ def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) 
         "input_speed": direction * speed,
         "mass": values["mass"],
         "translation_damping": values["translational_damping"],
-        "axial_force": -(force + values["mass"] * GRAVITY * math.sin(sheet.load.tilt)),
+        "axial_force": -(force + values["mass"] * GRAVITY * np.sin(values["tilt"])),
     }
     return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
+
+
+def square_thread(sheet: Sheet, values: Values) -> tuple[Any, Any]:
+    """Return lead angle [rad] and friction coefficient [1] of the square thread that behaves alike.
+
+    With a curve of friction at the middle of the speeds.
+    """
+    at = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0).parameters
+    return at["lead_angle"], at["friction_coefficient"]
 
 
 def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:

@@ -1,7 +1,6 @@
 """The types of the entries of a data sheet: quantities with units and allowed ranges."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any
@@ -47,7 +46,6 @@ def _positive(high: float) -> Allowed:
 Length = _field("m", allowed={"m": _positive(100.0)})
 LeadAngle = _field("rad", allowed={"rad": _positive(math.radians(80))})
 HalfAngle = _field("rad", allowed={"rad": Allowed(0.0, math.radians(60))})
-Tilt = _field("rad", allowed={"rad": Allowed(-math.pi / 2, math.pi / 2)})
 Mass = _field("kg", allowed={"kg": _positive(1e9)})
 Density = _field("kg/m^3", allowed={"kg/m^3": _positive(3e4)})
 Inertia = _field("kg m^2", allowed={"kg m^2": _positive(1e6)})
@@ -62,6 +60,24 @@ Ratio = _field("", allowed={"": _positive(1e4)})
 Coefficient = _field("", allowed={"": Allowed(0.0, 3.0)})
 Efficiency = _field("", allowed={"": Allowed(0.001, 0.999)})
 Slope = _field("s/m", allowed={"s/m": Allowed(-1e3, 1e3)})
+CurveFactor = _field("", allowed={"": _positive(10.0)})
+
+_TILT = Allowed(-math.pi / 2, math.pi / 2)
+_TILTS = {"horizontal": 0.0, "vertical": math.pi / 2}
+
+
+def _tilt(value: Any) -> Spread:
+    if isinstance(value, str) and value in _TILTS:
+        return Spread("value", (_TILTS[value],), "rad", _TILTS[value], _TILTS[value], value)
+    try:
+        return spread(value, "rad", check=_TILT.problem)
+    except NotQuantity as error:
+        if isinstance(value, str) and "is not an angle" in str(error):
+            raise NotQuantity(f"{error}, horizontal or vertical") from None
+        raise
+
+
+Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
 
 
 def _size(value: Any) -> ThreadSize:
@@ -96,4 +112,3 @@ def _curve(value: Any) -> Curve:
 
 
 FrictionCurve = Annotated[Curve, BeforeValidator(_curve)]
-Checker = Callable[[float, str], str | None]

@@ -7,16 +7,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import reserves
+from lsvib.assess.mechanisms import NAMES, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
+
+ANY = "any"
+"""Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
 
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
 """Quantities of the window, which are changed together."""
 
 _DECADES = 3  # factors from a thousandth to a thousandfold are looked at
+_DECADES_BELOW = 6  # a damping that is not given is looked for from a millionth of the critical one up to it
 _PER_DECADE = 200  # steps of 1.2 %; a narrower island of stability between two of them is not seen
 _ROUNDS, _PARTS = 10, 32  # a step of 1.2 % is cut into 32 parts ten times, which leaves the last bits
+_NEXT_TO_NONE = 1e-12  # of a critical damping; below it a damping is as good as none
 _STEP = 1e-30  # of the complex step: its square, relative, lies far below rounding
 
 
@@ -25,7 +30,8 @@ class Margin:
     """The nearest change of one quantity, in relation, at which a mechanism sets in or, if it occurs, vanishes.
 
     ``factor`` [1] is what the quantity is multiplied with, ``value`` the quantity then (the larger end of a window);
-    both None if no factor from 0.001 to 1000 does it.
+    both None if no factor from 0.001 to 1000 does it. Of a damping that is zero only the ``value`` is known, if one up
+    to the critical damping does it.
     """
 
     quantity: str
@@ -34,11 +40,28 @@ class Margin:
 
 
 def changeable(values: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
-    """Return the quantities whose change is looked at, by name: keys of ``values`` that are not zero."""
-    paired = {key for keys in PAIRS.values() for key in keys}
+    """Return the quantities whose change is looked at, by name: keys of ``values`` that are not zero.
+
+    The tilt is not among them: an axis that stands upright cannot lean more, and its weight counts as ``force``.
+    """
+    paired = {key for keys in PAIRS.values() for key in keys} | {"tilt"}
     single = {key: (key,) for key, value in values.items() if key not in paired and value != 0}
     pairs = {name: keys for name, keys in PAIRS.items() if any(values[key] != 0 for key in keys)}
     return {**single, **pairs}
+
+
+def _absent_dampings(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
+    turning = float(np.sqrt(values["inertia"] * values["coupling_stiffness"]))
+    sizes = {
+        "rotational_damping": turning,
+        "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2,
+    }
+    if "contact_stiffness" in values:
+        sizes["contact_damping"] = float(np.sqrt(values["contact_stiffness"] * values["mass"]))
+    if "support_stiffness" in values:
+        sizes["support_damping"] = float(np.sqrt(values["support_stiffness"] * values["screw_mass"]))
+    return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
 def _scaled(values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
@@ -49,14 +72,16 @@ def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
     found = worst(sheet, _scaled(values, keys, factors))
     shape = factors.shape
-    return {
+    occurs = {
         name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
         for name, one in found.items()
     }
+    own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
+    return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
 
 
 def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]]:
-    """Return for each mechanism the margin in every quantity, the smallest change first.
+    """Return for each mechanism, and for :data:`ANY` of them, the margin in every quantity, the smallest change first.
 
     By a scan in steps of 1.2 % on either side, and finer ones between the two steps where the verdict changes. A change
     to a drive that cannot move at all (μ ≥ cot λ) does not count.
@@ -75,6 +100,12 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
             largest = max((float(values[key]) for key in keys), key=abs)
             value = None if factor is None else largest * factor
             result.setdefault(mechanism, []).append(Margin(name, factor, value))
+    for name, size in _absent_dampings(values).items():
+        sized = {**values, name: size}
+        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-_DECADES_BELOW, 0.0, _DECADES_BELOW * _PER_DECADE + 1)])
+        for mechanism, occurs in _occurs(sheet, sized, (name,), factors).items():
+            factor = _edge(sheet, sized, (name,), mechanism, factors, occurs)
+            result.setdefault(mechanism, []).append(Margin(name, None, None if factor is None else size * factor))
     for rows in result.values():
         rows.sort(key=lambda row: np.inf if row.factor is None else abs(np.log(row.factor)))
     return result
@@ -87,7 +118,7 @@ def _edge(
     changed = np.flatnonzero(occurs != occurs[0])
     if not changed.size or occurs[changed[0]] < 0:
         return None
-    before, after = factors[changed[0] - 1], factors[changed[0]]
+    before, after = max(factors[changed[0] - 1], _NEXT_TO_NONE), factors[changed[0]]
     for _ in range(_ROUNDS):
         finer = np.geomspace(before, after, _PARTS + 1)
         there = np.flatnonzero(_occurs(sheet, values, keys, finer)[name] != occurs[0])

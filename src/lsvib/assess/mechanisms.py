@@ -10,8 +10,9 @@ of both. It is 1 where nothing destabilises, 0 at the onset and negative where t
     thread contact         the Hurwitz determinant of the drive with compliant threads
 
 The last two are laid at the door of the mechanism only where the drive with rigid parts would be stable, or where the
-undamped drive with support is unstable already. Without any damping a reserve of damping is zero: motions neither grow
-nor decay.
+undamped drive with support is unstable already. A support or contact can also keep a drive stable that is unstable with
+rigid parts; then no mechanism occurs. With both, each is judged with the other rigid, and the support decides on the
+mechanisms of the rigid drive. Without any damping a reserve of damping is zero: motions neither grow nor decay.
 """
 
 from collections.abc import Mapping
@@ -85,7 +86,12 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     if sheet.contact is not None:
         own = sheets.own_parameters(values, "contact")
         full = _full_reserve("contact", {**p, **own}, law)
-        found["thread_contact"] = np.where(rigid_stable, full, _larger(full, 0 * full))
+        whole = friction.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
+        own_fault = (np.real(damping + by_slope) >= 0) & (np.real(whole) > 0)
+        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
+        if sheet.support is None:
+            for name in ("negative_damping", "kinematic_constraint"):
+                found[name] = _larger(found[name], full)
     plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
     of_plus = friction.effective_inertia(p["screw_inertia"], mass, p["pitch_radius"], tangent, plus)
     reserve = _balance(p["screw_inertia"], of_plus - p["screw_inertia"])
@@ -166,5 +172,9 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
         occurs["negative_damping"] &= unstable or kind == "kinematic"
     if sheet.contact is not None:
         kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
-        occurs["thread_contact"] = stable and kind not in ("stable", "neutral")
+        unstable = kind not in ("stable", "neutral")
+        occurs["thread_contact"] = stable and unstable
+        if sheet.support is None:
+            for name in ("negative_damping", "kinematic_constraint"):
+                occurs[name] &= unstable
     return occurs

@@ -22,6 +22,7 @@ figcaption { color: var(--soft); font-size: .9rem; }
 .pair { display: grid; gap: 0 1.5rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
 table { border-collapse: collapse; width: 100%; margin: .75rem 0; font-size: .93rem; }
 th, td { text-align: left; vertical-align: top; padding: .4rem .6rem .4rem 0; border-bottom: 1px solid var(--line); }
+td + td { min-width: 6.5rem; }
 th { color: var(--soft); font-weight: 600; } td small { color: var(--soft); display: block; }
 code, pre { font: .85rem/1.4 ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere;
   white-space: pre-wrap; }
@@ -30,15 +31,17 @@ pre { background: var(--tint); padding: .7rem; border-radius: .4rem; }
 @media (max-width: 640px) {
   body { padding: .75rem; }
   thead { display: none; } tr { display: block; border-bottom: 1px solid var(--line); padding: .4rem 0; }
-  td { display: block; border: 0; padding: .1rem 0; }
+  td { display: block; border: 0; padding: .1rem 0; } td + td { min-width: 0; }
   td[data-name]::before { content: attr(data-name) ": "; color: var(--soft); }
   td:first-child { font-weight: 600; }
   td:first-child small { font-weight: 400; } td:first-child::before { content: ""; }
 }
 @media print {
   body { font-size: 10.5pt; max-width: none; padding: 0; } h2 { break-after: avoid; } tr { break-inside: avoid; }
-  .verdict, .card, pre { background: none; border: 1px solid var(--line); }
-  .verdict { border-left-width: .4rem; }
+  h2 { margin-top: 1.2rem; } figure { max-width: 9.5cm; margin: .5rem 0; } .pair { grid-template-columns: 1fr 1fr; }
+  .cards { grid-template-columns: repeat(4, 1fr); }
+  .verdict, .card, pre { background: none; border-width: 1px; border-style: solid; }
+  .card, pre { border-color: var(--line); } .verdict { border-left-width: .4rem; }
 }
 """
 

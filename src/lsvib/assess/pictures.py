@@ -189,7 +189,7 @@ def locking_chart(assessment: Assessment) -> Figure:
     axis.text(0.03, 0.9, "holds its load", transform=axis.transAxes, fontsize=7)
     axis.text(0.97, 0.05, "can be driven back", transform=axis.transAxes, ha="right", fontsize=7)
     axis.set(xlabel="Lead / pitch diameter", ylabel="Friction coefficient")
-    axis.legend(fontsize=6.5, loc="center right")
+    figure.legend(fontsize=6.5, loc="outside lower center", ncols=2)
     return figure
 
 

@@ -2,18 +2,17 @@
 
 import math
 
-import yaml
-
 from lsvib.assess import page, pictures
-from lsvib.assess.assessment import Assessment, Mechanism, Motion
+from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import QUANTITIES, random_entries
+from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.motions import motions, rigid, where
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
-from lsvib.assess.words import ATTRACTORS, CHANGES, MECHANISMS, SHORT, VERDICTS
+from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
 
-_TONES = {"vibrates": "bad", "may vibrate": "warn", "steady until pushed": "warn", "steady without reserve": "warn"}
+_TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
 _ADVICE = 3  # changes that the summary names
 _MARGINS = 3  # causes whose margins are drawn
 _NEAR = 10.0  # factor within which a margin is worth a bar
@@ -25,13 +24,13 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     name = assessment.sheet.name
     parts = [
         page.heading(f"Will it vibrate? {name}", 1),
-        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'good')}"),
+        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'warn')}"),
         page.paragraph(_summary(assessment)),
         page.cards(_cards(assessment)),
         *_mechanisms(assessment),
         *_changes(assessment),
         *_operating(assessment, charts),
-        *_motions(assessment),
+        *motions(assessment),
         *_uncertainty(assessment),
         *_locking(assessment),
         *data_sheet(assessment),
@@ -47,42 +46,58 @@ def shown_mechanisms(assessment: Assessment) -> list[str]:
     return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
 
 
-def _where(one: Mechanism | Motion, assessment: Assessment) -> str:
-    direction, speed, force = one.corner
-    lead = assessment.values["lead"] / (2 * math.pi)
-    way = "outward" if direction > 0 else "back"
-    return (
-        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {shown(force, 'N')} against "
-        "outward travel"
-    )
-
-
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring = [one for one in found if one.occurs]
     if occurring:
-        one = occurring[0]
-        best = [row for row in one.margins if row.factor is not None][:_ADVICE]
+        one, *others = occurring
+        too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
+        best = [row for row in assessment.margins if row.factor is not None][:_ADVICE]
         changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
-        advice = f" The smallest single changes that end it: {changes}." if best else ""
-        return f"The cause is {SHORT[one.name]}, first {_where(one, assessment)}.{advice}"
+        advice = (
+            f" The smallest single changes that make it run steadily at the middle values: {changes}."
+            if best
+            else " No single change of one quantity alone makes it run steadily."
+        )
+        return f"The cause is {SHORT[one.name]}, worst {where(one, assessment)}.{too}{advice}{_absent(assessment)}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
-        return "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+        return (
+            "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+            f"{_absent(assessment)}"
+        )
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}."
+        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}.{_absent(assessment)}"
+    )
+
+
+def _absent(assessment: Assessment) -> str:
+    """A sentence on each damping that the sheet leaves out and that would alter the verdict."""
+    effect = "end" if assessment.verdict == "vibrates" else "start"
+    rows = [row for row in assessment.margins if row.factor is None and row.value is not None]
+    return "".join(
+        f" No {CHANGES[row.quantity]} is given; from {shown(row.value, _UNITS[row.quantity])} on it would {effect} "
+        "vibration."
+        for row in rows
     )
 
 
 def _cards(assessment: Assessment) -> list[tuple[str, str]]:
     lowering = assessment.efficiency["lowering"]
+    holds, least = assessment.uncertainty.holds, assessment.uncertainty.any
+    locking = "yes" if assessment.self_locking else "no"
+    if 0 < holds.value < 1:
+        locking = f"in {percent(holds.value)} of cases"
     cards = [
-        ("yes" if assessment.self_locking else "no", "self-locking: holds its load without the motor"),
+        (locking, "self-locking: holds its load without the motor"),
         (percent(assessment.efficiency["lifting"]), "efficiency when moving against the load"),
         ("needs torque" if lowering is None else percent(lowering), "efficiency when the load drives the screw back"),
-        (percent(assessment.uncertainty.any.value), "probability that it vibrates somewhere in the window"),
+        (
+            percent(least.value) if least.value or least.interval[1] == 0 else f"below {percent(least.interval[1])}",
+            "probability that it vibrates somewhere in the window",
+        ),
     ]
     worst = assessment.worst.vibration
     if worst.vibrates:
@@ -104,8 +119,10 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
             margin = "no single change brings it about" if not one.occurs else "no single change ends it"
         else:
             margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
-        where = _where(one, assessment) if one.occurs else ""
-        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(where) if where else ''}")
+        place = where(one, assessment) if one.occurs else ""
+        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
+        if name == "push_needed" and one.occurs and not rigid(assessment):
+            verdict = Html(f"possible{page.small('computed with stiff threads and support; ' + place)}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
         rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
@@ -163,7 +180,7 @@ def _changes(assessment: Assessment) -> list[Html]:
 
 
 def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
-    weight = assessment.sheet.load.tilt != 0
+    weight = assessment.values["tilt"] != 0
     note = " The weight of the load comes on top of the force shown." if weight else ""
     return [
         page.heading("Where it vibrates"),
@@ -173,76 +190,6 @@ def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
             f"operating window; a force above zero opposes outward travel.{note}",
         ),
     ]
-
-
-def _motions(assessment: Assessment) -> list[Html]:
-    same = assessment.worst is assessment.nominal
-    parts = [page.heading("What the vibration is")]
-    motions = [("At the given values" if same else "At the middle values", assessment.nominal)]
-    if not same:
-        motions.append(("In the worst case within the uncertainties", assessment.worst))
-    for title, motion in motions:
-        parts += _motion(title, motion, assessment)
-    return parts
-
-
-def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
-    moved, (push, sentence) = motion.vibration, motion.push
-    start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
-    parts = [
-        page.heading(title, 3),
-        page.paragraph(f"The drive is {_where(motion, assessment)}, where it is most at risk."),
-    ]
-    if motion is assessment.worst and motion is not assessment.nominal:
-        spreads = assessment.sheet.spreads()
-        values = ", ".join(
-            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
-        )
-        parts.append(page.paragraph(f"The values of this case: {values}."))
-    ends = ATTRACTORS.get(moved.attractor, moved.attractor)
-    if moved.reason is not None:
-        parts.append(page.paragraph(f"Of the motion {start} this is known: {moved.reason}"))
-    elif not moved.vibrates:
-        parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it returns to {ends}."))
-    else:
-        low, high = moved.load_speed
-        heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
-        rows = [
-            ("What it is", ends),
-            ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-            ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
-            ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
-            ("Largest contact force of the threads", shown(moved.peak_force, "N")),
-        ]
-        if moved.impulse:
-            rows.append(
-                ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
-            )
-        parts.append(page.table(["", start[0].upper() + start[1:]], rows))
-    lead = motion.values["lead"] / (2 * math.pi)
-    if push is not None and math.isfinite(push) and push > 0:
-        parts.append(
-            page.paragraph(
-                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
-                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
-            )
-        )
-    elif push is not None and math.isinf(push):
-        parts.append(page.paragraph(sentence))
-    if moved.time.size:
-        caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
-        parts.append(
-            page.picture(
-                pictures.embedded(pictures.motion_chart, motion), f"{caption}, {title.lower()}.".replace(" ,", ",")
-            )
-        )
-    if moved.scene and moved.time.size:
-        parts += [
-            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
-            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
-            page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
-        ]  # fmt: skip
-    return parts
 
 
 def _uncertainty(assessment: Assessment) -> list[Html]:
@@ -286,6 +233,11 @@ def _locking(assessment: Assessment) -> list[Html]:
         else "The thread is not self-locking: the load can drive the screw back, with an efficiency of "
         f"{percent(lowering)}."
     )
+    spread = assessment.uncertainty
+    if 0 < spread.holds.value < 1:
+        holds += f" That is so at the middle values; of all drives that were drawn, {percent(spread.holds.value)} hold."
+    low, high = spread.lifting
+    ends = f" (from {percent(low)} to {percent(high)} within the uncertainties)" if low < high else ""
     third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
     rule = (
         f"By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
@@ -293,7 +245,9 @@ def _locking(assessment: Assessment) -> list[Html]:
     )
     return [
         page.heading("Efficiency and self-locking"),
-        page.paragraph(f"Against the load the thread works with an efficiency of {percent(lifting)}. {holds} {rule}"),
+        page.paragraph(
+            f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
+        ),
         page.picture(
             pictures.embedded(pictures.locking_chart, assessment),
             "Friction at which a thread holds its load by itself.",

@@ -4,9 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from lsvib.assess.assessment import as_json, assess
+from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
 from lsvib.assess.dataset import dataset
+from lsvib.assess.plain_values import as_json
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import BLOCK, compute_blocks

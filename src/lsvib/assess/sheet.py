@@ -1,6 +1,5 @@
 """The data sheet of a drive: one YAML file in the words and units of an engineer, checked as a whole."""
 
-import math
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -10,13 +9,16 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from lsvib.assess import fields
 from lsvib.assess.spread import Spread
-from lsvib.assess.units import NotQuantity, quantity
+from lsvib.assess.units import NotQuantity
 from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, shown, whole
 
 DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}
 """kg/m³, of the usual alloys, to one per cent."""
+
+
+_MISMATCH = 0.01  # of a lead against starts times pitch: more than sizes in inches lose when written in millimetres
 
 
 class _Part(BaseModel):
@@ -50,6 +52,8 @@ class Thread(_Part):
         others = ("lead", "lead_angle", "pitch", "nominal_diameter", "pitch_diameter", "half_angle")
         given = [key for key in others if getattr(self, key) is not None]
         if self.size is not None:
+            if "starts" in self.model_fields_set:
+                return "thread.size and thread.starts are both given; the name of a size tells them, as Tr 8x8 P2."
             return f"thread.size and thread.{given[0]} are both given; give one of them." if given else None
         leads = [key for key in ("lead", "lead_angle") if key in given]
         if len(leads) == 2:
@@ -62,6 +66,13 @@ class Thread(_Part):
             return f"thread.nominal_diameter and thread.pitch_diameter {which}."
         if diameters == ["nominal_diameter"] and not {"pitch", "lead"} & set(given):
             return "thread.nominal_diameter needs thread.pitch or thread.lead, from which the pitch diameter follows."
+        told = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
+        if told and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > _MISMATCH:
+            return "thread.lead is not thread.starts times thread.pitch; leave one of them out."
+        if self.nominal_diameter is not None:
+            pitch = self.pitch.high if self.pitch is not None else self.lead.high / self.starts
+            if not self.nominal_diameter.low > 0.5 * pitch:
+                return "thread.nominal_diameter is not above half the pitch, so there is no pitch diameter."
         return None
 
 
@@ -102,25 +113,7 @@ class Load(_Part):
 
     mass: fields.Mass
     force: fields.Force | None = None
-    orientation: Any = "horizontal"
-
-    def problem(self) -> str | None:
-        """Return what does not fit together, or None."""
-        if self.orientation in ("horizontal", "vertical"):
-            return None
-        try:
-            tilt = quantity(self.orientation, "rad")[0]
-        except NotQuantity as error:
-            return f"load.orientation {error}, horizontal or vertical."
-        if abs(tilt) > math.pi / 2:
-            return f"load.orientation = {self.orientation} is outside the allowed range -90 deg <= value <= 90 deg."
-        return None
-
-    @property
-    def tilt(self) -> float:
-        """Angle of the axis above the horizontal [rad]; outward is upward."""
-        words = {"horizontal": 0.0, "vertical": math.pi / 2}
-        return words[self.orientation] if self.orientation in words else quantity(self.orientation, "rad")[0]
+    orientation: fields.Tilt | None = None
 
 
 class Operation(_Part):
@@ -131,11 +124,15 @@ class Operation(_Part):
 
 
 class Friction(_Part):
-    """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed."""
+    """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed.
+
+    ``curve_factor`` multiplies all coefficients of a curve, so that the curve may be uncertain as a whole.
+    """
 
     coefficient: fields.Coefficient | None = None
     efficiency: fields.Efficiency | None = None
     curve: fields.FrictionCurve | None = None
+    curve_factor: fields.CurveFactor | None = None
     slope: fields.Slope | None = None
 
     def problem(self) -> str | None:
@@ -146,6 +143,8 @@ class Friction(_Part):
             return f"friction {which}; give one of them."
         if self.curve is not None and self.slope is not None:
             return "friction.curve and friction.slope are both given; give one of them."
+        if self.curve is None and self.curve_factor is not None:
+            return "friction.curve_factor needs friction.curve, whose coefficients it multiplies."
         return None
 
 
@@ -190,7 +189,7 @@ class Sheet(_Part):
             raise InputError(_sentence(error)) from None
         except RecursionError:
             raise InputError("The data sheet is nested too deeply.") from None
-        for part in (sheet.thread, sheet.screw, sheet.load, sheet.friction):
+        for part in (sheet.thread, sheet.screw, sheet.friction):
             if (problem := part.problem()) is not None:
                 raise InputError(problem)
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:

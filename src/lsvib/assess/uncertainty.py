@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.drive import nominal_draw, quantities, random_entries
+from lsvib import __version__
+from lsvib.assess.drive import nominal_draw, quantities, random_entries, square_thread
+from lsvib.assess.friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
@@ -46,7 +48,8 @@ class Uncertainty:
     """What the samples say: ``samples``, ``probability`` by mechanism, ``any`` of them, and the worst ``share``s.
 
     ``first_order`` and ``total``: Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
-    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism.
+    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism. ``holds``: how often the thread
+    is self-locking (no ``counts``), and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
     """
 
     samples: int
@@ -55,6 +58,8 @@ class Uncertainty:
     first_order: dict[str, dict[str, float]]
     total: dict[str, dict[str, float]]
     lowest: dict[str, NDArray[np.float64]]
+    holds: Probability
+    lifting: tuple[float, float]
 
 
 def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
@@ -120,13 +125,17 @@ def study(
     with ThreadPoolExecutor(threads) as pool:
         results = list(pool.map(one, blocks))
     total = count * len(blocks)
-    names = [name for name in results[0]["counts"] if name != "any"]
-    probability = {name: _probability(results, name, total, bool(entries)) for name in (*names, "any")}
+    names = list(results[0]["lowest"])
+    probability = {name: _probability(results, name, total, bool(entries)) for name in (*names, "any", "holds")}
+    least, most = zip(*(result["lifting"] for result in results), strict=True)
     lowest = {
         name: np.array(min((result["lowest"][name] for result in results), key=lambda low: low[0])[1]) for name in names
     }
     first, whole = _indices(sheet, entries, min(samples, BLOCK), seed) if entries else ({}, {})
-    return Uncertainty(total, {name: probability[name] for name in names}, probability["any"], first, whole, lowest)
+    return Uncertainty(
+        total, {name: probability[name] for name in names}, probability["any"], first, whole, lowest,
+        probability["holds"], (min(least), max(most)),
+    )  # fmt: skip
 
 
 def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: int, parts: int) -> int:
@@ -144,7 +153,11 @@ def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: in
 
 
 def _block(sheet: Sheet, entries: Sequence[str], count: int, seed: int, index: int) -> dict[str, Any]:
-    """Counts of occurrence over one block by mechanism and in classes of reserve; lowest reserve with its place."""
+    """What one block of samples says.
+
+    Counts of occurrence by mechanism, and of threads that are self-locking; counts in classes of reserve; the lowest
+    reserve of each mechanism with its place; the ends of the lifting efficiency.
+    """
     if entries:
         sequence = qmc.Sobol(len(entries), scramble=True, rng=seed)
         if index:
@@ -152,16 +165,21 @@ def _block(sheet: Sheet, entries: Sequence[str], count: int, seed: int, index: i
         shares = sequence.random(count).T
     else:
         shares = np.zeros((0, 1))
-    found = evaluated(sheet, shares) if entries else worst(sheet, quantities(sheet, nominal_draw(sheet)))
+    values = quantities(sheet, draw_of(sheet, shares) if entries else nominal_draw(sheet))
+    found = evaluated(sheet, shares) if entries else worst(sheet, values)
+    angle, coefficient = square_thread(sheet, values)
+    held = np.broadcast_to(lowering_efficiency(coefficient, angle) <= 0, shares.shape[1:])
+    lifting = lifting_efficiency(coefficient, angle)
     occurs = {name: one.reserve < 0 for name, one in found.items()}
     anything = np.any([flags for name, flags in occurs.items() if name != "push_needed"], axis=0)
-    counts = {name: int(np.count_nonzero(flags)) for name, flags in {**occurs, "any": anything}.items()}
+    counts = {name: int(np.count_nonzero(f)) for name, f in {**occurs, "any": anything, "holds": held}.items()}
     classes = {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0].tolist() for name, one in found.items()}
     lowest = {}
     for name, one in found.items():
         at = int(np.argmin(one.reserve))
         lowest[name] = [float(one.reserve[at]), shares[:, at].tolist()]
-    return {"counts": counts, "classes": classes, "lowest": lowest}
+    ends = [float(np.min(lifting)), float(np.max(lifting))]
+    return {"counts": counts, "classes": classes, "lowest": lowest, "lifting": ends}
 
 
 def _probability(results: list[dict[str, Any]], name: str, total: int, random: bool) -> Probability:
@@ -191,6 +209,9 @@ def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tup
     varied = [k for k, row in enumerate(trial) if np.ptp(row) > 0]
     if not varied:
         return {}, {}
+    if len(entries) == 1:  # which causes all of the spread; SciPy has no answer for a single entry
+        alone = {names[k]: {entries[0]: 1.0} for k in varied}
+        return alone, alone
     result = sobol_indices(func=lambda x: reserve(x)[varied], n=count, dists=[uniform()] * len(entries), rng=seed)
     first, total = (np.reshape(part, (len(varied), len(entries))) for part in (result.first_order, result.total_order))
     tables = []
@@ -225,8 +246,8 @@ def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray
 
 
 def _key(sheet: Sheet, samples: int, seed: int) -> str:
-    """A name for what the blocks are made of."""
-    text = json.dumps([repr(sorted(sheet.entries(), key=lambda pair: pair[0])), samples, seed])
+    """A name for what the blocks are made of, and by which version of the formulas."""
+    text = json.dumps([__version__, repr(sorted(sheet.entries(), key=lambda pair: pair[0])), samples, seed])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import drive_of
 from lsvib.assess.sheet import Sheet
-from lsvib.basins.exact_basin import basin
+from lsvib.basins.exact_basin import AttractsNothing, basin
+from lsvib.basins.resilience import smallest_push
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.drives.coefficients import coefficients
@@ -39,11 +40,11 @@ class Vibration:
     """Where a motion ends that starts next to steady sliding.
 
     ``model``: of the package; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
-    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``peak_force``: the
-    largest contact force between impacts [N], ``impulse``: the largest impulse of an impact [N s] (0 without).
-    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
-    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its start. ``reason``: why nothing is
-    known, if so.
+    load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
+    likewise [rad/s], ``peak_force``: the largest contact force between impacts [N], ``impulse``: the largest impulse of
+    an impact [N s] (0 without). ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of
+    the load [m], ``speed`` of the screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its
+    start. ``reason``: why nothing is known, if so.
     """
 
     model: str
@@ -51,6 +52,7 @@ class Vibration:
     frequency: float | None = None
     amplitude: float | None = None
     load_speed: tuple[float, float] | None = None
+    screw_speed: tuple[float, float] | None = None
     peak_force: float | None = None
     impulse: float | None = None
     scene: dict[str, Any] = field(default_factory=dict)
@@ -105,8 +107,7 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
-        reason = None if end.label == Attractor.STEADY_SLIDING else f"the motion ends in {words}"
-        return Vibration(model, words, reason=reason, **shown)
+        return Vibration(model, words, **shown)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **shown)
 
 
@@ -152,26 +153,34 @@ def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -
     if row.size > 2:
         rates[3] = 1.0
     impulses = np.abs(event_impulses(drive, orbit).normal)
-    slowest, fastest = orbit_extremes(orbit, rates)
-    if abs(slowest) < _STANDSTILL * abs(fastest):
-        slowest = 0.0
-    elif abs(fastest) < _STANDSTILL * abs(slowest):
-        fastest = 0.0
+    turning = np.zeros(row.size + 1)
+    turning[1], turning[-1] = 1.0, drive.input_speed
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
-        "load_speed": (slowest, fastest),
+        "load_speed": _speeds(orbit, rates),
+        "screw_speed": _speeds(orbit, turning),
         "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
         "impulse": float(impulses.max(initial=0.0)),
     }
 
 
+def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
+    """Lowest and highest speed on a cycle, a row over the state and 1; what rounding leaves of standstill is zero."""
+    slowest, fastest = orbit_extremes(orbit, row)
+    if abs(slowest) < _STANDSTILL * abs(fastest):
+        slowest = 0.0
+    elif abs(fastest) < _STANDSTILL * abs(slowest):
+        fastest = 0.0
+    return slowest, fastest
+
+
 def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
-    By the boundary of the region of attraction of the rigid drive (:mod:`lsvib.basins.exact_basin`), in closed form,
-    and bisection along u = 0. Returns the change, infinite if motion comes back from any, zero if steady sliding is
-    unstable, None if it is not known; and a sentence.
+    By the boundary of the region of attraction of the rigid drive, in closed form
+    (:func:`lsvib.basins.resilience.smallest_push`). Returns the change, infinite if motion comes back from any, zero if
+    steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
     try:
@@ -182,25 +191,13 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
         if not c.paradox and 0 < ratio < _LEAST_DAMPING:
             return None, "The largest push is not computed for a drive with so little damping."
         region = basin(drive)
-    except InputError as error:
-        text = str(error)
-        return (0.0 if "attracts nothing" in text else None), text
-    except EngineError as error:
+    except AttractsNothing as error:
+        return 0.0, str(error)
+    except (InputError, EngineError) as error:
         return None, str(error)
     if not region.curves:
         return math.inf, "Steady motion comes back after any push."
-    speed = abs(region.drive.input_speed)
-    sizes = np.geomspace(1e-6, _FARTHEST, 401) * speed
-    found = math.inf
-    for sign in (1, -1):
-        lost = next((k for k, size in enumerate(sizes) if not region.contains((0.0, sign * size))), None)
-        if lost is None:
-            continue
-        below, above = (0.0 if lost == 0 else sizes[lost - 1]), sizes[lost]
-        for _ in range(60):  # a factor of 1.06, to the last bits
-            middle = 0.5 * (below + above)
-            below, above = (middle, above) if region.contains((0.0, sign * middle)) else (below, middle)
-        found = min(found, float(above))
-    if math.isinf(found):
-        return found, "Steady motion comes back after any push of the screw's speed."
+    found = smallest_push(region, 1)
+    if found > _FARTHEST * abs(drive.input_speed):
+        return math.inf, "Steady motion comes back after any push of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."

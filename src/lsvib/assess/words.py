@@ -84,10 +84,12 @@ VERDICTS = {
     "operating window.",
     "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
     "values within the given uncertainties.",
-    "steady until pushed": "This drive runs steadily when left alone, but a strong push can start a vibration that "
+    "steady until pushed": "This drive runs steadily when left alone, but a strong push may start a vibration that "
     "goes on.",
     "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: swings "
     "that something else starts do not die away.",
+    "steady but for rare values": "This drive runs steadily in the whole operating window for every one of the drives "
+    "that were drawn from the given uncertainties, but the worst combination of their values can vibrate.",
     "steady": "This drive runs steadily in the whole operating window, for all values within the given uncertainties.",
 }
 """The verdict in one sentence, by its name."""
@@ -95,6 +97,8 @@ VERDICTS = {
 LEFT_OUT = (
     "Bending of the screw: two bending modes of similar frequency can squeal on their own (Nam et al., Sensors 23: "
     "6169, 2023); long, thin screws need a calculation of their own.",
+    "A springy support and springy threads at once, and springy threads with friction that falls with speed: each is "
+    "judged with the others as stiff, and with the friction of the running speed.",
     "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
     "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small swings.",
     "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",

@@ -55,7 +55,7 @@ def clip(flow: np.ndarray, curves: Sequence[Curve], window: Window) -> list[Curv
 
 
 def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[list[Curve], list[Curve]]:
-    """Return what of some curves lies in a window: the closed ones, and the paths from one of its edges to another."""
+    """Return the parts of curves inside a window: the closed curves, and the paths from one edge to another."""
     closed, paths = [], []
     for curve in curves:
         parts = [(part, window.holds(_middle(flow, part))) for piece in curve for part in _cut(flow, piece, window)]
@@ -67,7 +67,7 @@ def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[l
 
 
 def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
-    """A piece cut where it crosses the lines through the edges of a window; cut points lie on the edges to the bit."""
+    """Cut a piece where it crosses the lines through the edges of a window; cuts lie on them to the last bit."""
     lines = [(0, window.left), (0, window.right), (1, window.bottom), (1, window.top)]
     if isinstance(piece, Arc):
         cuts = []
@@ -94,12 +94,12 @@ def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
 
 
 def _finite(piece: Segment, window: Window) -> Segment:
-    """A segment whose infinite ends are drawn in, to beyond the window."""
+    """Replace the infinite ends of a segment by points just beyond the window."""
     height = window.top - window.bottom
     low, high = window.bottom - height, window.top + height
 
     def drawn(point: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """The point itself, or in place of infinity one beyond the window and beyond the other end."""
+        """Return the point itself; in place of infinity a point beyond the window and beyond the other end."""
         if math.isfinite(point[1]):
             return point
         bound = min(low, other[1] - height) if point[1] < 0 else max(high, other[1] + height)
@@ -115,7 +115,7 @@ def _middle(flow: np.ndarray, piece: Piece) -> np.ndarray:
 
 
 def _runs(parts: list[tuple[Piece, bool]]) -> list[Curve]:
-    """The unbroken runs of pieces that are kept; of a closed curve the last may go on in the first."""
+    """Return the unbroken runs of kept pieces; on a closed curve the last run may continue into the first."""
     first_gap = next(k for k, (_, kept) in enumerate(parts) if not kept)
     runs, run = [], []
     for part, kept in parts[first_gap:] + parts[:first_gap]:
@@ -128,7 +128,7 @@ def _runs(parts: list[tuple[Piece, bool]]) -> list[Curve]:
 
 
 def _place(window: Window, point: np.ndarray) -> float:
-    """Where a point of a window's edge lies on its way round, clockwise from the top left: 0 to 4."""
+    """Return how far round the window a point of its edge lies, clockwise from the top left corner: 0 to 4."""
     u = (point[0] - window.left) / (window.right - window.left)
     w = (window.top - point[1]) / (window.top - window.bottom)
     gaps = {u: abs(w), 1 + w: abs(1 - u), 3 - u: abs(1 - w), 4 - w: abs(u)}
@@ -136,7 +136,7 @@ def _place(window: Window, point: np.ndarray) -> float:
 
 
 def _edges(window: Window, start: float, way: float) -> Curve:
-    """The edges of a window as segments, clockwise from a place for a way (4 is once round)."""
+    """Return the edges of a window as segments, clockwise from a place and over a length, of which 4 is once round."""
     corners = np.array(
         [
             (window.left, window.top),

@@ -21,7 +21,7 @@ from lsvib.engine.kernels import columns, flow_planar, search_planar
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Found
 
-_DIGITS = 40  # of an area: the strips under the pieces of a boundary nearly cancel, and 24 digits may go
+_DIGITS = 40  # digits of an area: the strips under the pieces of a boundary nearly cancel, which may cost 24 digits
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def contains(flow: np.ndarray, curves: Iterable[Curve], state) -> bool:
 
 
 def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
-    """The parts of a piece on which w only rises or only falls."""
+    """Split a piece into parts on which w only rises or only falls."""
     if isinstance(piece, Segment):
         return [piece]
     row = flow[piece.mode]
@@ -116,7 +116,7 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
 
 
 def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
-    """The deviation u at which a part with rising or falling rate has the rate w."""
+    """Return the deviation u at which a part, on which the rate only rises or only falls, has the rate w."""
     if isinstance(part, Segment):
         if part.start[0] == part.end[0]:
             return float(part.start[0])

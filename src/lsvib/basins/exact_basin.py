@@ -48,6 +48,10 @@ _CLOSED = 1e-9  # relative gap of an orbit that is closed
 _BRIEF = 1e-3  # shortest turn, in time scales of slip; a turn has about 2π of them
 
 
+class AttractsNothing(InputError):
+    """Steady sliding is not asymptotically stable, so it has no basin."""
+
+
 class Boundary(IntEnum):
     """What bounds the basin."""
 
@@ -121,7 +125,7 @@ def _require_attraction(c: Coefficients) -> None:
             "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
         )
     if c.damping[c.steady_law] <= 0 or c.gamma[c.steady_law] <= 0:
-        raise InputError(
+        raise AttractsNothing(
             "steady sliding attracts nothing in this drive: its effective damping or inertia is not positive."
         )
 

@@ -2,25 +2,40 @@
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from lsvib import numbers
 from lsvib.drives.parameters import names_and_values
+from lsvib.drives.registry import all_models
 from lsvib.errors import InputError
 
-COORDINATES = {  # key of a state's coordinate: its name in automata and datasets
-    "u": "angle_deviation",
-    "w": "velocity_deviation",
-    "e": "thread_mismatch",
-    "v": "mismatch_rate",
-    "screw_shift": "screw_shift",
-    "shift_rate": "shift_rate",
-    "nut_angle": "nut_angle",
-    "nut_rate": "nut_rate",
-}
+
+class _Coordinates(Mapping[str, str]):
+    """The coordinates of the states of all models; the models are not imported before somebody asks."""
+
+    def __getitem__(self, key: str) -> str:
+        return self._names[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @cached_property
+    def _names(self) -> dict[str, str]:
+        return {
+            key: state
+            for model in all_models().values()
+            for key, state in zip((*model.required, *model.optional), model.states, strict=True)
+        }
+
+
+COORDINATES = _Coordinates()  # key of a state's coordinate: its name in automata and datasets
 _MOST = 1_000_000_000  # cells along an axis
 
 
@@ -50,6 +65,11 @@ class Axis(NamedTuple):
         """Make an axis from numbers or text; ``InputError`` if it is none or has cells that coincide."""
         if coordinate not in COORDINATES:
             raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(COORDINATES)}.")
+        return cls.over(coordinate, start, stop, count)
+
+    @classmethod
+    def over(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
+        """Make an axis as :meth:`checked`, over whatever bears the name."""
         start, stop = (numbers.start(f"axis {coordinate}: {name}", x) for name, x in (("start", start), ("stop", stop)))
         if not start < stop:
             raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")

@@ -17,7 +17,7 @@ class Pieces(NamedTuple):
 
 
 def touching(piece: tuple[float, float, int], sliver: float) -> bool:
-    """Whether the motions of a piece touch a guard or meet a corner, to rounding."""
+    """Return whether the motions of a piece touch a guard or meet a corner to within rounding."""
     low, high, label = piece
     return label in (GRAZED, UNKNOWN) and high - low <= sliver + sliver * abs(low)
 
@@ -50,7 +50,7 @@ def completed(pieces: Pieces, other: Pieces) -> Pieces:
 
 
 def agreed(runs: Sequence[Pieces], rounding: float) -> Pieces:
-    """Return the labels on which several searches agree; unresolved elsewhere, and ``rounding`` to both sides of it."""
+    """Return the labels on which several searches agree; the rest, widened by ``rounding``, is unresolved."""
     low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)
     cuts = np.unique(np.clip(np.concatenate([run.edges for run in runs]), low, high))
     seen = np.array([np.take(run.labels, np.searchsorted(run.edges, cuts[:-1], "right") - 1) for run in runs])

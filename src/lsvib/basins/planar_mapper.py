@@ -13,8 +13,8 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
-_EVENTS = 100_000  # budget of a motion
-_CELLS = 16384  # of a block, about: the share of work that a thread takes at a time
+_EVENTS = 100_000  # of a motion, after which its start is unresolved
+_CELLS = 16384  # of a block, about; a thread works on one block at a time
 
 
 class PlanarMapper:

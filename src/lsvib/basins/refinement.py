@@ -18,9 +18,9 @@ from lsvib.basins.grid import Grid
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.cycles.attractors import Attractor
 
-_COARSEST = 256  # blocks along an axis of the coarsest level, about
-_STRIPE = 512  # rows that are expanded at a time
-_SAMPLE = 20_000  # cells of the seeded check
+_COARSEST = 256  # blocks along an axis of the coarsest level, about; all of them are computed
+_STRIPE = 512  # rows that are expanded at a time, so that memory stays bounded
+_SAMPLE = 20_000  # cells drawn at random that are computed to check the map
 _NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
 

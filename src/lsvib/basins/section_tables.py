@@ -11,8 +11,8 @@ from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, event_loop, flow_planar
 
-FAR = 1e3  # sections are known up to this many times the size of the drive's motions
-ON_CYCLE = 1e-9  # distance from the point of a cycle, relative to the cycle's size, that counts as being on it
+FAR = 1e3  # Sections are labelled up to so many times the size of the drive's motions.
+ON_CYCLE = 1e-9  # A state this close to a point of a cycle, relative to the cycle's size, is on it.
 _EVENTS = 4000  # most events between the end of a rest and the attractor
 
 
@@ -100,7 +100,7 @@ def find_sections(automaton: Automaton, known: Known) -> list[LabelSection]:
 
 
 def releases_of(automaton: Automaton, known: Known) -> list[tuple[int, np.ndarray]]:
-    """The modes at rest, each with the one state in which it ends."""
+    """Return the modes at rest, each with the one state in which it ends."""
     tables, found = automaton.tables, []
     for mode in np.flatnonzero(known.resting != UNKNOWN):
         enters = np.flatnonzero(tables.branch_mode == mode)
@@ -145,7 +145,7 @@ def with_labels(known: Known, found: dict[LabelSection, Pieces]) -> Known:
 
 
 def _shares(flow: np.ndarray) -> np.ndarray:
-    """The part of an amplitude that is left after a turn, 0 for modes that do not oscillate."""
+    """Return the part of an amplitude that is left after a turn; 0 for modes that do not oscillate."""
     beta = flow[:, columns.BETA]
     turns = -2 * np.pi * flow[:, columns.ALPHA] / np.where(beta > 0, beta, 1.0)
     return np.where(beta > 0, np.exp(np.minimum(turns, flow_planar.OVERFLOW)), 0.0)
@@ -154,7 +154,7 @@ def _shares(flow: np.ndarray) -> np.ndarray:
 def with_common_labels(
     automaton: Automaton, known: Known, found: dict[LabelSection, Pieces], size: np.ndarray
 ) -> Known:
-    """Add the label of all that leaves a mode, where every section that it can come to has one and the same.
+    """Add one label for a whole mode where all sections that can be reached from it have that label.
 
     An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
     |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.

@@ -6,15 +6,21 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, AsJson, Changes, pairs
-from lsvib.command.printing import print_json, print_parameters, print_stability, print_thresholds
+from lsvib.command.options import MODEL, MODEL_IF_GIVEN, AsJson, Changes, pairs
+from lsvib.command.printing import (
+    print_json,
+    print_parameters,
+    print_solved_threshold,
+    print_stability,
+    print_thresholds,
+)
 from lsvib.errors import InputError
 
 
 @app.command
 def config(
     *,
-    model: Annotated[str | None, Parameter(help="rigid (the default), threads, support or nut.")] = None,
+    model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     changes: Changes = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     as_json: AsJson = False,
@@ -51,12 +57,23 @@ def thresholds(
     *,
     model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
+    solve: Annotated[
+        str | None,
+        Parameter(
+            help="One threshold by name: onset, kinematic, negative_damping, flutter, stick, detach, global_stability, "
+            "fold, cycle_birth or rest_loss."
+        ),
+    ] = None,
+    unknown: Annotated[
+        str | None, Parameter(name="--for", help="The parameter that --solve solves it for; others are held.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute thresholds of a drive.
 
     Of the rigid model the chapter's: critical mass and friction, the forces of Fig. 8.6, that of global stability. Of
-    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds.
+    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds. With
+    --solve one threshold of the drive that --set makes, with residual, error bound, and derivatives by all parameters.
 
     Examples of use:
 
@@ -65,10 +82,25 @@ def thresholds(
         lsvib thresholds --set translation_damping=2000 --json
 
         lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
+
+        lsvib thresholds --solve stick --for translation_damping --set axial_force=35
+
+        lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
     from lsvib.steady_sliding.summary import threshold_table
 
     changed = pairs(changes)
+    if solve is not None:
+        from lsvib.api import drive_class
+
+        found = drive_class(model).of(changed).threshold(solve, unknown)
+        if as_json:
+            print_json(found.to_json())
+        else:
+            print_solved_threshold(found)
+        return
+    if unknown is not None:
+        raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
     if model == "rigid" and "axial_force" in changed:
         raise InputError(
             "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."

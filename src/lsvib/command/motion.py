@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.options import MODEL_IF_GIVEN, ONE_VALUE, RESUME, AsJson, Changes, pairs
 from lsvib.command.printing import print_json, print_motion, print_sweep
 from lsvib.command.terminal import Progress
 
@@ -15,7 +15,7 @@ from lsvib.command.terminal import Progress
 def simulate(
     *,
     out: Path,
-    model: str | None = None,
+    model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     changes: Changes = None,
     initial: Annotated[
@@ -39,8 +39,6 @@ def simulate(
     ----------
     out:
         netCDF file to write; one that is there is replaced.
-    model:
-        Model of the drive: rigid (the default), threads, support or nut.
     """
     from lsvib.data.simulation import as_scene, attractor_of, motion_file, run, summary
     from lsvib.data.writer import write_dataset
@@ -74,7 +72,7 @@ def sweep(
         Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **ONE_VALUE),
     ] = None,
     resume: Annotated[str, RESUME] = "contact_sign",
-    workers: Annotated[str, Parameter(help="Number of processes.")] = "1",
+    workers: Annotated[str, Parameter(help="Number of threads.")] = "1",
     out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -4,11 +4,14 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from lsvib.drives.model_files import model_names
 from lsvib.errors import InputError
 
 # For options with several values: no --no-OPTION, or --empty-OPTION, beside them.
 ONE_VALUE = {"negative_iterable": ""}
-MODEL = Parameter(help="rigid, threads, support or nut.")
+_MODELS = f"{', '.join(model_names()[:-1])} or {model_names()[-1]}."
+MODEL = Parameter(help=_MODELS)
+MODEL_IF_GIVEN = Parameter(help=f"Model of the drive: {_MODELS.replace(',', ' (the default),', 1)}")
 RESUME = Parameter(help="Motion after a seizure: contact_sign or at_once.")
 Changes = Annotated[
     list[str] | None,

@@ -28,8 +28,8 @@ from lsvib.drives.parameters import ThreadsParameters
 from lsvib.errors import InputError
 
 State = tuple[float, float]
-_ARCS = 1000  # a motion that still crosses N = 0 after so many arcs is taken as bounded
-_REPEATED = 1e-13  # rates that agree so closely, relatively, are the same: an undamped motion repeats itself
+_ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.
+_REPEATED = 1e-13  # Relative difference of two rates of crossing below which the motion repeats itself.
 
 
 class Paradox(IntEnum):
@@ -94,7 +94,7 @@ class ForceFlow:
         return None
 
     def _extrema(self, start: State) -> list[float]:
-        """Times that bound the monotone pieces of x, the last one – without oscillation – beyond any crossing."""
+        """Times between which x is monotone; without oscillation the last one lies beyond every crossing."""
         (first, second), (a, b) = self.rates(), self.amplitudes(start)
         ratio = -b * second / (a * first) if a != 0 else math.nan
         if first.imag != 0:

@@ -33,13 +33,12 @@ from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
-from lsvib.drives.threads import ThreadsEvent, seated_state
-from lsvib.engine.automaton import Automaton
+from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
-_SAME = 1e-9  # relative difference in time of two rigid motions that is none
-_EVENTS = 1000  # of a compliant motion in which its cycle must show
+_SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
+_EVENTS = 1000  # within which the cycle of a compliant motion must be found
 
 
 class BranchFamily(IntEnum):
@@ -51,7 +50,7 @@ class BranchFamily(IntEnum):
 
 
 class Region(IntEnum):
-    """Where the screw stands after an impact, in ascending order of u; or a whole cycle."""
+    """Where the screw stands after an impact, in ascending order of u; CYCLE for a branch that is a whole cycle."""
 
     CYCLE = 0
     TORQUE_ABOVE_BAND = 1
@@ -159,7 +158,7 @@ class LimitBranch:
 
 
 def _corners(impact: Impact | None) -> int:
-    """Corners of a curve; a cycle is longer and bends more."""
+    """Number of corners that represent a motion; a cycle is longer and bends more than what follows one impact."""
     return 3000 if impact is None else 800
 
 
@@ -182,13 +181,13 @@ def branches(drive: RigidParameters, speed: float, duration: float, start: Seque
     yield LimitBranch.of(drive, None, start, cycles)
 
 
-def deviations(branch: LimitBranch, drive: ThreadsParameters, automaton: Automaton) -> dict[str, Any]:
+def deviations(branch: LimitBranch, drive: ThreadsParameters) -> dict[str, Any]:
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
-    ``distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule; ``impulse_error`` [1]
-    and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
+    ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
+    ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
     """
-    seated = seated_state(drive, *branch.start)
+    automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
         motion = steady_state(automaton, seated, max_events=_EVENTS).orbit
     else:
@@ -198,7 +197,7 @@ def deviations(branch: LimitBranch, drive: ThreadsParameters, automaton: Automat
     orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _corners(branch.impact)), rest_duration(motion)
     distance = [orbit.distance(rigid) for rigid in (branch.orbits if branch.differ else branch.orbits[:1])]
     values = {
-        "distance": distance if branch.differ else 2 * distance,
+        "motion_distance": distance if branch.differ else 2 * distance,
         "rest_error": [rest - rest_duration(rigid) for rigid in branch.rigid],
         "rests": rest_count(motion),
     }
@@ -221,9 +220,9 @@ def outcome(motion: Motion) -> ImpactOutcome:
 def impact_impulse(drive: ThreadsParameters, motion: Motion) -> float:
     """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
 
-    From the last reversal of the contact force before the first rest to the end of that rest, without what the static
-    force gives in it. From the momentum of the nut: in slip under law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ),
-    at rest ∫(N − N_static) dt = −m cos λ Δx′.
+    The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
+    impulse of the static force during the rest is not counted. The momentum of the nut gives the impulse: in slip under
+    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′.
     """
     modes, starts, ends, durations = motion.arcs()
     codes = motion.automaton.codes[modes]

@@ -1,46 +1,32 @@
 r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point of the return map, through folds.
 
-The unknowns are the free coordinates y of a section (:class:`MovingSection`; the others follow from its surfaces, which
-move with the parameter p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the
-plane across the tangent at the last one. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's
-method and the tangent, but is no part of the residual F, nor of the condition of a fold. At a *fold* the tangent has no
-part in p: that zero is found along the branch, and as p is stationary there its value is exact to rounding.
+:mod:`lsvib.cycles.branch_points` has the equations of a point of the branch. At a *fold* the tangent has no part in the
+parameter p: that zero is found along the branch, and as p is stationary there its value is exact to rounding.
 
 The motion decides on its own events, so that the itinerary may change from point to point; such changes are located by
-halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the branch
-ends. Where an event appears the branch has a kink: there the step, not the tangent before it, tells the direction.
+halving (:mod:`lsvib.cycles.branch_changes`). Where a section is no longer met, another event of the last cycle takes
+its place; if none does, the branch ends. Where an event appears the branch has a kink: there the step, not the tangent
+before it, tells the direction.
 """
 
 import math
-from collections import Counter
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lsvib.cycles.periodic import Cycle, multipliers
+from lsvib.cycles.branch_changes import Change, changes_between
+from lsvib.cycles.branch_points import Build, Curve, Solved, events_of, null_direction
+from lsvib.cycles.moving_section import MovingSection
+from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.return_map import ReturnSection
-from lsvib.cycles.variational import derivative
-from lsvib.drives.parameters import RigidParameters
-from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import GRAZE_KIND
-from lsvib.engine.motion import Motion
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import InputError
 
 _FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion
-_GROWS = 1.5
-_NEWTON = 30  # steps; where the derivative jumps as an event appears they converge slowly at first
-_PARTS = 1.0  # a step of Newton's method as long as the motion itself has lost the branch
-_CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
-_ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
-_PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
-_HALVINGS = 50  # to the place where the itinerary changes
-_SECANTS = 60
-_AT_FOLD = 1e-13  # part of the tangent along p that is none
+_GROWS = 1.5  # factor from a step that was taken whole to the next one
 _TURN = 0.2  # smallest cosine between tangents: beyond it the step was too long
-
-Build = Callable[[float], tuple[RigidParameters, Automaton]]
+_VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is about to vanish
 
 
 @dataclass(frozen=True)
@@ -49,16 +35,6 @@ class Point:
 
     value: float
     cycle: Cycle
-    along: float
-
-
-@dataclass(frozen=True)
-class Change:
-    """Something happens at ``value``: ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words."""
-
-    kind: str
-    value: float
-    what: str
     along: float
 
 
@@ -74,179 +50,6 @@ class CycleBranch:
     def folds(self) -> list[float]:
         """Values of the parameter at folds."""
         return [change.value for change in self.changes if change.kind == "fold"]
-
-
-class MovingSection:
-    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion."""
-
-    def __init__(self, cycle: Cycle) -> None:
-        section = cycle.section
-        automaton, self.size = section.automaton, section.size
-        self.kind, self.code = section.key[0], automaton.codes[section.key[1]]
-        self.returns, self.longest = section.returns, cycle.period
-        rows = automaton.tables.surfaces
-        values = rows[:, :-1] @ cycle.state + rows[:, -1]
-        terms = np.abs(rows[:, :-1]) @ self.size + np.abs(rows[:, -1])
-        self._rows, self._tied = _pivots(rows[:, :-1] * self.size, np.flatnonzero(np.abs(values) <= _MET * terms))
-        self.free = [i for i in range(self.size.size) if i not in self._tied]
-
-    def place(self, state: np.ndarray) -> np.ndarray:
-        """Return y (d) of a state (n)."""
-        return state[self.free] / self.size[self.free]
-
-    def state(self, automaton: Automaton, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the state (n) at y on the section of an automaton, and its derivative (n, d)."""
-        rows = automaton.tables.surfaces[self._rows]
-        state, slope = np.zeros(self.size.size), np.zeros((self.size.size, len(self.free)))
-        state[self.free] = place * self.size[self.free]
-        slope[self.free, range(len(self.free))] = self.size[self.free]
-        if self._tied:
-            tied = rows[:, self._tied]
-            state[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ state + rows[:, -1]))
-            slope[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ slope))
-        return state, slope
-
-    def back(self, automaton: Automaton, place: np.ndarray) -> tuple[ReturnSection, Motion] | None:
-        """Return a section of return at y and the motion until it is back; None if it does not come back."""
-        modes = np.flatnonzero(automaton.codes == self.code)
-        if not modes.size:
-            return None
-        state, _ = self.state(automaton, place)
-        key = self.kind, int(modes[0])
-        section = ReturnSection(automaton, key, state, self.size, self.returns, self.longest)
-        motion = section.come_back(state)
-        if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
-            return None
-        return section, motion
-
-
-_VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is about to vanish
-_MET = 1e-12  # a surface whose value is below this part of its terms is met by the state of the section
-
-
-def _pivots(rows: np.ndarray, met: np.ndarray) -> tuple[list[int], list[int]]:
-    """Independent rows (of those in ``met``) and the coordinate that each is solved for, by full pivoting."""
-    left, chosen, tied = {int(k): rows[k] / np.linalg.norm(rows[k]) for k in met}, [], []
-    while left:
-        k, row = max(left.items(), key=lambda item: np.abs(item[1]).max())
-        column = int(np.argmax(np.abs(row)))
-        if abs(row[column]) < _MET:
-            break
-        chosen.append(k)
-        tied.append(column)
-        del left[k]
-        left = {other: value - value[column] / row[column] * row for other, value in left.items()}
-    return chosen, tied
-
-
-@dataclass(frozen=True)
-class _Solved:
-    """A point of the branch: unknowns z = (y, p in widths), its cycle, and the tangent."""
-
-    z: np.ndarray
-    cycle: Cycle
-    tangent: np.ndarray
-
-
-class _Curve:
-    """The equations F(y, p) = 0 on one section, p counted in ``width`` from ``low``."""
-
-    def __init__(self, build: Build, section: MovingSection, low: float, width: float) -> None:
-        self.build, self.section, self.low, self.width = build, section, low, width
-
-    def value(self, z: np.ndarray) -> float:
-        """The value of the parameter at a point (y, p)."""
-        return self.low + self.width * float(z[-1])
-
-    def at(self, z: np.ndarray) -> tuple[RigidParameters, ReturnSection, Motion] | None:
-        """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
-        try:
-            drive, automaton = self.build(self.value(z))
-            found = self.section.back(automaton, z[:-1])
-        except (EngineError, InputError):
-            return None
-        return None if found is None else (drive, *found)
-
-    def slopes(self, z: np.ndarray, motion: Motion, last: np.ndarray | None = None) -> np.ndarray | None:
-        """[F_y, F_p] (d, d + 1); F_p (d) as it was where it is given: it only steers."""
-        d = z.size - 1
-        if d == 0:
-            return np.zeros((0, 1))
-        _, along = self.section.state(motion.automaton, z[:-1])
-        matrix = derivative(motion).matrix @ along
-        inner = matrix[self.section.free] / self.section.size[self.section.free][:, None] - np.eye(d)
-        if last is not None:
-            found = np.column_stack([inner, last])
-            return found if np.isfinite(found).all() else None
-        step, here = np.eye(d + 1)[-1] * _PARAMETER_STEP, self.section.place(motion.end_state)
-        beside = {0.0: here}
-        for sign in (1.0, -1.0):
-            found = self.at(z + sign * step)
-            if found is not None and _events(found[2]) == _events(motion):  # else the difference is that of a kink
-                beside[sign] = self.section.place(found[2].end_state)
-        if len(beside) == 1:
-            return None
-        first, last = min(beside), max(beside)
-        found = np.column_stack([inner, (beside[last] - beside[first]) / ((last - first) * _PARAMETER_STEP)])
-        return found if np.isfinite(found).all() else None
-
-    def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> _Solved | None:
-        """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
-        z, slopes, last, length = guess.copy(), None, math.inf, math.inf
-        events: tuple = ()
-        for _ in range(_NEWTON):
-            found = self.at(z)
-            if found is None:
-                return None
-            gap = self.section.place(found[2].end_state) - z[:-1]
-            same = slopes is not None and events == _events(found[2])
-            slopes = self.slopes(z, found[2], slopes[:, -1] if same else None)
-            events = _events(found[2])
-            step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
-            if step is None:
-                return None
-            length = float(np.abs(step).max(initial=0.0))
-            if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
-                break
-            if length > _PARTS:
-                return None
-            z, last = z + step, length
-        found = self.at(z)
-        slopes = None if found is None or not length <= _CONVERGED else self.slopes(z, found[2], slopes[:, -1])
-        if slopes is None:
-            return None
-        drive, section, motion = found
-        residual = float(np.max(np.abs(motion.end_state - motion.start_state) / section.size))
-        values, error = multipliers(section, motion, residual)
-        if not residual <= _ROUNDING * max(1.0, float(np.abs(values).max(initial=0.0))):
-            return None
-        ahead = _null(slopes)
-        if ahead @ tangent < 0:
-            ahead = -ahead
-        cycle = Cycle(drive, motion, residual, values, error, "continuation", section)
-        return _Solved(z, cycle, ahead)
-
-
-def _events(motion: Motion) -> tuple[list[int], list[int]]:
-    """Kinds of a motion's events and codes of the modes that they enter, without touches."""
-    own = motion.kind != GRAZE_KIND
-    return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
-
-
-def _bordered(slopes: np.ndarray, tangent: np.ndarray, gap: np.ndarray, off: float) -> np.ndarray | None:
-    """Newton's step for F = 0 in the plane across the tangent."""
-    try:
-        step = np.linalg.solve(np.vstack([slopes, tangent]), -np.append(gap, off))
-    except np.linalg.LinAlgError:
-        return None
-    return step if np.isfinite(step).all() else None
-
-
-def _null(slopes: np.ndarray) -> np.ndarray:
-    """Unit vector that the slopes (d, d + 1) take to zero."""
-    if not len(slopes):
-        return np.ones(1)
-    return np.linalg.svd(slopes)[2][-1]
 
 
 def follow_cycle(
@@ -271,7 +74,7 @@ def _followed(
     low, high = span
     width = high - low
     start = float(getattr(cycle.drive, parameter))
-    curve = _Curve(build, MovingSection(cycle), low, width)
+    curve = Curve(build, MovingSection(cycle), low, width)
     here = _first(curve, cycle, start, direction)
     if here is None:
         raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: its return map has no derivative.")
@@ -289,11 +92,11 @@ def _followed(
         if not low <= value <= high:
             edge = _at_value(curve, here, there, low if value < low else high)
             if edge is not None:
-                changes += _changes(curve, here, edge, taken, along)
+                changes += changes_between(curve, here, edge, taken, along)
                 points.append(Point(curve.value(edge.z), edge.cycle, along + taken))
             changes.append(Change("end", low if value < low else high, "the range ends", along + taken))
             break
-        changes += _changes(curve, here, there, taken, along)
+        changes += changes_between(curve, here, there, taken, along)
         along += taken
         points.append(Point(value, there.cycle, along))
         step = min(step * _GROWS, _LARGEST) if taken >= step else max(taken, _SMALLEST)
@@ -303,24 +106,24 @@ def _followed(
     return points, changes
 
 
-def _first(curve: _Curve, cycle: Cycle, start: float, direction: float) -> _Solved | None:
+def _first(curve: Curve, cycle: Cycle, start: float, direction: float) -> Solved | None:
     z = np.append(curve.section.place(cycle.state), (start - curve.low) / curve.width)
     found = curve.at(z)
     slopes = None if found is None else curve.slopes(z, found[2])
     if slopes is None:
         return None
-    tangent = _null(slopes)
-    return _Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
+    tangent = null_direction(slopes)
+    return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
 
 
-def _next(curve: _Curve, here: _Solved, step: float, low: float, width: float):
+def _next(curve: Curve, here: Solved, step: float, low: float, width: float):
     """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
     there, taken = _stepped(curve, here, step)
     if there is not None:
         return there, curve, here, taken
     places = [(curve, here)]
-    for cycle in _other_sections(here.cycle):
-        other = _Curve(curve.build, MovingSection(cycle), low, width)
+    for cycle in other_sections(here.cycle):
+        other = Curve(curve.build, MovingSection(cycle), low, width)
         again = _first(other, cycle, curve.value(here.z), 1.0)
         if again is not None:
             turned = again.tangent[-1] * here.tangent[-1] < 0
@@ -335,21 +138,21 @@ def _next(curve: _Curve, here: _Solved, step: float, low: float, width: float):
     return None, curve, here, 0.0
 
 
-def _stepped(curve: _Curve, here: _Solved, step: float) -> tuple[_Solved | None, float]:
+def _stepped(curve: Curve, here: Solved, step: float) -> tuple[Solved | None, float]:
     while step >= _SMALLEST:
         there = curve.corrected(here.z + step * here.tangent, here.tangent)
         if there is not None:
             turned = there.tangent @ (there.z - here.z) < 0  # across a kink the tangents tell no direction
             there = replace(there, tangent=-there.tangent) if turned else there
-            kink = _events(there.cycle.orbit) != _events(here.cycle.orbit)
+            kink = events_of(there.cycle.orbit) != events_of(here.cycle.orbit)
             if there.tangent @ here.tangent >= (-1.0 if kink else _TURN):
                 return there, step
         step *= 0.5
     return None, 0.0
 
 
-def _other_sections(cycle: Cycle):
-    """The same cycle begun at other events of it."""
+def other_sections(cycle: Cycle) -> Iterator[Cycle]:
+    """Yield the same cycle, begun at other events of it."""
     orbit, seen = cycle.orbit, {cycle.section.key}
     for k in range(orbit.time.size):
         key = int(orbit.kind[k]), int(orbit.mode[k])
@@ -363,82 +166,7 @@ def _other_sections(cycle: Cycle):
             yield replace(cycle, orbit=motion, section=section)
 
 
-def _changes(curve: _Curve, here: _Solved, there: _Solved, step: float, along: float) -> list[Change]:
-    """Folds, changes of the itinerary and of stability between two points."""
-    found = []
-    fold = here.tangent[-1] * there.tangent[-1] < 0
-    if fold:
-        at, point = _zero(curve, here, step, lambda solved: float(solved.tangent[-1]))
-        if point is not None:
-            found.append(Change("fold", curve.value(point.z), "two cycles meet", along + at))
-    before, after = Counter(here.cycle.itinerary), Counter(there.cycle.itinerary)
-    if here.cycle.itinerary != there.cycle.itinerary and before != after:
-        at, point = _halved(curve, here, step, lambda solved: Counter(solved.cycle.itinerary) == before)
-        lost, gained = before - after, after - before
-        words = [f"{verb} {_named(events)}" for verb, events in (("loses", lost), ("gains", gained)) if events]
-        found.append(Change("itinerary", curve.value(point.z), " and ".join(words), along + at))
-    outside = _outside(here.cycle)
-    if not fold and outside != _outside(there.cycle) and not found:
-        at, point = _halved(curve, here, step, lambda solved: _outside(solved.cycle) == outside)
-        leading = point.cycle.multipliers[0]
-        what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
-        found.append(Change("stability", curve.value(point.z), f"{what} passes the unit circle", along + at))
-    return found
-
-
-def _named(events: Counter) -> str:
-    return ", ".join(f"{kind.replace('_', ' ')} into {mode.replace('_', ' ')}" for kind, mode in sorted(events))
-
-
-def _outside(cycle: Cycle) -> int:
-    return int(np.sum(np.abs(cycle.multipliers) > 1))
-
-
-def _zero(
-    curve: _Curve, here: _Solved, step: float, function: Callable[[_Solved], float]
-) -> tuple[float, _Solved | None]:
-    """Where a function changes sign within a step along the tangent: the secant method, kept in its bracket."""
-    low, high, at_low, point = 0.0, step, function(here), None
-    end = curve.corrected(here.z + step * here.tangent, here.tangent)
-    if end is None:
-        return 0.0, None
-    at_high = function(end)
-    for _ in range(_SECANTS):
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
-        if solved is None:
-            return middle, point
-        point, value = solved, function(solved)
-        if abs(value) <= _AT_FOLD or high - low <= _AT_FOLD:
-            break
-        if value * at_high < 0:
-            low, at_low = high, at_high
-        else:
-            at_low *= 0.5  # Illinois: the end that stays counts half
-        high, at_high = middle, value
-        if low > high:
-            low, high, at_low, at_high = high, low, at_high, at_low
-    return middle, point
-
-
-def _halved(curve: _Curve, here: _Solved, step: float, holds: Callable[[_Solved], bool]) -> tuple[float, _Solved]:
-    """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
-    low, high, point = 0.0, step, here
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
-        if solved is not None and holds(solved):
-            low, point = middle, solved
-        else:
-            high = middle
-        if high - low <= 1e-12:
-            break
-    return low, point
-
-
-def _at_value(curve: _Curve, here: _Solved, there: _Solved, value: float) -> _Solved | None:
+def _at_value(curve: Curve, here: Solved, there: Solved, value: float) -> Solved | None:
     """The point at a value of the parameter between two points."""
     target = (value - curve.low) / curve.width
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])

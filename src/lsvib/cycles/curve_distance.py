@@ -9,7 +9,7 @@ import numpy as np
 from lsvib.engine.motion import Motion
 
 _BLOCK = 8  # points whose distances are formed at once, so that the arrays stay in the cache
-_MEASURED = 40  # points of a curve, besides its arcs' ends, whose distance is measured
+_MEASURED = 40  # points of a curve whose distance from the other is measured, besides the ends of its arcs
 
 
 def curve(motion: Motion, count: int) -> np.ndarray:

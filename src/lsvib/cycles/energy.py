@@ -16,7 +16,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lsvib.cycles.variational import inner_coordinates, propagator
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.powers import product
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
@@ -24,7 +25,7 @@ from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
 _SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def means(orbit: Motion) -> dict[str, float]:
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         rows = [orbit.automaton.observables[name][mode] for name in names]
         totals += quadratic_integrals(
-            orbit.automaton, mode, start, float(duration), np.array([_product(row, one) for row in rows])
+            orbit.automaton, mode, start, float(duration), np.array([product(row, one) for row in rows])
         )
     return dict(zip(names, (float(x) for x in totals / orbit.end_time), strict=True))
 
@@ -103,11 +104,13 @@ def means(orbit: Motion) -> dict[str, float]:
 def work(drive: RigidParameters, orbit: Motion) -> Work:
     """Return the work of each kind over one period of a cycle of a drive."""
     automaton = orbit.automaton
-    powers = _Powers(drive, automaton)
+    powers = find_model(drive.model).powers(drive, automaton)
     totals = dict.fromkeys(("motor", "load", "friction", "damping"), 0.0)
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
-        signed, losses = powers.of(int(mode))
-        found = quadratic_integrals(automaton, mode, start, float(duration), np.array([*signed, *losses]))
+        code = int(mode)
+        forms = [powers.motor(code), powers.load(), powers.damping(), powers.signed_friction(code)]
+        forms += powers.friction(code)
+        found = quadratic_integrals(automaton, mode, start, float(duration), np.array(forms))
         totals["motor"] += found[0]
         totals["load"] += found[1]
         totals["damping"] += found[2]
@@ -115,74 +118,3 @@ def work(drive: RigidParameters, orbit: Motion) -> Work:
     lost = [powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)]
     seized = np.isin(orbit.kind, automaton.sprag_kinds)
     return Work(**{k: float(x) for k, x in totals.items()}, impacts=float(sum(np.array(lost)[seized])))
-
-
-class _Powers:
-    """Powers of a drive as quadratic forms of (x, 1) by mode."""
-
-    def __init__(self, drive: RigidParameters, automaton: Automaton) -> None:
-        self.drive, self.automaton = drive, automaton
-        n = len(automaton.states)
-        self.one, unit = np.eye(n + 1)[-1], np.eye(n + 1)
-        self.screw = unit[1] + drive.input_speed * self.one
-        self.reach = drive.pitch_radius * math.tan(drive.lead_angle)
-        self.slip, self.second, self.nut = self.screw, np.zeros(n + 1), self.reach * self.screw
-        if isinstance(drive, ThreadsParameters):
-            self.nut = self.nut + unit[3]
-        elif isinstance(drive, SupportParameters):
-            self.second = unit[3]
-            self.nut = self.nut + unit[3]
-        elif isinstance(drive, NutParameters):
-            self.second, self.slip = unit[3], self.screw - unit[3]
-            self.nut = self.reach * self.slip
-
-    def of(self, mode: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Motor, load, damping and signed friction; then powers of friction whose sign is that of the mode."""
-        d, rows = self.drive, {name: table[mode] for name, table in self.automaton.observables.items()}
-        damping = d.support_damping * _product(self.screw, self.screw)
-        damping = damping + d.translation_damping * _product(self.nut, self.nut)
-        signed, losses = np.zeros_like(damping), []
-        sine, cosine = math.sin(d.lead_angle), math.cos(d.lead_angle)
-        normal = rows["normal_force"]
-        resting = self.automaton.codes[mode] in self.automaton.rest_codes
-        if isinstance(d, ThreadsParameters):
-            parting = np.eye(len(self.one))[3]
-            damping = damping + d.contact_damping * cosine**2 * _product(parting, parting)
-            if resting:  # static friction moves with the nut
-                friction = (rows["coupling_torque"] / d.pitch_radius + sine * normal) / cosine
-                signed = sine * _product(friction, parting)
-            else:
-                law = _law(find_model(d.model).modes(int(self.automaton.codes[mode])).name)
-                sliding = d.pitch_radius / cosine * self.screw + sine * parting
-                signed = law * d.friction_coefficient * _product(normal, sliding)
-        elif not resting:
-            losses.append(d.friction_coefficient * d.pitch_radius / cosine * _product(normal, self.slip))
-        if isinstance(d, SupportParameters):
-            damping = damping + d.axial_support_damping * _product(self.second, self.second)
-        if isinstance(d, NutParameters):
-            damping = damping + d.nut_damping * _product(self.second, self.second)
-        if isinstance(d, SupportParameters | NutParameters):
-            losses.append(d.slide_friction * _product(self.nut, self.one))
-            losses.append(d.bearing_friction * _product(self.screw, self.one))
-        motor = d.input_speed * _product(rows["coupling_torque"], self.one)
-        return [motor, d.axial_force * _product(self.nut, self.one), damping, signed], losses
-
-    def kinetic(self, state: np.ndarray) -> float:
-        """Kinetic energy [J] at a state."""
-        x, d = np.append(state, 1.0), self.drive
-        second = {"support": "screw_mass", "nut": "nut_inertia"}.get(d.model)
-        inertia = getattr(d, second) if second else 0.0
-        return float(
-            0.5 * (d.screw_inertia * (self.screw @ x) ** 2 + d.mass * (self.nut @ x) ** 2)
-            + 0.5 * inertia * (self.second @ x) ** 2
-        )
-
-
-def _product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The product of two affine functions as a symmetric form."""
-    return 0.5 * (np.outer(left, right) + np.outer(right, left))
-
-
-def _law(name: str) -> int:
-    """s of a mode of compliant threads, from the direction of slip and the sign of N in its name."""
-    return (1 if "FORWARD" in name else -1) * (1 if name.endswith("POSITIVE") else -1)

@@ -17,15 +17,15 @@ from lsvib.drives.coefficients import Coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
 
-many = MPContext()  # an own context: the precision of the global one belongs to the caller
+many = MPContext()  # a context of its own, because the precision of the global one belongs to the caller
 many.dps = PLACES
 double = SimpleNamespace(
     mpf=float, **{name: getattr(math, name) for name in ("exp", "log", "cos", "sin", "atan2", "pi")}
 )
-_CLOSE = 1e-9  # relative, of the start for Newton's method: it squares the error in every step
-_NEWTON = 8  # steps at most; from 1e-9 three of them reach all 50 digits
-_EXACT = 1e-25  # relative, of a step: the next one would be the square of that
-_STEPS = 400  # of a bracketed search, which halves the bracket at least every third time
+_CLOSE = 1e-9  # relative error of the start of Newton's method, which squares it in every step
+_NEWTON = 8  # steps at most; three steps lead from an error of 1e-9 to all 50 digits
+_EXACT = 1e-25  # relative size of the last step; the next one would be its square
+_STEPS = 400  # of a bracketed search, which halves its bracket in every third step at least
 
 
 class ForwardDrive:

@@ -24,13 +24,15 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
 
-_DECADES = (-4.0, 3.0)  # of the distance along a line, in sizes of a swing of the screw
-_SAMPLES = 160  # in each direction: a tenth from one to the next
+_DECADES = (-4.0, 3.0)  # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
+_SAMPLES = 160  # on each side of a line: each lies a tenth farther out than the one before
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
-_NARROW = 60  # steps of the golden section: 1e-12 of the bracket
-_HALVINGS = 60  # of a bracket, if Newton's method leaves it
-_CLOSER = np.append(0.7 ** np.arange(1, 40), 0.0)  # of the distance to an end, down to a millionth: there maps bend
-_SAME = 1e-7  # relative: cycles that differ by less, and are of one stability, are one
+_NARROW = 60  # steps of the golden section, which leave 1e-12 of the bracket
+_HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
+_CLOSER = np.append(
+    0.7 ** np.arange(1, 40), 0.0
+)  # Close to an end return maps bend, so samples go down to a millionth.
+_SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
 _SWINGS = 200.0  # turns of the slowest oscillator that a return may take
 
 
@@ -45,13 +47,13 @@ class Seed:
 
 
 def swing(drive: RigidParameters) -> tuple[float, float]:
-    """Sizes of a swing of the screw under law −1: u [rad] and w [rad/s]; the speed is that of the motor."""
+    """Return the sizes u [rad] and w [rad/s] of a swing of the screw under law −1 with the speed of the motor."""
     inertia = float(coefficients(drive).gamma[-1])
     return abs(drive.input_speed) * math.sqrt(inertia / drive.coupling_stiffness), abs(drive.input_speed)
 
 
 def starts(drive: RigidParameters) -> list[tuple[float, float]]:
-    """Starts (u [rad], w [rad/s]): next to steady sliding, at standstill, and far out on both sides."""
+    """Return starts (u [rad], w [rad/s]) next to steady sliding, at standstill, and far out on both sides."""
     u, w = swing(drive)
     still = -drive.input_speed
     standing = [(part * u, still) for part in (0.0, -0.5, 0.5)]
@@ -144,7 +146,7 @@ def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int],
 
 
 def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> np.ndarray:
-    """The places, and more of them towards each end of a stretch from which motions come back."""
+    """Add places towards both ends of each stretch of places from which motions come back."""
     more = [places]
     for k in range(len(places) - 1):
         if math.isfinite(gaps[k]) == math.isfinite(gaps[k + 1]):
@@ -159,7 +161,7 @@ def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> 
 
 
 def _patience(automaton: Automaton) -> float:
-    """Time [s] that a return is waited for."""
+    """Longest time [s] that a return may take."""
     scales = automaton.tables.flow[:, columns.TIME_SCALE]
     return _SWINGS * float(scales.max())
 
@@ -170,7 +172,7 @@ def _gap(section: ReturnSection, place: float) -> float:
 
 
 def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> float:
-    """Where ``sign`` × (P(y) − y) is smallest between two places, by the golden section; stops where it is negative."""
+    """Place between two others at which ``sign`` × (P(y) − y) is smallest, or the first at which it is negative."""
 
     def height(place: float) -> float:
         value = sign * _gap(section, place)
@@ -193,7 +195,7 @@ def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> f
 
 
 def _within(drive: RigidParameters, section: ReturnSection, low: float, high: float) -> Cycle | None:
-    """The cycle in a bracket, where P(y) − y changes sign: Newton's method, from halves of the bracket if need be."""
+    """Return the cycle in a bracket where P(y) − y changes its sign; Newton's method starts from ever smaller ones."""
     first = _gap(section, low)
     width = high - low
     for _ in range(_HALVINGS):

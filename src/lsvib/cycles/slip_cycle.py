@@ -11,15 +11,15 @@ motions decay, π α₊ / β₊ + π α₋ / β₋ > 0, and none otherwise: two 
 Rodrigo and Torres 1998).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from lsvib.cycles.forward_slip import ForwardDrive, Slip, bracketed_root, double, many
+from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.errors import EngineError
 
-_NEWTON = 8  # steps at most; from 1e-7 three of them reach all 50 digits
-_EXACT = 1e-35  # relative residual; the coefficients have 50 digits
+_NEWTON = 8  # steps at most; three steps lead from an error of 1e-7 to all 50 digits
+_EXACT = 1e-35  # relative residual of a solution; the coefficients have 50 digits
 _SEARCHES = (
-    # context, smallest phase beyond half a turn that is looked at, relative tolerance of the start for Newton's method
+    # The arithmetic, the smallest phase beyond half a turn that is tried, and the relative error of Newton's start.
     (double, 1e-10, 1e-7),
     (many, 1e-40, 1e-20),  # where large motions hardly decay, or rates lie so far apart that double precision fails
 )
@@ -28,14 +28,17 @@ _SEARCHES = (
 class Half(NamedTuple):
     """Slopes with which a half return leaves Q = 0 and comes back, and their derivatives with respect to its time."""
 
-    leaves: object
-    comes: object
-    leaves_rate: object
-    comes_rate: object
+    leaves: Any
+    comes: Any
+    leaves_rate: Any
+    comes_rate: Any
 
 
-def half_return(slip: Slip, height, time) -> Half:
-    """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``."""
+def half_return(slip: Any, height: Any, time: Any) -> Half:
+    """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``.
+
+    ``slip`` is a :class:`Slip`, or has its ``a0``, ``a1`` and ``responses`` in another arithmetic.
+    """
     c, s, s_rate = slip.responses(time)
     leaves = -height * (1 - c) / s
     leaves_rate = -height * (slip.a0 * s * s - (1 - c) * s_rate) / (s * s)
@@ -49,17 +52,31 @@ def decay_of_large_motions(drive: ForwardDrive):
     return many.pi * (plus.alpha / plus.beta + minus.alpha / minus.beta) if minus.turns else many.inf
 
 
-def slowest_rate(drive: ForwardDrive):
-    """Smallest w [rad/s] on the cycle at R̃ = 1 N; the conditions of the module docstring must hold."""
+class SlowestPoint(NamedTuple):
+    """Smallest ``rate`` w [rad/s] on the cycle at R̃ = 1 N, where the motion is under ``law``.
+
+    ``times`` [s] of the half returns under law + and law −; ``at`` [s], the time from Q = 0 to this point.
+    """
+
+    rate: Any
+    law: int
+    times: tuple[Any, Any]
+    at: Any
+
+
+def slowest_point(drive: ForwardDrive) -> SlowestPoint:
+    """Return the point of the cycle at which the screw is slowest; the conditions of the module docstring must hold."""
     for context, nearest, close in _SEARCHES:
         times = _polished(drive, _times(drive, context, nearest, close))
         if times is not None:
-            return min(_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
+            found = (_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
+            rate, law, at = min(found, key=lambda point: point[0])
+            return SlowestPoint(rate, law, times, at)
     raise EngineError("the two half returns of the slip cycle do not meet; please report it.")
 
 
 def _times(drive: ForwardDrive, context, nearest: float, close: float):
-    """Times [s] of the two half returns, nearly; None if the context has too few digits for them."""
+    """Approximate times [s] of the two half returns; None if the arithmetic has too few digits for them."""
     plus, minus = drive.slip(1, context), drive.slip(-1, context)
     heights = {law: context.mpf(drive.inertia[law] / drive.inertia[-1]) for law in (1, -1)}
 
@@ -103,7 +120,7 @@ def _times(drive: ForwardDrive, context, nearest: float, close: float):
 
 
 def _polished(drive: ForwardDrive, times):
-    """The two times to many digits by Newton's method; None if it does not lead to a cycle."""
+    """Refine the two times to all digits by Newton's method; None if it does not lead to a cycle."""
     if times is None:
         return None
     plus, minus = drive.slip(1), drive.slip(-1)
@@ -124,15 +141,23 @@ def _polished(drive: ForwardDrive, times):
 
 
 def _slowest(drive: ForwardDrive, law: int, time):
-    """Smallest w [rad/s] on the half of the cycle under a law, at R̃ = 1 N."""
-    slip, (q_u, q_w) = drive.slip(law), drive.contact
-    # With y = u − u_e of the law, Q = q_u y + q_w w + Γ_s and Q′ = q_u w − q_w (a₀ y + a₁ w); here Q = 0 and Q′ = v.
-    slope = half_return(slip, drive.inertia[law], time).leaves
-    w = (slope - q_w * slip.a0 * drive.inertia[law] / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)
-    y = -(q_w * w + drive.inertia[law]) / q_u
-    slowest = w
+    """Smallest w [rad/s] on the half of the cycle under a law, at R̃ = 1 N, with the law and the time [s] from Q = 0."""
+    slip = drive.slip(law)
+    y, w = leaving(slip, drive.contact, drive.inertia[law], half_return(slip, drive.inertia[law], time))
+    slowest = w, law, many.mpf(0)
     for at in slip.stationary(y, w, (0, 1)):
         if at >= time:
             break
-        slowest = min(slowest, slip.state(y, w, at)[1])
+        slowest = min(slowest, (slip.state(y, w, at)[1], law, at), key=lambda point: point[0])
     return slowest
+
+
+def leaving(slip: Any, contact: Any, height: Any, half: Half) -> tuple[Any, Any]:
+    """State (u − u_e, w) in which a half return leaves Q = 0; u_e [rad] is the equilibrium of its law.
+
+    Arguments: slip under the law, as of :func:`half_return`; row (q_u, q_w) of Q; ``height``, Q at the equilibrium; the
+    half return. With y = u − u_e, Q = q_u y + q_w w + height and Q′ = q_u w − q_w (a₀ y + a₁ w); here Q = 0, Q′ = v.
+    """
+    q_u, q_w = contact
+    w = (half.leaves - q_w * slip.a0 * height / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)
+    return -(q_w * w + height) / q_u, w

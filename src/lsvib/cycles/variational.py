@@ -22,7 +22,7 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
-_TERMS = 8.0  # roundings in a term of a product of two matrices with up to five rows, at most
+_TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
 
 
 @dataclass(frozen=True)

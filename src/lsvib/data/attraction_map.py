@@ -19,7 +19,7 @@ from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.data.phase_plane import attributes
 from lsvib.errors import InputError
 
-_CYCLE_SAMPLES = 400
+_CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
 _LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
 _BOUNDARY_SAMPLES = 100  # of each arc
 

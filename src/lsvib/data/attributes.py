@@ -4,15 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.drives.model_files import model_names
+from lsvib.drives.registry import find_model
+
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
     "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
-    "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
-    "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
-    "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
-    "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
-    "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
     "normal_force": ("normal force of the threads", "N", "$N$"),
     "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
     "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
@@ -32,8 +29,14 @@ def flags(kinds) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = _LONG_NAMES[name]
+    long_name, units, symbol = _LONG_NAMES[name] if name in _LONG_NAMES else _of_one_model(name)
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
+
+
+def _of_one_model(name: str) -> tuple[str, str, str]:
+    """Long name, unit and symbol of a quantity that only one model has."""
+    models = map(find_model, model_names())  # imported one by one, up to the one that has it
+    return next(model.quantities[name] for model in models if name in model.quantities)
 
 
 def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
@@ -41,6 +44,12 @@ def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dic
     return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
 
 
+def yes_no(long_name: str) -> dict[str, Any]:
+    """Return the attributes of an int8 variable that is 1 where a statement is true, else 0."""
+    return attributes("1", long_name, flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")
+
+
+CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")
 # Of events: the impulses of seizures, zero in other events, and a sign.
 IMPULSES = {
     "normal_impulse": attributes("N s", "normal impulse of the threads of the event"),

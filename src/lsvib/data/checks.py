@@ -12,7 +12,6 @@ from typing import Any, Self
 from lsvib.drives.chapter import THRESHOLDS
 from lsvib.errors import InputError
 
-_COLUMNS = ("figure", "claim", "expected", "computed", "error", "tolerance", "verdict")
 _TERMINAL = 120  # columns
 
 
@@ -83,9 +82,9 @@ class Check:
         if self.tolerance is None:
             return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
         return (
-            f"{self.claim}: expected {_quantity(self.expected, self.unit)}, "
-            f"computed {_quantity(self.computed, self.unit)}, relative error "
-            f"{_text(self.error)} {'<=' if self.passed else 'is NOT <='} {_text(self.tolerance)} [{self.source}]."
+            f"{self.claim}: expected {quantity(self.expected, self.unit)}, "
+            f"computed {quantity(self.computed, self.unit)}, relative error "
+            f"{text(self.error)} {'<=' if self.passed else 'is NOT <='} {text(self.tolerance)} [{self.source}]."
         )
 
 
@@ -120,18 +119,7 @@ def _remedy(check: Check) -> str:
     if check.tolerance is None or isinstance(check.expected, str):
         return "It passes when the claim is true of the dataset."
     ends = sorted(check.expected * (1 + sign * check.tolerance) for sign in (-1, 1))
-    return f"It passes from {_quantity(ends[0], check.unit)} to {_quantity(ends[1], check.unit)}."
-
-
-def markdown_table(checks: Iterable[tuple[str, Check]]) -> str:
-    """Return the checks, pairs (figure, check), as a Markdown table that also reads well as text."""
-    rows = [list(_COLUMNS)] + [[cell.replace("|", "\\|") for cell in _row(*pair)] for pair in checks]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_COLUMNS))]
-    lines = [
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
-    ]
-    lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
-    return "\n".join(lines) + "\n"
+    return f"It passes from {quantity(ends[0], check.unit)} to {quantity(ends[1], check.unit)}."
 
 
 def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
@@ -141,9 +129,9 @@ def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
     for name, claim in THRESHOLDS.items():
         if (claim.source, claim.value) in found:
             figure, check = found[claim.source, claim.value]
-            words = f"{name.replace('_', ' '):18} printed {_quantity(check.expected, check.unit):8}"
-            computed = f"computed {_quantity(check.computed, check.unit):10}"
-            lines.append(f"{words} {computed} error {_percent(check.error):8} {figure}")
+            words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
+            computed = f"computed {quantity(check.computed, check.unit):10}"
+            lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
     return lines
 
 
@@ -156,28 +144,18 @@ def counts(checks: Iterable[tuple[str, Check]]) -> str:
     return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", _TERMINAL, break_on_hyphens=False))
 
 
-def _percent(error: float | None) -> str:
+def percent(error: float | None) -> str:
+    """Return a relative error in per cent, a dash if there is none."""
     return "-" if error is None else f"{100 * error:.2g} %"
 
 
-def _row(figure: str, check: Check) -> list[str]:
-    cells = [
-        figure,
-        f"{check.claim} [{check.source}]",
-        _quantity(check.expected, check.unit),
-        _quantity(check.computed, check.unit),
-        "-" if check.error is None else f"{check.error:.3g}",
-        _text(check.tolerance),
-        "pass" if check.passed else "FAIL",
-    ]
-    return [cell.replace("\n", " ") for cell in cells]
+def quantity(value: float | str, unit: str | None) -> str:
+    """Return a value with its unit as text."""
+    return text(value) if unit in (None, "1") else f"{text(value)} {unit}"
 
 
-def _quantity(value: float | str, unit: str | None) -> str:
-    return _text(value) if unit in (None, "1") else f"{_text(value)} {unit}"
-
-
-def _text(value: float | str | None) -> str:
+def text(value: float | str | None) -> str:
+    """Return a value as text, numbers with six digits, a dash for None."""
     if value is None:
         return "-"
     return f"{value:.6g}" if isinstance(value, float) else value

@@ -80,7 +80,7 @@ def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
     return [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
 
 
-_MOST_POINTS = 100_000
+_MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memory
 
 
 class Attracts(IntEnum):

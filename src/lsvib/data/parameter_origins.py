@@ -20,7 +20,7 @@ import numpy as np
 
 from lsvib.data.attributes import attributes
 from lsvib.drives import chapter
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
@@ -29,11 +29,17 @@ NO_EFFECT = "of no effect: the results of this file do not depend on it"
 # In front of a parameter's name: along a sweep, a grid, a curve, growth rates or a boundary; of readings of the text;
 # of the cases, where the name alone is that of the drive that they change; of what is drawn.
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
-FIELDS = {
-    name: field.json_schema_extra
-    for kind in (RigidParameters, ThreadsParameters, SupportParameters, NutParameters)
-    for name, field in kind.model_fields.items()
-}
+
+
+def _fields(kind: type[RigidParameters] = RigidParameters) -> dict[str, Any]:
+    """What the classes of drives that are loaded say of their parameters, by name."""
+    fields = {name: field.json_schema_extra for name, field in kind.model_fields.items()}
+    for more in kind.__subclasses__():
+        fields = _fields(more) | fields
+    return fields
+
+
+FIELDS = _fields()
 _GREEK = ("Omega", "lambda", "mu")
 
 Variables = dict[str, tuple]
@@ -42,7 +48,8 @@ Variables = dict[str, tuple]
 def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
     """Return the attributes of a parameter, whose name may bear one of :data:`QUALIFIERS`, with its ``origin``."""
     qualifier, _, rest = name.partition("_")
-    known = FIELDS[rest if name not in FIELDS and qualifier in QUALIFIERS else name]
+    fields = FIELDS if name in FIELDS or rest in FIELDS else _fields()  # of a model that was loaded since
+    known = fields[rest if name not in fields and qualifier in QUALIFIERS else name]
     symbol = f"$\\{known['symbol']}$" if known["symbol"] in _GREEK else f"${known['symbol']}$"
     return attributes(known["unit"], known["long_name"], symbol, origin=origin, **more)
 

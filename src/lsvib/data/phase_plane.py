@@ -27,17 +27,13 @@ ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
+_WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 _ARC = 17  # samples of an arc between two events, if there is room
 
 
 def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
     """Return the attributes of an int8 variable that holds members of ``kinds``."""
     return attributes("1", long_name, **flags(kinds))
-
-
-def span(settings: Mapping[str, Any]) -> np.ndarray:
-    """Return evenly spaced values from ``start`` to ``stop``, both included, ``count`` of them."""
-    return np.linspace(settings["start"], settings["stop"], settings["count"])
 
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
@@ -178,11 +174,15 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
             attributes("rad", AMPLITUDE),
         ),
         "period": (dims, table("period", float), attributes("s", PERIOD, "$T$")),
-        "cycle_angle": (("case", "sample"), cycle[..., 0], attributes("rad", "deviation on the limit cycle", "$u$")),
+        "cycle_angle": (
+            ("case", "sample"),
+            cycle[..., 0],
+            attributes("rad", "deviation on the limit cycle", "$u$", comment=_WHICH_CYCLE),
+        ),
         "cycle_velocity": (
             ("case", "sample"),
             cycle[..., 1],
-            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
+            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$", comment=_WHICH_CYCLE),
         ),
     }
 

@@ -63,5 +63,8 @@ TAN_LEAD = Claim(
     0.0975, "1", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-4 / 0.0975, "printed with three digits: half a unit of the last"
 )
 
+# Every number that the chapter prints and that is no input: the thresholds first.
+PRINTED = (*THRESHOLDS.values(), PEAK_FORCE, *EFFECTIVE_DAMPING.values(), *EFFECTIVE_INERTIA.values(), TAN_LEAD)
+
 # Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
 GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}

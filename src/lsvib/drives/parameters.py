@@ -24,7 +24,11 @@ Quantity = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
-def _quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
+def quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
+    """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
+
+    The range is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >, ≥, < and ≤.
+    """
     return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
 
 
@@ -39,22 +43,21 @@ class RigidParameters(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    model: ClassVar[str] = "rigid"  # of :data:`lsvib.drives.registry.MODELS`
+    model: ClassVar[str] = "rigid"  # one of lsvib.drives.model_files.model_names()
+    own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
-    pitch_radius: Quantity = _quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
-    lead_angle: Quantity = _quantity(
+    pitch_radius: Quantity = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
+    lead_angle: Quantity = quantity(
         math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2
     )
-    screw_inertia: Quantity = _quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
-    coupling_stiffness: Quantity = _quantity(
-        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15
-    )
-    support_damping: Quantity = _quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
-    friction_coefficient: Quantity = _quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
-    input_speed: Quantity = _quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
-    mass: Quantity = _quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
-    translation_damping: Quantity = _quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
-    axial_force: Quantity = _quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
+    screw_inertia: Quantity = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
+    coupling_stiffness: Quantity = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
+    support_damping: Quantity = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
+    friction_coefficient: Quantity = quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
+    input_speed: Quantity = quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
+    mass: Quantity = quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
+    translation_damping: Quantity = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
+    axial_force: Quantity = quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 
@@ -118,34 +121,34 @@ class RigidParameters(BaseModel):
 class ThreadsParameters(RigidParameters):
     """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
 
-    model = "threads"
+    model, own_damping = "threads", "contact_damping"
 
-    contact_stiffness: Quantity = _quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
-    contact_damping: Quantity = _quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+    contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
 
 
 class SupportParameters(RigidParameters):
     """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
 
-    model = "support"
+    model, own_damping = "support", "axial_support_damping"
 
-    screw_mass: Quantity = _quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
-    support_stiffness: Quantity = _quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
-    axial_support_damping: Quantity = _quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
-    slide_friction: Quantity = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    screw_mass: Quantity = quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
+    support_stiffness: Quantity = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
+    axial_support_damping: Quantity = quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
+    slide_friction: Quantity = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Quantity = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
 class NutParameters(RigidParameters):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
 
-    model = "nut"
+    model, own_damping = "nut", "nut_damping"
 
-    nut_inertia: Quantity = _quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
-    nut_stiffness: Quantity = _quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
-    nut_damping: Quantity = _quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
-    slide_friction: Quantity = _quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Quantity = _quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    nut_inertia: Quantity = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
+    nut_stiffness: Quantity = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
+    nut_damping: Quantity = quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
+    slide_friction: Quantity = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Quantity = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
 class ExactParameters:
@@ -157,7 +160,7 @@ class ExactParameters:
     def __init__(self, drive: RigidParameters) -> None:
         values = {key: Decimal(value) for key, value in drive.__dict__.items()}
         with localcontext(prec=PLACES + 10):
-            sine, cosine = _sine_and_cosine(values["lead_angle"])
+            sine, cosine = sine_and_cosine(values["lead_angle"])
             self.__dict__.update(values, sin_lead=sine, cos_lead=cosine, tan_lead=sine / cosine)
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -173,7 +176,7 @@ def _exact(drive: RigidParameters) -> ExactParameters:
     return ExactParameters(drive)
 
 
-def _sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
+def sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
     """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
     sums = [Decimal(0), Decimal(1)]
     term = Decimal(1)

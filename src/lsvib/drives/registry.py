@@ -1,48 +1,57 @@
-"""What a model tells the layers above: its parameters, automaton, start, and the names of its modes and events."""
+"""What a model tells the layers above: all that they need to know of it, so that none of them asks which one it is."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lsvib.drives.linear_parts import LinearParts, Polynomial
+from lsvib.drives.model_files import model_module, model_names
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
-from lsvib.numbers import shown
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
+    from lsvib.drives.powers import Powers
     from lsvib.engine.automaton import Automaton
-
-MODELS = {
-    "rigid": "lsvib.drives.rigid",
-    "threads": "lsvib.drives.threads",
-    "support": "lsvib.drives.second_body.support",
-    "nut": "lsvib.drives.second_body.nut",
-}
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model of the drive; each module of ``MODELS`` has one as ``MODEL``.
+    """A model of the drive; the file of each has one as ``MODEL``.
 
-    ``build(drive, physics, resume)`` makes the automaton; ``start(drive, values)`` the initial state from the keys
-    ``required`` and ``optional``; ``terms`` are the parameters that a scene may leave out (then they must be zero);
-    ``options`` are the other words that its ``physics`` may hold; ``outputs`` are its observables.
+    The simulation needs of it ``build(drive, physics, resume)``, which makes the automaton; ``start(drive, values)``,
+    which makes the initial state from the keys ``required`` and ``optional``, one for each of the coordinates
+    ``states``; ``terms``, the parameters that a scene may leave out (then they must be zero); ``options``, the other
+    words that its ``physics`` may hold; ``outputs``, its observables, and ``quantities``, long name, unit and symbol of
+    those coordinates and observables that no other model has.
+
+    Its linear stability needs ``characteristic(parameters, parts)``, the characteristic polynomial of steady sliding in
+    the arithmetic of the parameters, as :class:`~lsvib.drives.linear_parts.LinearParts` helps to make it;
+    ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and of the class ``drive`` the name
+    of the damper that the model adds to the rigid drive, ``own_damping``. ``powers(drive, automaton)`` gives the powers
+    of its cycles. ``section`` is the section of the book that derives the model, by which models are listed.
     """
 
     drive: type[RigidParameters]
-    build: Callable[[RigidParameters, tuple[str, ...], str], "Automaton"]
-    start: Callable[[RigidParameters, Mapping[str, float]], np.ndarray]
+    build: Callable[[Any, tuple[str, ...], str], "Automaton"]
+    start: Callable[[Any, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
     events: type[IntEnum]
     required: tuple[str, ...]
     optional: tuple[str, ...]
+    states: tuple[str, ...]
     terms: tuple[str, ...]
     options: tuple[str, ...]
     outputs: tuple[str, ...]
     equations: str
+    characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial]
+    powers: "type[Powers]"
+    excess: Callable[[LinearParts], Any] = lambda parts: parts.g
+    quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
+    section: str = ""
 
     def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
         """Return the initial state; ``InputError`` if a required key is missing or a key is not known."""
@@ -63,6 +72,10 @@ def seizures_only_by_contact(model: str, resume: str) -> None:
 
 def find_model(name: str) -> Model:
     """Return a model by name; ``InputError`` if there is none of that name."""
-    if not isinstance(name, str) or name not in MODELS:
-        raise InputError(f"model = {shown(name)} is not one of {', '.join(MODELS)}.")
-    return import_module(MODELS[name]).MODEL
+    model: Model = import_module(model_module(name)).MODEL
+    return model
+
+
+def all_models() -> dict[str, Model]:
+    """Return all models by name, in the order of :func:`lsvib.drives.model_files.model_names`."""
+    return {name: find_model(name) for name in model_names()}

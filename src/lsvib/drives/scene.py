@@ -19,9 +19,9 @@ from lsvib.numbers import NotNumber, number
 class Scene(BaseModel):
     """One simulation, immutable and checked.
 
-    ``model``: a name of :data:`lsvib.drives.registry.MODELS`; ``drive``: its parameters. ``physics``: the terms that
-    the scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion
-    of a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
+    ``model``: its name (:mod:`lsvib.drives.model_files`); ``drive``: its parameters. ``physics``: the terms that the
+    scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
+    a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
     terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.drives.rigid`. ``initial``: u [rad],
     w [rad/s], and what else the model has. ``t_end`` [s]. ``samples``: number of equidistant output times, both ends
     included. ``outputs``: observables to store besides the state, the mode and the events.

@@ -22,14 +22,19 @@ s = +1, which stops the screw, and the motion after it follows from the same equ
 """
 
 import math
+from collections.abc import Iterator, Mapping
 from decimal import localcontext
 from enum import IntEnum
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients
+from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.once import once
 from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.powers import Powers, product
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.drives.second_body.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
@@ -239,6 +244,46 @@ def _automaton(drive: ThreadsParameters, physics: tuple[str, ...], resume: str) 
     return threads_automaton(drive)
 
 
+def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
+    """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
+    return parts.coupled(_excess(parts), (Fraction(0), p["contact_damping"], p["contact_stiffness"]))
+
+
+def _excess(parts: LinearParts) -> Any:
+    return 1 + parts.t**2
+
+
+class ThreadsPowers(Powers):
+    """Powers of the drive with compliant threads: the nut moves against the screw at v = e′, the contact's damper too.
+
+    Friction acts on that motion as well, so that its power changes its sign within a mode.
+    """
+
+    def __init__(self, drive: ThreadsParameters, automaton: Automaton) -> None:
+        super().__init__(drive, automaton)
+        self.parting = self.unit[3]
+        self.nut = self.nut + self.parting
+
+    def dampers(self) -> Iterator[tuple[float, np.ndarray]]:
+        """Yield the damper of the contact, which the mismatch compresses at v cos λ."""
+        yield self.drive.contact_damping * self.cosine**2, self.parting
+
+    def friction(self, mode: int) -> Iterator[np.ndarray]:
+        """Yield nothing: see :meth:`signed_friction`."""
+        yield from ()
+
+    def signed_friction(self, mode: int) -> np.ndarray:
+        """Return the power [W] of the friction of the threads; at rest static friction moves with the nut."""
+        rows, d = self.rows(mode), self.drive
+        normal = rows["normal_force"]
+        if self.rests(mode):
+            friction = (rows["coupling_torque"] / d.pitch_radius + self.sine * normal) / self.cosine
+            return self.sine * product(friction, self.parting)
+        law = 1 if self.automaton.codes[mode] in _UNDER_LAW_PLUS else -1
+        sliding = d.pitch_radius / self.cosine * self.screw + self.sine * self.parting
+        return law * d.friction_coefficient * product(normal, sliding)
+
+
 MODEL = Model(
     drive=ThreadsParameters,
     build=_automaton,
@@ -247,8 +292,17 @@ MODEL = Model(
     events=ThreadsEvent,
     required=("u", "w"),
     optional=("e", "v"),
+    states=STATES,
     terms=("support_damping", "translation_damping", "axial_force", "contact_damping"),
     options=(),
     outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
     equations="eqs 8.6, 8.7",
+    characteristic=_characteristic,
+    powers=ThreadsPowers,
+    excess=_excess,
+    quantities={
+        "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
+        "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
+    },
+    section="5.5",
 )

@@ -20,14 +20,16 @@ def build_figure(
     png: str | os.PathLike[str],
     pdf: str | os.PathLike[str] | None = None,
     *,
+    caption: str | os.PathLike[str] | None = None,
     resolution: float = FULL,
 ) -> list[Check]:
     """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
 
     ``figure``: its name, such as ``fig8_06``. ``given``: settings as in its section of ``config/config.yaml``; those
-    that it does not name have their defaults. ``pdf`` None for no PDF; ``resolution`` of the PNG [dots per inch].
-    Raises ``InputError`` about the name and the settings and ``LsvibError`` about files, in one sentence.
+    that it does not name have their defaults. ``pdf`` None for no PDF; ``caption``, a file for its caption with the
+    values that it holds for, None for no such file; ``resolution`` of the PNG [dots per inch]. Raises ``InputError``
+    about the name and the settings and ``LsvibError`` about files, in one sentence.
     """
     checks = compute_figure(figure, given, dataset_file, checks_file)
-    draw_figure(figure, dataset_file, png, pdf, resolution=resolution)
+    draw_figure(figure, dataset_file, png, pdf, caption, resolution=resolution)
     return checks

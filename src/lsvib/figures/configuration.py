@@ -103,6 +103,13 @@ def complete_settings(figure: str, given: Mapping[str, Any]) -> dict[str, Any]:
     return {**given, **settings.model_dump(mode="json", include=absent, exclude_none=True)}
 
 
+def standard_settings(figure: str) -> dict[str, Any]:
+    """Return the settings of a figure that come with the package; raises ``InputError`` if there is no such figure."""
+    from lsvib.drives.scene import read_yaml
+
+    return complete_settings(figure, section(read_yaml(DEFAULT), figure))
+
+
 def settings_of(figure: str) -> type[FigureSettings]:
     """Return the type of the settings of a figure; raises ``InputError`` if there is no such figure."""
     found: type[FigureSettings] = import_module(settings_module(figure)).Settings

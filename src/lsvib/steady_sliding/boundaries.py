@@ -12,12 +12,12 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.linear_parts import multiplied
+from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.characteristic import (
     DIGITS,
     Polynomial,
     hurwitz,
-    multiplied,
     polynomial,
     rationals,
     tangents,
@@ -25,13 +25,6 @@ from lsvib.steady_sliding.characteristic import (
 from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
 from lsvib.steady_sliding.spectrum import neutral_margins
-
-OWN_DAMPING = {
-    ThreadsParameters: "contact_damping",
-    SupportParameters: "axial_support_damping",
-    NutParameters: "nut_damping",
-}
-"""The damping that a model adds to the rigid drive, by the class of its drives."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +48,7 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
     Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
-    ``support_damping`` or the damping in :data:`OWN_DAMPING`. Raises ``InputError`` if the contact carries no force.
+    ``support_damping`` or the drive's ``own_damping``. Raises ``InputError`` if the contact carries no force.
     """
     kind, law = type(drive), steady_law(drive)
     tangent = tangents(drive, DIGITS)[0]
@@ -64,7 +57,7 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     else:
         limit = Fraction(kind.model_json_schema()["properties"][key]["maximum"])
     values = rationals(drive)
-    dampings = ("support_damping", "translation_damping", OWN_DAMPING[kind])  # key may be the first or the last
+    dampings = ("support_damping", "translation_damping", kind.own_damping)  # key may be the first or the last
     neutral = key not in dampings and not any(values[name] for name in dampings)
 
     def margins(value: Fraction) -> tuple[Fraction, ...]:
@@ -74,7 +67,7 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     def stable(value: Fraction) -> bool:
         return min(margins(value)) > 0
 
-    conditions = [_interpolated(samples) for samples in zip(*(margins(Fraction(x)) for x in range(4)), strict=True)]
+    conditions = [interpolated(samples) for samples in zip(*(margins(Fraction(x)) for x in range(4)), strict=True)]
     if not all(conditions):  # one vanishes for every value of the parameter
         return StableSet(key, (), limit, neutral, False)
     places = [root for p in conditions for root in positive_roots(p, limit)]
@@ -122,14 +115,14 @@ def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
 
 
 def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
-    """Critical mass, critical friction and least damping of its own of a drive, each as :func:`threshold_of`."""
-    own = OWN_DAMPING[type(drive)]
+    """Return a drive's critical mass, critical friction and least own damping, each as :func:`threshold_of`."""
+    own = drive.own_damping
     keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}
     return {name: threshold_of(drive, key) for name, key in keys.items()}
 
 
 def _asymptotic(p: Polynomial) -> tuple[Fraction, ...]:
-    """Numbers that are all positive exactly where steady sliding is asymptotically stable; p_0 always is."""
+    """Return numbers that are all positive exactly where steady sliding is asymptotically stable (p_0 > 0 always)."""
     return (*p[:4], hurwitz(p))
 
 
@@ -137,7 +130,7 @@ def _end(found: StableSet, unit: str) -> str:
     return "cot(lead_angle)" if found.key == "friction_coefficient" else f"{float(found.limit):g} {unit}"
 
 
-def _interpolated(values: Sequence[Fraction]) -> Polynomial:
+def interpolated(values: Sequence[Fraction]) -> Polynomial:
     """The polynomial through ``values`` at 0, 1, 2, …, by Newton's divided differences; leading zeros left out."""
     differences = list(values)
     for order in range(1, len(values)):
@@ -153,7 +146,7 @@ def _interpolated(values: Sequence[Fraction]) -> Polynomial:
 def _apart(places: Iterable[Fraction], limit: Fraction) -> list[Fraction]:
     """Places below the limit in ascending order, each once even if it is a root of two polynomials.
 
-    The limit itself is none, though the coefficients vanish at μ = cot λ under law −.
+    The limit itself is left out, although the coefficients vanish at μ = cot λ under law −.
     """
     kept: list[Fraction] = []
     for place in sorted(places):

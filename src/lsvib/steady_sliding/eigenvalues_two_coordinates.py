@@ -29,8 +29,7 @@ def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
 
 
 def undamped_class(model: LinearModel) -> NDArray[np.int8]:
-    """Class (:class:`UndampedClass`) of M q″ + K q = 0 by its eigenvalues 1/ω², one for each place of the grid; K
-    positive."""
+    """Return the :class:`UndampedClass` of M q″ + K q = 0 by its eigenvalues 1/ω², point by point; det K > 0."""
     squares = reciprocal_squares(model)
     # det K > 0, so the product of both 1/ω² has the sign of det M: it is negative for exactly one negative 1/ω².
     complex_pair = squares[..., 0].imag != 0

@@ -10,31 +10,41 @@ from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.errors import NoThreshold
+from lsvib.steady_sliding.threshold_motions import Start
 
-_GRID = 240  # durations of slip that are looked at, in ratio, before the best is refined
+_GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
-_REFINEMENTS = 40  # leave 4e-9 of the bracket, and at a maximum the square of that in the value
-_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, in the end with the square
-_EXACT = 1e-40  # relative step; the coefficients have 50 digits
+_REFINEMENTS = 40  # They leave 4e-9 of the bracket; near a maximum the value is then wrong by the square of that.
+_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, at last quadratically
+_EXACT = 1e-40  # relative size of the last step; the coefficients have 50 digits
+_NONE = Start("", many.inf)
 
 
 def globally_stable_below(forward: ForwardDrive):
-    """Return the threshold R [N] with 50 digits; infinite if there is none below R_on.
+    """Return the threshold R [N] with 50 digits, infinite if there is none below R_on; see :func:`start`."""
+    return start(forward).force
+
+
+def start(forward: ForwardDrive) -> Start:
+    """Return the threshold with its equations; its force is infinite if there is none below R_on.
 
     Requires Γ₊ ≤ 0 and C₋ > 0. Raises ``NoThreshold`` for the drives with q_w < 0 for which cycles without rest cannot
     be excluded, and where Newton's method does not come to its end.
     """
     if forward.outward <= 0:
-        return many.inf  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
-    force = rest_goes_on_from(forward)
+        return _NONE  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
+    found = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
-        force = min(force, forward.onset - widest_return(forward)[0] / forward.inertia[-1])
+        widest, _, time = widest_return(forward)
+        found = min(
+            found, Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), key=lambda at: at.force
+        )
     elif forward.contact[1] < 0:
-        _require_rest_in_every_cycle(forward, force)
-    return force if force < forward.onset else many.inf
+        _require_rest_in_every_cycle(forward, found.force)
+    return found if found.force < forward.onset else _NONE
 
 
-def rest_goes_on_from(forward: ForwardDrive):
+def rest_goes_on_from(forward: ForwardDrive) -> Start:
     """Smallest R < R_on [N] at which slip from the end of rest seizes; infinite if there is none.
 
     For R ≤ 0 rest ends at u = C₋ Ω / k; for R > 0 it ends farther left, by r (ξ₊ − ξ₋) R / k. Raises ``NoThreshold`` if
@@ -44,22 +54,23 @@ def rest_goes_on_from(forward: ForwardDrive):
     first = forward.damping[-1] * forward.speed / forward.stiffness
     found = slip.peak(first, -forward.speed, forward.contact)
     if found is not None and forward.onset < found[0] / inertia:
-        return forward.onset - found[0] / inertia
+        return Start("rest seizes", forward.onset - found[0] / inertia, (found[1],))
     # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
     reach = forward.radius * (forward.xi[1] - forward.xi[-1]) / forward.stiffness
     force = forward.onset
     for _ in range(_NEWTON):
         if force <= 0:
-            return force if forward.onset > 0 else many.inf  # without c_x there is no force with the motion
+            # Without c_x there is no force with the motion.
+            return Start("rest seizes", force, (found[1],)) if forward.onset > 0 else _NONE
         found = slip.peak(first - reach * force, -forward.speed, forward.contact)
         if found is None or (force == forward.onset and found[0] <= 0):
-            return many.inf
+            return _NONE
         c, s, _ = slip.responses(found[1])
         slope = inertia - reach * (forward.contact[0] * c - forward.contact[1] * slip.a0 * s)
         step = (found[0] - inertia * (forward.onset - force)) / slope
         force -= step
         if abs(step) <= _EXACT * forward.onset:
-            return force
+            return Start("rest seizes with the motion", force, (found[1],))
     raise NoThreshold(
         "the force from which slip from the end of rest seizes is not known: Newton's method has not come to its end; "
         "please report it."
@@ -67,11 +78,11 @@ def rest_goes_on_from(forward: ForwardDrive):
 
 
 def widest_return(forward: ForwardDrive):
-    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x, and that x; q_w > 0.
+    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x; q_w > 0.
 
-    Slip that comes back after a time τ starts at x = −Ω S / (1 − C) and has the rate w = −Ω S′ − a₀ x S then, so that
-    the maximum is one over τ. It is found in double precision; its value is formed with 50 digits. Minus infinity if
-    no slip comes back.
+    Returns it with that x and the time τ [s] of the slip, which starts at x = −Ω S / (1 − C) and has the rate
+    w = −Ω S′ − a₀ x S as it comes back, so that the maximum is one over τ. It is found in double precision; its value
+    is formed with 50 digits. Minus infinity if no slip comes back.
     """
     row = oscillator(*forward.decimals, 0)
     speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[columns.A0])
@@ -95,7 +106,7 @@ def widest_return(forward: ForwardDrive):
     heights = [height(time) for time in times]
     count = next((k for k, value in enumerate(heights) if value == -many.inf), len(heights))
     if count == 0:
-        return -many.inf, many.nan
+        return -many.inf, many.nan, many.nan
     best = max(range(count), key=heights.__getitem__)
     low, high = times[max(best - 1, 0)], times[best + 1] if best + 1 < _GRID else high
     for _ in range(_REFINEMENTS):
@@ -103,9 +114,10 @@ def widest_return(forward: ForwardDrive):
         low, high = (left, high) if height(left) < height(right) else (low, right)
     time = 0.5 * (low + high)
     slip = forward.slip(-1)
-    c, s, s_rate = slip.responses(many.mpf(time if height(time) >= heights[best] else times[best]))
+    time = many.mpf(time if height(time) >= heights[best] else times[best])
+    c, s, s_rate = slip.responses(time)
     x = -forward.speed * s / (1 - c)
-    return forward.contact[0] * x + forward.contact[1] * (-forward.speed * s_rate - slip.a0 * x * s), x
+    return forward.contact[0] * x + forward.contact[1] * (-forward.speed * s_rate - slip.a0 * x * s), x, time
 
 
 def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:

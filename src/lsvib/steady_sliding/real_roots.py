@@ -58,7 +58,7 @@ def quotient(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def trimmed(p: Polynomial) -> Polynomial:
-    """Leave out leading zeros; nothing is left of the zero polynomial."""
+    """Return a polynomial without its leading zeros; the zero polynomial becomes empty."""
     start = next((i for i, x in enumerate(p) if x != 0), len(p))
     return tuple(p[start:])
 
@@ -85,7 +85,7 @@ def _integers(p: Polynomial) -> Polynomial:
 
 
 def _changes(chain: list[Polynomial], place: Fraction) -> int:
-    """Changes of sign along a Sturm chain at a place."""
+    """Number of sign changes along a Sturm chain at a place."""
     signs = [sign for p in chain if (sign := _sign(p, place))]
     return sum(a != b for a, b in pairwise(signs))
 

@@ -24,9 +24,9 @@ from lsvib.steady_sliding.eigenvalues_rigid import Stability
 from lsvib.steady_sliding.eigenvalues_two_coordinates import routh_hurwitz
 from lsvib.steady_sliding.real_roots import greatest_common_divisor, quotient
 
-# A sum that cancels to less than this share of its first term has digits to spare among PLACES = 50 no longer.
+# Below this share of its first term a sum has lost so many of its 50 digits that exact signs must decide.
 _CLEAR = Decimal("1e-25")
-_SMALLEST = 5e-324  # a rate that is not zero is not rounded to zero either: its sign is what it is computed for
+_SMALLEST = 5e-324  # A rate that is not zero must not be rounded to zero, because its sign decides on stability.
 
 
 def rigid_spectrum(drive: RigidParameters, c: Coefficients) -> tuple[Stability, list[complex]]:
@@ -91,7 +91,7 @@ def _class(p: Polynomial) -> str:
 
 
 def _roots(p: Polynomial) -> list[mpmath.mpc]:
-    """All roots of a polynomial of degree 1 to 4 with p_0 ≠ 0, real and imaginary parts that vanish exactly zero."""
+    """All roots of a polynomial of degree 1 to 4 with p_0 ≠ 0; parts that vanish are exactly zero."""
     if len(p) == 2:
         with mpmath.workdps(DIGITS):
             return [mpmath.mpc(_number(-p[1] / p[0]))]
@@ -114,7 +114,7 @@ def _roots(p: Polynomial) -> list[mpmath.mpc]:
 
 
 def _quadratic(p: Polynomial) -> list[mpmath.mpc]:
-    """Both roots of p_2 s² + p_1 s + p_0; the larger one without subtraction, the other one from their product."""
+    """Both roots of p_2 s² + p_1 s + p_0: the larger one without a subtraction, the other one from their product."""
     a, b, c = p
     with mpmath.workdps(DIGITS), localcontext(prec=DIGITS):
         exact = (Decimal(x.numerator) / x.denominator for x in (a, b, c, b * b - 4 * a * c))
@@ -122,7 +122,7 @@ def _quadratic(p: Polynomial) -> list[mpmath.mpc]:
 
 
 def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tuple[Decimal, Decimal]]:
-    """Real and imaginary parts of the roots of a s² + b s + c in decimals; both are zero only if they are exactly."""
+    """Real and imaginary parts of the roots of a s² + b s + c in decimals; a part that is zero is exactly so."""
     root = abs(discriminant).sqrt()
     if discriminant < 0:
         real, half = -b / (2 * a), root / abs(2 * a)
@@ -141,8 +141,9 @@ def _root_of(square: mpmath.mpc) -> mpmath.mpc:
 def _simple_roots(p: Polynomial, digits: int) -> list[mpmath.mpc] | None:
     """Roots of a polynomial without repeated ones and none on the imaginary axis, by Aberth's iteration.
 
-    Within n |p/p′| of any place lies a root. None if ``digits`` leave two such discs in touch, or one on the axis; so a
-    root whose disc touches the real axis is real, because its complex conjugate would lie in the same disc.
+    Every disc of radius n |p/p′| around a place holds a root. If with so many ``digits`` two discs touch each other, or
+    one touches the imaginary axis, the result is None. Where the discs are apart a root whose disc touches the real
+    axis is real, because otherwise its complex conjugate would lie in the same disc.
     """
     with mpmath.workdps(digits):
         values = [_number(x) for x in p]

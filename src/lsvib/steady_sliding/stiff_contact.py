@@ -37,8 +37,8 @@ def least_damping_of_stiff_contact(drive: ThreadsParameters) -> float | None:
     """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
 
     c_c = max[0, (c m (I − Γ_0) − I² c_x) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is left
-    in the limit. Below it a contact stiff enough flutters, although the rigid drive (8.13) is stable. The least damping
-    at the drive's own k_c is another (:mod:`lsvib.steady_sliding.boundaries`), and may be many times larger.
+    in the limit. With less damping a contact that is stiff enough flutters, although the rigid drive (8.13) is stable.
+    The least damping at the drive's own k_c (:mod:`lsvib.steady_sliding.boundaries`) may be many times larger.
     """
     d = drive.exact()
     with localcontext(prec=PLACES):

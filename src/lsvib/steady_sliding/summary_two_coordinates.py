@@ -8,20 +8,15 @@ from typing import Any
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
-from lsvib.errors import InputError
-from lsvib.numbers import shown
+from lsvib.drives.linear_parts import Polynomial
+from lsvib.drives.parameters import NutParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.registry import find_model
 from lsvib.steady_sliding import boundaries, nut_conditions, stiff_contact, support_conditions
-from lsvib.steady_sliding.characteristic import Polynomial, scale
+from lsvib.steady_sliding.characteristic import scale
 from lsvib.steady_sliding.conditions import critical_friction
 from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.spectrum import neutral_margins, spectrum
 
-_MODELS: dict[str, type[RigidParameters]] = {
-    "threads": ThreadsParameters,
-    "support": SupportParameters,
-    "nut": NutParameters,
-}
 _UNDAMPED = dict.fromkeys(("support_damping", "translation_damping", "axial_support_damping"), 0.0)
 
 
@@ -58,7 +53,8 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
         "divergence": max((x.real for x in values if x.imag == 0 < x.real), default=None),
         "flutter": max((x.real for x in values if x.imag != 0 < x.real), default=None),
     }
-    details = _DETAILS[model](drive, law, polynomial, rates["flutter"])
+    said = _DETAILS.get(model)
+    details = said(drive, law, polynomial, rates["flutter"]) if said else {"conditions": {}, "quantities": {}}
     conditions = details.pop("conditions")
     conditions |= {name: _condition(growth_rate=rate) for name, rate in rates.items()}
     return {
@@ -74,9 +70,7 @@ def model_stability_table(model: str, changes: Mapping[str, Any] | None = None) 
 
 
 def _drive(model: str, changes: Mapping[str, Any] | None) -> Any:
-    if not isinstance(model, str) or model not in _MODELS:
-        raise InputError(f"model = {shown(model)} is not one of rigid, {', '.join(_MODELS)}.")
-    return _MODELS[model].of(changes)
+    return find_model(model).drive.of(changes)
 
 
 def _threads(drive: ThreadsParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
@@ -141,11 +135,12 @@ def _nut(drive: NutParameters, law: int, polynomial: Polynomial, flutter: float 
     }
 
 
+# What the chapter says of a model beyond its eigenvalues; of a model that is not among them it says nothing.
 _DETAILS: dict[str, Callable[..., dict[str, Any]]] = {"threads": _threads, "support": _support, "nut": _nut}
 
 
 def _condition(**margins: Decimal | Fraction | float | None) -> dict[str, Any]:
-    """A condition holds where all its margins exist and are positive; those that do not exist are left out."""
+    """Missing margins are omitted; a condition holds where all its margins exist and are positive."""
     known = {name: float(value) for name, value in margins.items() if value is not None}
     return {"margins": known, "hold": all(value is not None and value > 0 for value in margins.values())}
 

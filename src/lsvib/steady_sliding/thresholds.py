@@ -7,15 +7,18 @@ drive is mirrored, and all forces change sign.
 import math
 
 from lsvib.cycles.forward_slip import ForwardDrive, many
-from lsvib.cycles.slip_cycle import decay_of_large_motions, slowest_rate
+from lsvib.cycles.slip_cycle import decay_of_large_motions, slowest_point
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters, allowed_range
 from lsvib.errors import NoThreshold
+from lsvib.steady_sliding.threshold_motions import Start
 
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
 _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
-_BALANCED = 1e-12  # decay of large motions in a turn that double input cannot tell from none
+_BALANCED = (
+    1e-12  # Large motions that decay by less in a turn cannot be told from undamped ones by input in double precision.
+)
 
 
 def _negatively_damped(drive: RigidParameters) -> Coefficients:
@@ -32,17 +35,22 @@ def _negatively_damped(drive: RigidParameters) -> Coefficients:
     return c
 
 
-def _force(value, forward: ForwardDrive, drive: RigidParameters) -> float:
-    """A force [N] of the mirrored drive as one of the drive itself; refused if it is not apart from the onset."""
-    if float(value) == float(forward.onset):
+def _apart(start: Start, forward: ForwardDrive) -> Start:
+    """Refuse a force of the mirrored drive that cannot be told from the onset, or that exceeds all allowed forces."""
+    if float(start.force) == float(forward.onset):
         raise NoThreshold(
             "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
         )
-    if abs(value) > _LARGEST_FORCE:
+    if abs(start.force) > _LARGEST_FORCE:
         raise NoThreshold(
             f"the force at which it would lie is outside the allowed range "
             f"{allowed_range(RigidParameters, 'axial_force')}."
         )
+    return start
+
+
+def _force(value, drive: RigidParameters) -> float:
+    """A force [N] of the mirrored drive as one of the drive itself."""
     return math.copysign(1.0, drive.input_speed) * float(value)
 
 
@@ -65,6 +73,11 @@ def stick_force(drive: RigidParameters) -> float:
     Without that guard the motion scales with R̃, so that R̃ = Ω / |w_1| with the extreme velocity w_1 of the cycle at R̃ =
     1 N. Raises ``NoThreshold`` if slip has no such cycle.
     """
+    return _force(stick_start(drive).force, drive)
+
+
+def stick_start(drive: RigidParameters) -> Start:
+    """Return :func:`stick_force` of the drive mirrored to Ω > 0, with its equations."""
     forward = ForwardDrive(drive, _negatively_damped(drive))
     if not forward.slip(1).turns:
         raise NoThreshold(
@@ -80,7 +93,9 @@ def stick_force(drive: RigidParameters) -> float:
         raise NoThreshold(
             "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
         )
-    return _force(forward.onset + forward.speed / -slowest_rate(forward), forward, drive)
+    point = slowest_point(forward)
+    force = forward.onset + forward.speed / -point.rate
+    return _apart(Start("stick+" if point.law > 0 else "stick-", force, (*point.times, point.at)), forward)
 
 
 def detach_force(drive: RigidParameters) -> float:
@@ -92,6 +107,11 @@ def detach_force(drive: RigidParameters) -> float:
     touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊. Raises ``NoThreshold`` if slip under law + does not come
     back to θ′ = 0, if it reaches N = 0 under no force beyond the onset, and if it does not end in rest at that force.
     """
+    return _force(detach_start(drive).force, drive)
+
+
+def detach_start(drive: RigidParameters) -> Start:
+    """Return :func:`detach_force` of the drive mirrored to Ω > 0, with its equations."""
     forward = ForwardDrive(drive, _negatively_damped(drive))
     slip = forward.slip(1)
     if not slip.turns:
@@ -101,7 +121,9 @@ def detach_force(drive: RigidParameters) -> float:
         )
     start = forward.damping[1] * forward.speed / forward.stiffness, -forward.speed
     end = slip.recurrence()
-    values = [forward.contact[0] * u + forward.contact[1] * w for u, w in _extremes(slip, start, forward.contact, end)]
+    times = _extremes(slip, start, forward.contact, end)
+    states = (slip.state(*start, time) for time in times)
+    values = [forward.contact[0] * u + forward.contact[1] * w for u, w in states]
     if min(values) >= 0:
         raise NoThreshold("slip from the end of rest reaches N = 0 under no axial force beyond the onset.")
     force = forward.onset - min(values) / forward.inertia[1]
@@ -112,17 +134,18 @@ def detach_force(drive: RigidParameters) -> float:
             "at the force beyond which slip from the end of rest no longer reaches N = 0 that slip ends in slip "
             "backward, not in rest; the cycles of such drives are not covered."
         )
-    return _force(force, forward, drive)
+    lowest = times[values.index(min(values))]
+    return _apart(Start("detach" if lowest < end else "detach at rest", force, (lowest,)), forward)
 
 
 def _extremes(slip, start, row, end) -> list:
-    """States where row[0] · u + row[1] · w is stationary within (0, end), and the last one."""
+    """Times [s] at which row[0] · u + row[1] · w is stationary within (0, end), and ``end``."""
     times = [end]
     for time in slip.stationary(*start, row):
         if time >= end:
             break
         times.append(time)
-    return [slip.state(*start, time) for time in times]
+    return times
 
 
 def global_stability_force(drive: RigidParameters) -> float:
@@ -135,6 +158,11 @@ def global_stability_force(drive: RigidParameters) -> float:
     ``NoThreshold`` outside the Painlevé region, without damping, where steady sliding is globally stable under every
     force with R̃ < 0, and for the few drives with m c < c_x I for which this is not proved; see docs/basin.md.
     """
+    return _force(global_stability_start(drive).force, drive)
+
+
+def global_stability_start(drive: RigidParameters) -> Start:
+    """Return :func:`global_stability_force` of the drive mirrored to Ω > 0, with its equations."""
     c = coefficients(drive)
     if not c.paradox:
         raise NoThreshold(
@@ -142,14 +170,14 @@ def global_stability_force(drive: RigidParameters) -> float:
         )
     if c.damping[-1] <= 0:
         raise NoThreshold("without damping steady sliding attracts nothing.")
-    from lsvib.steady_sliding.global_stability import globally_stable_below  # loads the engine
+    from lsvib.steady_sliding.global_stability import start  # loads the engine
 
     forward = ForwardDrive(drive, c)
-    force = globally_stable_below(forward)
-    if force == many.inf:
+    found = start(forward)
+    if found.force == many.inf:
         with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"
         raise NoThreshold(
             "steady sliding is globally stable under every axial force against the motion"
             f"{with_motion if drive.translation_damping else ''}."
         )
-    return _force(force, forward, drive)
+    return _apart(found, forward)

@@ -21,7 +21,7 @@ With u = z - z0, w = du/dt = theta_dot - Omega, R~ = R - p c_x Omega, s0 = sgn(R
     Gamma_s u'' + C_s u' + k u = r (xi_0 - xi_s) R~                                     (8.16)
     Q = p [m k u + (m c - I c_x) w] + Gamma_0 R~                                        (8.17)
 
-(`self_check` compares the two forms of Q and of the acceleration.)  Where R~ Omega = 0, s0 = 0, i.e. xi_0 = -tan.
+Where R~ Omega = 0, s0 = 0, i.e. xi_0 = -tan.
 
 Law of motion
   rest   theta_dot = theta_dd = 0.  The coupling torque T_r = -k (z0 + u) grows at k*Omega; rest holds while T_r is
@@ -155,14 +155,6 @@ class RigidTrueDrive:
     def contact_force(self, s, u, w):  # (8.17)
         cos = 1 / mp.sqrt(1 + self.tan**2)
         return self.Q(u, w) / (self.Gamma(s) * cos * (1 + self.mu * s * self.tan))
-
-    def self_check(self, u, w):
-        """Largest relative gap between (8.16), (8.17) and Newton's laws at (u, w)."""
-        v = w + self.Omega
-        T, P = -self.k * (self.z0 + u) - self.c * v, self.R - self.cx * self.p * v
-        pairs = [(self.Q(u, w), self.I * P - self.m * self.p * T)]
-        pairs += [(self.acceleration(s, u, w), (T - self.r * self.xi(s) * P) / self.Gamma(s)) for s in (-1, 1)]
-        return max(abs(x - y) / (abs(x) + abs(y)) for x, y in pairs)
 
     # --- which mode follows -----------------------------------------------------------------------------------
     def by_band(self, u):

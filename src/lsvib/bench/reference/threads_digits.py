@@ -363,15 +363,3 @@ def simulate(parameters, state, t_end, *, dps=40, max_events=10000):
                 kind = "reversal" if mode[0] else "stick"
             events.append(ThreadsTrueEvent(t, kind, x, name(mode)))
         return ThreadsTruth(t, x, name(mode), events, arcs, drive, complete=False)
-
-
-def peak_normal_force(result):
-    """Largest |N| of a run: at the ends of its arcs or where N' = 0."""
-    drive, peak = result.drive, mpf(0)
-    with mp.workdps(40 + SPARE_DIGITS):
-        row = drive.row(drive.N)
-        for _, _, arc, stay in result.arcs:
-            N = Function(arc, row)
-            times = [mpf(0), *N.derivative().roots(mpf(0), stay), stay] if stay else [mpf(0)]
-            peak = max([peak] + [abs(N(t)) for t in times])
-    return peak

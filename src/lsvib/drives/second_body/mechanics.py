@@ -18,8 +18,8 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRA
 DIRECTIONS = {1: "forward", -1: "backward"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
-# Relative to the larger of two numbers: if they differ by less they are equal, and only the rounding of their 50 digits
-# differs.
+# Two numbers that differ by less than this share of the larger one are equal: what differs is the rounding of their 50
+# digits.
 _CANCELLED = Decimal("1e-40")
 HELD = {1: "forward", -1: "backward", 0: "held"}
 
@@ -106,7 +106,7 @@ def constant(value) -> tuple:
 
 
 def plus(*rows: Row) -> tuple:
-    """Return the sum of rows; a sum that cancels but for the rounding of its decimals is exactly zero."""
+    """Return the sum of rows; where terms cancel to within the rounding of their decimals it is exactly zero."""
     return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
 
 

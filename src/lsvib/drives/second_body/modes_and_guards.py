@@ -44,14 +44,14 @@ def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) ->
 
 
 class _Layout:
-    """Surfaces, modes and transitions, collected while the modes are gone through."""
+    """Collect the surfaces, modes and transitions of a drive, mode by mode."""
 
     def __init__(self, bodies: TwoBodies, codes: type[IntEnum], kinds: Sequence[IntEnum]) -> None:
         self.b, self.codes = bodies, codes
         self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = kinds
         self.ways = (
             tuple(HELD) if bodies.limit else (1,)
-        )  # directions of the second body; without friction one stands for all
+        )  # directions of the second body; without friction a single one stands for all of them
         self.slips = tuple(x for x in SLIPS if not bodies.paradox or x[0] * x[1] < 0)
         self.solutions = {self.name(d, q, a): bodies.solve(d, d * q, a) for d, q in self.slips for a in self.ways}
         self.lasting = {a: bodies.solve(0, 1, a) for a in self.ways}  # at rest
@@ -59,7 +59,10 @@ class _Layout:
         self.sides = tuple(self.holds[1])
         self.solutions |= {self.rest(side, a): self.lasting[a] for side in self.sides for a in self.ways}
         self.gauge = {(d, a): bodies.solve(d, -1, a).contact for d in DIRECTIONS for a in self.ways}  # Q > 0 ⇔ > 0
-        self.order = (bodies.turning, -bodies.turning)  # order of guards, such that the mirrored drive has the same
+        self.order = (
+            bodies.turning,
+            -bodies.turning,
+        )  # in this order the guards of the mirrored drive come in the same order
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
 
@@ -75,7 +78,7 @@ class _Layout:
         return f"_{self.b.second}_{HELD[a]}" if self.b.limit else ""
 
     def automaton(self) -> Automaton:
-        """Go through all modes and assemble the tables; the time scales [s] set what stay is too short to be one."""
+        """Assemble the tables of all modes; the shortest stay that counts as one is set by their time scales [s]."""
         self.transitions["entry"] = Transition(tuple(self._entry()))
         modes = {}
         for d, q in self.slips:
@@ -105,7 +108,7 @@ class _Layout:
         return Mode(self.codes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:
-        """Guard on a surface, which is put down here; ``snap``: by default the coordinate that moves it most."""
+        """Return a guard, note its surface; ``snap``: coordinate that is set on it, by default the most effective."""
         if snap is None:
             weights = [abs(float(x)) * size for x, size in zip(row, self.b.sizes, strict=False)]
             snap = weights.index(max(weights))
@@ -148,7 +151,7 @@ class _Layout:
         return (*guards, *self._second_guards(here, a, "second_stop_rest", onward))
 
     def _second_guards(self, here: str, a: int, stop: str, onward: Mapping[int, str]):
-        """While the second body slides, its speed; while it is held, both ends of its friction."""
+        """Guards of the second body: its speed while it slides, both ends of its friction while it is held."""
         if not self.b.limit:
             return
         if a:
@@ -162,7 +165,7 @@ class _Layout:
             yield self._guard(f"second_hold_{DIRECTIONS[way]}_{here}", row, 1, transition)
 
     def _room(self, solution: Solution, way: int) -> Row:
-        """Friction that is left to hold the second body from sliding one way."""
+        """Friction that is left to keep the second body from sliding one way."""
         return plus(constant(self.b.limit), scaled(solution.second_force, -way))
 
     def _slip_kind(self, d: int, a: int) -> int:
@@ -172,7 +175,7 @@ class _Layout:
         return self.second_kinds[1 if a else 0]
 
     def _stop(self, a: int) -> Transition:
-        """The threads come to ω = 0."""
+        """Transition in which the threads come to ω = 0."""
         if self.b.paradox:
             return Transition(tuple(self._beyond_hold((self.stick, self.turn))))
         if a == 0:
@@ -183,7 +186,7 @@ class _Layout:
         return Transition(tuple(self._corner(kind)), reset=self.b.tied(True, True))
 
     def _law_holds(self, d: int, q: int, a: int):
-        """n has the sign q, as far as Q tells."""
+        """Conditions under which Q gives n the sign q."""
         return (scaled(self.gauge[d, a], q), Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE)
 
     def _starts(self, d: int, q: int, a: int):
@@ -193,7 +196,7 @@ class _Layout:
         return ((scaled(self.lasting[a].contact, side), Test.NOT_NEGATIVE),) if side else ()
 
     def _standing(self, a: int):
-        """At ω = 0, the second body sliding or without friction: slip that accelerates from rest, else rest."""
+        """Branches at ω = 0 where the second body slides or has no friction: slip that accelerates, else rest."""
         for d, q in self.slips:
             yield Branch(self.name(d, q, a), self.turn, (self._law_holds(d, q, a), self._starts(d, q, a)))
         for side in self.sides:
@@ -201,7 +204,7 @@ class _Layout:
             yield Branch(self.rest(side, a), self.stick, () if last else self._side_holds(side, a))
 
     def _second_stopped(self, d: int):
-        """The second body stops while the threads slip: it slides on where that accelerates it, else it is held."""
+        """The second body stops while the threads slip; it slides on if that accelerates it, else it is held."""
         for a in DIRECTIONS:
             for q in SIGNS:
                 moves = (scaled(self.solutions[self.name(d, q, a)].second_rate, a), Test.POSITIVE)
@@ -210,7 +213,7 @@ class _Layout:
             yield Branch(self.name(d, q, 0), self.second_kinds[0], (self._law_holds(d, q, 0),) if q > 0 else ())
 
     def _corner(self, kind: Callable[[int, int], int]):
-        """Both at rest: the one mode whose accelerations, forces and signs agree."""
+        """Branches where both are at rest: the one mode whose accelerations, forces and signs agree."""
         for a in self.ways:
             for d, q in self.slips:
                 mode = self.name(d, q, a)
@@ -231,7 +234,7 @@ class _Layout:
         return tuple((self._room(self.solutions[mode], way), Test.NOT_NEGATIVE) for way in DIRECTIONS)
 
     def _beyond_hold(self, kinds: tuple[int, int], sign: int = 0):
-        """Painlevé region, ω = 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
+        """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
         for side in self.sides:
             for d, row in self.holds[1][side].items():
                 excess = (scaled(row, -1), Test.POSITIVE)
@@ -240,13 +243,13 @@ class _Layout:
             yield Branch(self.rest(side, 1), kinds[0], () if last else self._side_holds(side, 1), sign)
 
     def _after_seizure(self, d: int):
-        """An impact of sign d leaves n of that sign, with which law −1 slips against it."""
+        """Transition after an impact of sign d, which leaves n of that sign, with which law −1 slips against it."""
         admissible = (scaled(self.gauge[-d, 1], d), Test.POSITIVE)
         yield Branch(self.name(-d, d, 1), self.seizure, (admissible, self._starts(-d, d, 1)), d)
         yield from self._beyond_hold((self.seizure, self.seizure), d)
 
     def _entry(self):
-        """Where a motion starts: by the signs of the speeds, then as on stopping there."""
+        """Transition that starts a motion: by the signs of the speeds; where one is zero, as on stopping there."""
         ways = tuple(DIRECTIONS) if self.b.limit else ()
         for d in DIRECTIONS:
             slips = (scaled(self.b.slip, d), Test.POSITIVE)

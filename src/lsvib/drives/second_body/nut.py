@@ -32,10 +32,14 @@ the rule for the motion after an impact does not cover it.
 """
 
 import math
+from collections.abc import Mapping
 from decimal import localcontext
+from typing import Any
 
+from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.once import once
 from lsvib.drives.parameters import NutParameters
+from lsvib.drives.second_body.body_powers import TwoBodyPowers
 from lsvib.drives.second_body.mechanics import (
     Solution,
     TwoBodies,
@@ -175,6 +179,22 @@ class _NutBuild(Screw):
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
 
 
+def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
+    """−h A B + (I_2 s² + c_2 s + k_2) D, which is g det(M s² + C s + K) with the matrices above (8.33)."""
+    return parts.coupled(-parts.h, (p["nut_inertia"], p["nut_damping"], p["nut_stiffness"]))
+
+
+class NutPowers(TwoBodyPowers):
+    """Powers of the drive with a rotating nut: the nut turns at ψ = θ_2′, and the threads slip at θ′ − θ_2′."""
+
+    inertia = "nut_inertia"
+
+    def __init__(self, drive: NutParameters, automaton: Automaton) -> None:
+        super().__init__(drive, automaton)
+        self.slip = self.screw - self.second
+        self.nut = self.reach * self.slip
+
+
 MODEL = two_body_model(
     name="nut",
     drive=NutParameters,
@@ -182,6 +202,12 @@ MODEL = two_body_model(
     modes=NutMode,
     events=NutEvent,
     second=("nut_angle", "nut_rate"),
-    damping="nut_damping",
+    quantities={
+        "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
+        "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
+    },
+    characteristic=_characteristic,
+    powers=NutPowers,
     equations="Sect. 5.8, eq. 8.33",
+    section="5.8",
 )

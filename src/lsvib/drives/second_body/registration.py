@@ -1,12 +1,15 @@
 """What scenes and the command line know of the drives with a second body: axial support and rotating nut."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
+from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model, seizures_only_by_contact
+from lsvib.drives.second_body.body_powers import TwoBodyPowers
 from lsvib.engine.automaton import Automaton
 
 
@@ -17,12 +20,16 @@ def two_body_model(
     modes: type[IntEnum],
     events: type[IntEnum],
     second: tuple[str, str],
-    damping: str,
+    quantities: Mapping[str, tuple[str, str, str]],
+    characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial],
+    powers: type[TwoBodyPowers],
     equations: str,
+    section: str,
 ) -> Model:
     """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
 
-    ``second``: keys of the initial coordinate and rate of the second body, 0 if left out; ``damping``: its damper.
+    ``second``: the coordinate and the rate of the second body, in the initial state 0 if left out; the others as of
+    :class:`~lsvib.drives.registry.Model`.
     """
 
     def build(drive: RigidParameters, physics: tuple[str, ...], resume: str) -> Automaton:
@@ -37,11 +44,12 @@ def two_body_model(
         events=events,
         required=("u", "w"),
         optional=second,
+        states=("angle_deviation", "velocity_deviation", *second),
         terms=(
             "support_damping",
             "translation_damping",
             "axial_force",
-            damping,
+            drive.own_damping,
             "slide_friction",
             "bearing_friction",
         ),
@@ -55,4 +63,8 @@ def two_body_model(
             "nut_speed",
         ),
         equations=equations,
+        characteristic=characteristic,
+        powers=powers,
+        quantities=quantities,
+        section=section,
     )

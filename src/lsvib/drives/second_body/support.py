@@ -28,10 +28,14 @@ infinite, and the motion is not determined.
 """
 
 import math
+from collections.abc import Mapping
 from decimal import localcontext
+from typing import Any
 
+from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.once import once
 from lsvib.drives.parameters import SupportParameters
+from lsvib.drives.second_body.body_powers import TwoBodyPowers
 from lsvib.drives.second_body.mechanics import (
     Solution,
     TwoBodies,
@@ -95,7 +99,7 @@ class _SupportBuild(Screw):
         kick = d.mass * self.reach / (d.mass + d.screw_mass)
         return TwoBodies(
             states=STATES,
-            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),
+            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),  # 0.1 rad: cycles of Table 8.1
             horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
             slip=self.speed,
             sliding=self.nut_speed,
@@ -170,6 +174,21 @@ class _SupportBuild(Screw):
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
 
 
+def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
+    """g A B + (m_1 s² + c_1 s + k_1) D, which is g det(M s² + C s + K) with the matrices of (8.23)."""
+    return parts.coupled(parts.g, (p["screw_mass"], p["axial_support_damping"], p["support_stiffness"]))
+
+
+class SupportPowers(TwoBodyPowers):
+    """Powers of the drive with axial support: the screw shifts along its axis at v = x_1′, and the nut with it."""
+
+    inertia = "screw_mass"
+
+    def __init__(self, drive: SupportParameters, automaton: Automaton) -> None:
+        super().__init__(drive, automaton)
+        self.nut = self.nut + self.second
+
+
 MODEL = two_body_model(
     name="support",
     drive=SupportParameters,
@@ -177,6 +196,12 @@ MODEL = two_body_model(
     modes=SupportMode,
     events=SupportEvent,
     second=("screw_shift", "shift_rate"),
-    damping="axial_support_damping",
+    quantities={
+        "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
+        "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
+    },
+    characteristic=_characteristic,
+    powers=SupportPowers,
     equations="eqs 8.23-8.32",
+    section="5.6",
 )

@@ -6,6 +6,8 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from lsvib.basins.grid import COORDINATES
+from lsvib.drives.model_files import model_names
+from lsvib.drives.registry import all_models
 from lsvib.figures.common.settings import Cells, FigureSettings, Unique
 
 Coordinate = Annotated[
@@ -31,17 +33,23 @@ Quantities = Annotated[
 ]
 
 
+# The coordinates that the models have beyond u and w, in words.
+_MORE = ", ".join(
+    f"{name} {' and '.join(model.optional)}" for name, model in all_models().items() if model.optional
+).replace(" ", " also ", 1)
+
+
 class Settings(FigureSettings):
     """Region of attraction, which the rule `attraction` of the workflow maps."""
 
-    model: Literal["rigid", "threads", "support", "nut"] = Field(default="rigid", description="Model of the drive.")
+    model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
     resume: Literal["contact_sign", "at_once"] = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     grid: dict[Literal[*COORDINATES], Coordinate] = Field(
         min_length=2,
         description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
         "listed first below is horizontal); other coordinates of the state as numbers. All models have u and w, "
-        "threads also e and v, support screw_shift and shift_rate, nut nut_angle and nut_rate.",
+        f"{_MORE}.",
     )
     quantities: Quantities
     tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")

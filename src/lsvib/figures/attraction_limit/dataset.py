@@ -1,6 +1,6 @@
 """The region of attraction of a compliant contact tends to that of the rigid drive as the contact stiffens."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from lsvib.contact.limit_process import fitted_order
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane
 from lsvib.data.attraction_map import axis_coordinate, window_of
+from lsvib.data.attributes import yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
 from lsvib.data.phase_plane import attributes
@@ -36,82 +37,130 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """
     drive, grid = RigidParameters.of(settings["drive"]), Grid.of(settings["grid"])
     stiffness = np.array(settings["stiffnesses"], dtype=float)
-    rigid = mapper(drive)
-    label = rigid.cells(grid, quantities=("label",))["label"]
     angle = 2 * np.pi * (np.arange(settings["rays"]) + 0.5) / settings["rays"]
     ends = np.array(
         [0.5 * (grid.x.stop - grid.x.start) * np.cos(angle), 0.5 * (grid.y.stop - grid.y.start) * np.sin(angle)]
     )
+    rigid = mapper(drive)
+    compliant = [
+        mapper(ThreadsParameters.of({**dict(drive), "contact_stiffness": k, "contact_damping": _TIME * k}), "threads")
+        for k in stiffness
+    ]
     radius = _boundary(rigid, ends)
-    labels, displacement = [], []
-    for k in stiffness:
-        compliant = mapper(
-            ThreadsParameters.of({**dict(drive), "contact_stiffness": k, "contact_damping": _TIME * k}), "threads"
-        )
-        labels.append(compliant.cells(grid, quantities=("label",))["label"])
-        displacement.append(_boundary(compliant, ends) / radius - 1)
-    displacement = np.array(displacement)
-    typical = np.sqrt(np.mean(displacement**2, axis=1))
-    order, error = fitted_order(stiffness, np.where(typical < _SMALL, typical, np.nan))
-    plane = ("velocity_deviation", "angle_deviation")
+    displacement = np.array([_boundary(mapped, ends) / radius - 1 for mapped in compliant])
     exact = basin(drive)
-    line = exact.line(window_of(grid), _ARC)
-    on_rays = np.array([radius, *((displacement + 1) * radius)])[:, None] * ends
-    per_ray = attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's")
     return xr.Dataset(
-        {
-            "rigid_attractor": (plane, label, phase_plane.flag(f"{phase_plane.ATTRACTOR}, of the rigid drive",
-                Attractor)),
-            "attractor": (("contact_stiffness", *plane), np.array(labels), phase_plane.flag(phase_plane.ATTRACTOR,
-                Attractor)),
-            "different": ("contact_stiffness", [np.mean(other != label) for other in labels],
-                          attributes("1", "fraction of the cells whose attractor is not the rigid drive's")),
-            "displacement": (("contact_stiffness", "ray"), displacement, per_ray),
-            "typical_displacement": ("contact_stiffness", typical,
-                                     attributes("1", "root mean square displacement of the boundary")),
-            "boundary_angle": ("boundary_point", line[:, 0],
-                               attributes("rad", "deviation on the exact boundary", "$u$")),
-            "boundary_velocity": ("boundary_point", line[:, 1],
-                                  attributes("rad s-1", "rate of the deviation on the exact boundary",
-                                             r"$\dot u$")),
-            "rigid_ray_angle": ("ray", on_rays[0, 0],
-                                attributes("rad", "deviation at which the label of the rigid drive changes on a ray",
-                                           "$u$")),
-            "rigid_ray_velocity": ("ray", on_rays[0, 1],
-                                   attributes("rad s-1", "rate at which the label of the rigid drive changes on a ray",
-                                              r"$\dot u$")),
-            "ray_angle": (("contact_stiffness", "ray"), on_rays[1:, 0],
-                          attributes("rad", "deviation at which the label changes on a ray", "$u$")),
-            "ray_velocity": (("contact_stiffness", "ray"), on_rays[1:, 1],
-                             attributes("rad s-1", "rate at which the label changes on a ray", r"$\dot u$")),
-            "on_exact_boundary": ("ray", _crossed(exact, radius, ends),
-                                  attributes("1", f"the exact boundary crosses the ray there, to {_EXACT:g} of it",
-                                             flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")),
-            "order": ((), order, attributes("1", "order of the displacement in one over the stiffness")),
-            "order_error": ((), error, attributes("1", "standard error of the order")),
-        },
+        _maps(grid, rigid, compliant)
+        | _displacements(displacement)
+        | _exact_boundary(exact.line(window_of(grid), _ARC))
+        | _on_rays(np.array([radius, *((displacement + 1) * radius)])[:, None] * ends)
+        | {
+            "on_exact_boundary": (
+                "ray",
+                _crossed(exact, radius, ends),
+                yes_no(f"the exact boundary crosses the ray there, to {_EXACT:g} of it"),
+            )
+        }
+        | _order(stiffness, displacement),
         coords={
             **axis("contact_stiffness", stiffness),
             **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
             **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
             "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
-            **_plane(grid),
+            "angle_deviation": axis_coordinate(grid.x),
+            "velocity_deviation": axis_coordinate(grid.y),
         },
         attrs={
             "title": "Region of attraction as the contact stiffens",
             "source": "lsvib, exact event-driven motion from the middle of every cell, and bisection along rays",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 5.5 and 8.7",
         },
-    )  # fmt: skip
+    )
+
+
+def _maps(grid: Grid, rigid: Mapper, compliant: Sequence[Mapper]) -> phase_plane.Variables:
+    """The attractor of each cell, of the rigid drive and with each contact, and how many cells differ."""
+    plane = ("velocity_deviation", "angle_deviation")
+    label, *labels = (mapped.cells(grid, quantities=("label",))["label"] for mapped in (rigid, *compliant))
+    return {
+        "rigid_attractor": (
+            plane,
+            label,
+            phase_plane.flag(f"{phase_plane.ATTRACTOR}, of the rigid drive", Attractor),
+        ),
+        "attractor": (
+            ("contact_stiffness", *plane),
+            np.array(labels),
+            phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
+        ),
+        "different": (
+            "contact_stiffness",
+            [np.mean(other != label) for other in labels],
+            attributes("1", "fraction of the cells whose attractor is not the rigid drive's"),
+        ),
+    }
+
+
+def _typical(displacement: np.ndarray) -> np.ndarray:
+    """Root mean square over the rays of the displacements (contact stiffness, ray)."""
+    return np.sqrt(np.mean(displacement**2, axis=1))
+
+
+def _displacements(displacement: np.ndarray) -> phase_plane.Variables:
+    """How far the boundary of each contact lies from that of the rigid drive, relative, by ray and over all rays."""
+    return {
+        "displacement": (
+            ("contact_stiffness", "ray"),
+            displacement,
+            attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's"),
+        ),
+        "typical_displacement": (
+            "contact_stiffness",
+            _typical(displacement),
+            attributes("1", "root mean square displacement of the boundary"),
+        ),
+    }
+
+
+def _order(stiffness: np.ndarray, displacement: np.ndarray) -> phase_plane.Variables:
+    """Order in which the typical displacement falls with the stiffness [N/m], from those that are small."""
+    typical = _typical(displacement)
+    order, error = fitted_order(stiffness, np.where(typical < _SMALL, typical, np.nan))
+    return {
+        "order": ((), order, attributes("1", "order of the displacement in one over the stiffness")),
+        "order_error": ((), error, attributes("1", "standard error of the order")),
+    }
+
+
+def _exact_boundary(line: np.ndarray) -> phase_plane.Variables:
+    """The exact boundary of the basin of the rigid drive, points (n, 2)."""
+    return {
+        "boundary_angle": ("boundary_point", line[:, 0], attributes("rad", "deviation on the exact boundary", "$u$")),
+        "boundary_velocity": (
+            "boundary_point",
+            line[:, 1],
+            attributes("rad s-1", "rate of the deviation on the exact boundary", r"$\dot u$"),
+        ),
+    }
+
+
+def _on_rays(points: np.ndarray) -> phase_plane.Variables:
+    """The states (drive, u and w, ray) at which the label changes; the first drive is rigid, others have contacts."""
+    angle, velocity = "deviation at which the label", "rate at which the label"
+    rigid, compliant = "of the rigid drive changes on a ray", "changes on a ray"
+    dims = ("contact_stiffness", "ray")
+    return {
+        "rigid_ray_angle": ("ray", points[0, 0], attributes("rad", f"{angle} {rigid}", "$u$")),
+        "rigid_ray_velocity": ("ray", points[0, 1], attributes("rad s-1", f"{velocity} {rigid}", r"$\dot u$")),
+        "ray_angle": (dims, points[1:, 0], attributes("rad", f"{angle} {compliant}", "$u$")),
+        "ray_velocity": (dims, points[1:, 1], attributes("rad s-1", f"{velocity} {compliant}", r"$\dot u$")),
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that the slices tend to the rigid map, in first order, no cell left open, and the exact boundary."""
-    stiffness, typical, order = (
-        dataset.contact_stiffness.values,
-        dataset.typical_displacement.values,
-        float(dataset.order),
-    )
+    stiffness, typical = dataset.contact_stiffness.values, dataset.typical_displacement.values
+    order = float(dataset.order)
     unresolved = int((dataset.attractor == Attractor.UNRESOLVED).sum())
     return [
         Check.holds(
@@ -134,10 +183,6 @@ def _crossed(exact: Basin, radius: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Whether the exact boundary lies between two points of each ray, closely before and behind ``radius``."""
     pairs = [(part * (1 - _EXACT) * end, part * (1 + _EXACT) * end) for part, end in zip(radius, ends.T, strict=True)]
     return np.array([exact.contains(low) and not exact.contains(high) for low, high in pairs], dtype=np.int8)
-
-
-def _plane(grid: Grid) -> dict[str, tuple]:
-    return {"angle_deviation": axis_coordinate(grid.x), "velocity_deviation": axis_coordinate(grid.y)}
 
 
 def _boundary(mapped: Mapper, ends: np.ndarray) -> np.ndarray:

@@ -12,7 +12,8 @@ from lsvib.basins.exact_basin import Basin, Boundary, basin
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor
-from lsvib.data import phase_plane
+from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import CRITICAL_MASS
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
 from lsvib.data.phase_plane import attributes
@@ -23,6 +24,7 @@ from lsvib.steady_sliding.thresholds import global_stability_force
 SWEPT = ("axial_force", "support_damping", "mass", "friction_coefficient")
 _CLOSE = 1e-6  # relative distance of the two values between which a kind of boundary gives way to another
 _ARC = 60  # samples of an arc
+_NONE = 1e-12  # error of a fraction that counts as none where its logarithm is taken
 _TURNS = 16  # cells more, for the ends of a boundary and where it turns
 
 
@@ -38,50 +40,15 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
     for name in SWEPT:
-        values, basins = _swept(drive, name, phase_plane.span(settings[name]))
+        values, basins = _swept(drive, name, spans.even(settings[name]))
         coordinates |= axis(f"swept_{name}", values)
         variables |= _along(name, basins, window)
-        if name == "axial_force":
-            areas = [b.area() for b in basins]
-            words = "area of the basin, infinite where it has no bound"
-            variables["basin_area_axial_force"] = (f"swept_{name}", areas, attributes("rad2 s-1", words))
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
-    variables["window_angle"] = (
-        "edge",
-        list(window[:2]),
-        attributes("rad", "left and right edge of the window", "$u$"),
-    )
-    variables["window_velocity"] = (
-        "edge",
-        list(window[2:]),
-        attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
-    )
-    stable = attributes("N", phase_plane.GLOBAL_STABILITY, "$R$")
-    variables["swept_global_stability_force"] = (
-        "swept_support_damping",
-        [global_stability_force(drive.replace(support_damping=c)) for c in coordinates["swept_support_damping"][1]],
-        stable,
-    )
-    variables["critical_mass"] = (
-        (),
-        np.nan if (mass := critical_mass(drive)) is None else mass,
-        attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
-    )
-    variables["critical_friction_of_rigid_drive"] = (
-        (),
-        np.nan if (friction := critical_friction(drive)) is None else friction,
-        attributes(
-            "1",
-            "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
-            r"$\mu_\mathrm{cr}$",
-        ),
-    )
-    variables["global_stability_force"] = ((), global_stability_force(drive), stable)
-    coordinates |= drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6"))
+    variables |= _edges(window) | _critical_values(drive, coordinates["swept_support_damping"][1])
     return xr.Dataset(
         variables,
-        coords=coordinates,
+        coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
         attrs={
             "title": "The region of attraction of steady sliding and its size",
             "source": "lsvib, exact boundary of the basin; grids by the map of the region of attraction",
@@ -90,18 +57,57 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
+def _edges(window: Window) -> phase_plane.Variables:
+    """The edges of the window along whose sweeps the fractions are computed."""
+    return {
+        "window_angle": ("edge", list(window[:2]), attributes("rad", "left and right edge of the window", "$u$")),
+        "window_velocity": (
+            "edge",
+            list(window[2:]),
+            attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
+        ),
+    }
+
+
+def _critical_values(drive: RigidParameters, dampings: np.ndarray) -> phase_plane.Variables:
+    """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
+    stable = attributes("N", phase_plane.GLOBAL_STABILITY, "$R$")
+    mass, friction = critical_mass(drive), critical_friction(drive)
+    return {
+        "swept_global_stability_force": (
+            "swept_support_damping",
+            [global_stability_force(drive.replace(support_damping=c)) for c in dampings],
+            stable,
+        ),
+        "critical_mass": ((), np.nan if mass is None else mass, CRITICAL_MASS),
+        "critical_friction_of_rigid_drive": (
+            (),
+            np.nan if friction is None else friction,
+            attributes(
+                "1",
+                "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
+                r"$\mu_\mathrm{cr}$",
+            ),
+        ),
+        "global_stability_force": ((), global_stability_force(drive), stable),
+    }
+
+
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    return [
+        *_global_stability_checks(dataset),
+        *_reading_checks(dataset),
+        _scaling_check(dataset),
+        _grid_check(dataset),
+    ]
+
+
+def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check along all four sweeps that the basin is the whole plane exactly on one side of a critical value."""
     force, fraction = dataset.swept_axial_force.values, dataset.fraction_axial_force.values
     threshold = float(dataset.global_stability_force)
     beyond = force < threshold
-    touching = dataset.boundary_kind_axial_force.values == Boundary.TOUCHING_MOTION
-    scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
-    spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
-    error = np.abs(dataset.grid_fraction - dataset.case_fraction)
-    worst = float((error / dataset.grid_bound).max())
-    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
-    reading = dataset.reading_fraction.values
     damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
     stable = dataset.boundary_kind_support_damping.values == Boundary.NONE
     heaviest, roughest = (
@@ -135,6 +141,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             _parts(dataset, "mass", "critical_mass")
             and _parts(dataset, "friction_coefficient", "critical_friction_of_rigid_drive"),
         ),
+    ]
+
+
+def _reading_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the fractions of the window at both forces of Fig. 8.14, for the printed mass and for one beyond m_cr."""
+    reading = dataset.reading_fraction.values
+    return [
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
             "Sect. 8.7",
@@ -147,20 +160,35 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
             bool((reading[0] == 1).all() and reading[1, 0] == 1),
         ),
-        Check.holds(
-            "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
-            "slip does not depend on R, so lengths are in proportion to it",
-            f"relative spread of area / R^2 over {int(touching.sum())} forces {spread:.1e}",
-            spread < 1e-12 and touching.sum() > 1,
-        ),
-        Check.holds(
-            "The fraction counted on grids of starts tends to the exact one, at first order or better",
-            "each start labelled without the boundary",
-            f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
-            f"{', '.join(f'{x:.2f}' for x in order)}",
-            worst <= 1,
-        ),
     ]
+
+
+def _scaling_check(dataset: xr.Dataset) -> Check:
+    """Check how the area of the basin grows with the force."""
+    force = dataset.swept_axial_force.values
+    touching = dataset.boundary_kind_axial_force.values == Boundary.TOUCHING_MOTION
+    scaled = dataset.basin_area_axial_force.values[touching] / force[touching] ** 2
+    spread = float(np.ptp(scaled) / scaled.max()) if scaled.size else np.nan
+    return Check.holds(
+        "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
+        "slip does not depend on R, so lengths are in proportion to it",
+        f"relative spread of area / R^2 over {int(touching.sum())} forces {spread:.1e}",
+        spread < 1e-12 and touching.sum() > 1,
+    )
+
+
+def _grid_check(dataset: xr.Dataset) -> Check:
+    """Check the exact fractions of the cases against those which are counted on grids."""
+    error = np.abs(dataset.grid_fraction - dataset.case_fraction)
+    worst = float((error / dataset.grid_bound).max())
+    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, _NONE)), 1)[0] for e in error.values]
+    return Check.holds(
+        "The fraction counted on grids of starts tends to the exact one, at first order or better",
+        "each start labelled without the boundary",
+        f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
+        f"{', '.join(f'{x:.2f}' for x in order)}",
+        worst <= 1,
+    )
 
 
 def _parts(dataset: xr.Dataset, name: str, critical: str) -> bool:
@@ -197,8 +225,8 @@ def _swept(drive: RigidParameters, name: str, values: np.ndarray) -> tuple[np.nd
 
 
 def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Variables:
-    """Fraction of the window and kind of boundary along a sweep."""
-    return {
+    """Fraction of the window and kind of boundary along a sweep; along that of the force also the area."""
+    variables = {
         f"fraction_{name}": (
             f"swept_{name}",
             [b.fraction(window) for b in basins],
@@ -210,6 +238,14 @@ def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Va
             phase_plane.flag("what bounds the basin", Boundary),
         ),
     }
+    if name == "axial_force":
+        words = "area of the basin, infinite where it has no bound"
+        variables["basin_area_axial_force"] = (
+            f"swept_{name}",
+            [b.area() for b in basins],
+            attributes("rad2 s-1", words),
+        )
+    return variables
 
 
 def _cases(

@@ -13,9 +13,9 @@ import xarray as xr
 
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
+from lsvib.data import spans
 from lsvib.data.attributes import attributes, flags
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, labels
+from lsvib.data.parameter_origins import Variables, drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.errors import InputError
@@ -24,7 +24,19 @@ _LAWS = (1, -1)
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
 _NO_EFFECT = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 _UNIT = "kg-1 m-2"
-_ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
+_SIGN_OF_FORCE = {
+    Paradox.INDETERMINATE: "theta' > 0 and W < 0, so that N has the sign opposite to chi",
+    Paradox.INCONSISTENT: "theta' > 0 and W > 0, so that N has the sign of chi",
+}
+_OF_RATE = (
+    "derivative of N b_- / W by the scaled time omega_- t, omega_-^2 = k_c cos(lambda) b_- Gamma_- / (m I), "
+    "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
+)
+# Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
+_MANIFOLDS = (
+    "unstable_away_from_zero_force", "unstable_across_zero_force",
+    "stable_away_from_zero_force", "stable_across_zero_force",
+)  # fmt: skip
 _VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
 _SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
 
@@ -39,63 +51,28 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     base = ThreadsParameters.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
-    force, rate = (np.linspace(s["start"], s["stop"], s["count"]) for s in (settings["force"], settings["rate"]))
+    force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
     limit = _VIEWS * max(np.ptp(force), np.ptp(rate)) / 2
-    scale, side = contact_force.force_scale(base), int(paradox)
+    scale, side, count = contact_force.force_scale(base), int(paradox), settings["samples"]
     starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
-    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
-    motions = np.array([[sample(arcs, settings["samples"], limit) for arcs, _ in case] for case in followed])
     grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
     outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
-    c = coefficients(base)
-    eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
-    motion = ("case", "start", "sample")
     return xr.Dataset(
-        {
-            "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
-            "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
-            "start_outcome": (
-                ("case", "start"),
-                np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
-                _outcomes("what becomes of the contact force of a motion"),
-            ),
+        _motions(cases, starts, count, limit, scale, side)
+        | {
             "grid_outcome": (
                 ("case", "grid_contact_force", "grid_contact_force_rate"),
                 np.array(outcomes, dtype=np.int8).reshape(len(cases), force.size, rate.size),
                 _outcomes("what becomes of the contact force from each state of the grid"),
-            ),
-            "equilibrium_contact_force": (
-                "law",
-                np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
-                _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
-            ),
-            "scaled_eigenvalue_real_part": (
-                ("case", "law", "eigenvalue"),
-                eigenvalues.real,
-                attributes("1", "real part of an eigenvalue of the law in scaled time", r"Re $\varepsilon$"),
-            ),
-            "scaled_eigenvalue_imaginary_part": (
-                ("case", "law", "eigenvalue"),
-                eigenvalues.imag,
-                attributes("1", "imaginary part of an eigenvalue of the law in scaled time", r"Im $\varepsilon$"),
-            ),
+            )
         }
+        | _equilibria(cases, scale)
         | _by_newton(drives)
-        | (_manifolds(cases, settings["samples"], limit, scale) if paradox is Paradox.INDETERMINATE else {}),
+        | (_manifolds(cases, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
         coords={
             "grid_contact_force": ("grid_contact_force", force, _force("contact force of the grid")),
             "grid_contact_force_rate": ("grid_contact_force_rate", rate, _rate("rate of the grid")),
-            "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
-            "law_side": (
-                "law",
-                [flow.side for flow in cases[0].values()],
-                attributes("1", "sign where the law holds"),
-            ),
-            "effective_inertia_of_law": (
-                "law",
-                [float(c.gamma[law]) for law in _LAWS],
-                attributes("kg m2", "effective inertia of the law", r"$\Gamma_s$"),
-            ),
+            **_laws(base, cases[0]),
             **labels("case", drives, ("contact_damping",)),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
             **drive_parameters(drives, along=("contact_damping",), no_effect=_NO_EFFECT),
@@ -107,6 +84,72 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
             "force_scale": ((), scale, attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
         },
     )
+
+
+def _motions(
+    cases: Sequence[dict[int, ForceFlow]],
+    starts: Sequence[tuple[float, float]],
+    count: int,
+    limit: float,
+    scale: float,
+    side: int,
+) -> Variables:
+    """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
+    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
+    motions = np.array([[sample(arcs, count, limit) for arcs, _ in case] for case in followed])
+    motion = ("case", "start", "sample")
+    return {
+        "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
+        "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
+        "start_outcome": (
+            ("case", "start"),
+            np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
+            _outcomes("what becomes of the contact force of a motion"),
+        ),
+    }
+
+
+def _equilibria(cases: Sequence[dict[int, ForceFlow]], scale: float) -> Variables:
+    """The equilibrium of each law, which contact damping does not move, and the eigenvalues of each case and law."""
+    eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
+    dims = ("case", "law", "eigenvalue")
+    words = "part of an eigenvalue of the law in scaled time"
+    return {
+        "equilibrium_contact_force": (
+            "law",
+            np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
+            _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
+        ),
+        "scaled_eigenvalue_real_part": (
+            dims,
+            eigenvalues.real,
+            attributes("1", f"real {words}", r"Re $\varepsilon$"),
+        ),
+        "scaled_eigenvalue_imaginary_part": (
+            dims,
+            eigenvalues.imag,
+            attributes("1", f"imaginary {words}", r"Im $\varepsilon$"),
+        ),
+    }
+
+
+def _laws(drive: ThreadsParameters, flows: dict[int, ForceFlow]) -> Variables:
+    """The friction laws: on which side of N = 0 each of them holds, and its effective inertia."""
+    gamma = coefficients(drive).gamma
+    paradox = Paradox(flows[1].side)  # law + holds where χ has this sign
+    return {
+        "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
+        "law_side": (
+            "law",
+            [flow.side for flow in flows.values()],
+            attributes("1", "sign of the contact force chi where the law holds", comment=_SIGN_OF_FORCE[paradox]),
+        ),
+        "effective_inertia_of_law": (
+            "law",
+            [float(gamma[law]) for law in _LAWS],
+            attributes("kg m2", "effective inertia of the law", r"$\Gamma_s$"),
+        ),
+    }
 
 
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
@@ -139,7 +182,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
     return 2 * math.pi / abs(first.imag) if first.real == 0 else _SETTLING / abs(first.real)
 
 
-def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, scale: float) -> dict[str, tuple]:
+def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, scale: float) -> Variables:
     """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
 
     All are followed away from the saddle, the stable ones backwards in time.
@@ -159,6 +202,17 @@ def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, 
             _force("contact force on a manifold of the saddle"),
         ),
         "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold": (
+            "manifold",
+            np.arange(len(_MANIFOLDS), dtype=np.int8),
+            attributes(
+                "1",
+                "branch of the manifolds of the saddle",
+                flag_values=np.arange(len(_MANIFOLDS), dtype=np.int8),
+                flag_meanings=" ".join(_MANIFOLDS),
+                comment="samples begin at the saddle; along a stable branch time runs against them",
+            ),
+        ),
     }
 
 
@@ -175,32 +229,6 @@ def _there_and_back(laws: dict[int, ForceFlow], outwards: int) -> list[ForceArc]
     return arcs[:3]
 
 
-def energy(case: xr.Dataset, force: xr.DataArray, rate: xr.DataArray) -> xr.DataArray:
-    """Energy integral of (8.11) at χ and its rate, without contact damping, in the scales of law −; 0 at the origin."""
-    return _potential(case, force) + rate**2 / 2
-
-
-def saddle_energy(case: xr.Dataset) -> float:
-    """Energy integral at the saddle."""
-    return float(_potential(case, case.equilibrium_contact_force.sel(law=1)))
-
-
-def energy_spread(case: xr.Dataset) -> float:
-    """Largest spread of the energy along a motion, relative to the largest of its two parts on the way."""
-    parts = _potential(case, case.contact_force), case.contact_force_rate**2 / 2
-    total = sum(parts)
-    size = xr.concat([abs(part) for part in parts], "part").max(["part", "sample"])
-    return float(((total.max("sample") - total.min("sample")) / size).max())
-
-
-def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
-    """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
-    plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in _LAWS)
-    x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
-    stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
-    return stiffness * x**2 / 2 - x / minus
-
-
 def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
     """χ from x: equal on the side of law −, scaled on that of law +."""
     return np.where(x * side > 0, x * scale, x)
@@ -211,7 +239,7 @@ def _unscaled(force: float, scale: float, side: int) -> float:
     return float(force) / (scale if force * side > 0 else 1.0)
 
 
-def _by_newton(drives: Sequence[ThreadsParameters]) -> dict[str, tuple]:
+def _by_newton(drives: Sequence[ThreadsParameters]) -> Variables:
     """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
 
     I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;
@@ -265,44 +293,4 @@ def _force(long_name: str) -> dict[str, Any]:
 
 
 def _rate(long_name: str) -> dict[str, Any]:
-    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$")
-
-
-def energy_check(dataset: xr.Dataset) -> Check:
-    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
-    spread = energy_spread(dataset.isel(case=0))
-    return Check.holds(
-        "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
-        "eqs 8.11, 8.12",
-        f"largest spread {spread:.1e} of the larger of potential and kinetic part",
-        spread < 1e-12,
-    )
-
-
-def newton_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
-    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
-    first, second = (
-        dataset.scaled_eigenvalue_real_part.isel(eigenvalue=k)
-        + 1j * dataset.scaled_eigenvalue_imaginary_part.isel(eigenvalue=k)
-        for k in (0, 1)
-    )
-    off = [
-        np.abs(first + second - dataset.jacobian_trace) / np.abs(first),
-        np.abs(first * second / dataset.jacobian_determinant - 1),
-    ]
-    return [
-        Check.holds(
-            "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
-            "eqs 8.6, 8.7, 8.11",
-            f"largest relative difference {gap:.1e}",
-            gap <= _ROUNDING,
-        ),
-        Check.holds(
-            "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
-            "eqs 8.6, 8.7, 8.12",
-            f"their sum differs from its trace by {float(off[0].max()):.1e} of them, their product from its "
-            f"determinant by {float(off[1].max()):.1e}",
-            all(float(x.max()) <= _ROUNDING for x in off),
-        ),
-    ]
+    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)

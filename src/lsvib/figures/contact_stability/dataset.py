@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data.attributes import attributes
+from lsvib.data import spans
+from lsvib.data.attributes import CRITICAL_MASS, attributes, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
 from lsvib.drives.coefficients import coefficients
@@ -45,7 +46,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     heavy, light = settings["masses"]
     if rigid is None or not light < rigid < heavy:
         raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
-    along, stiffness = (_span(settings[name]) for name in ("contact_damping", "stiffness"))
+    along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
     curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
@@ -69,11 +70,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
             **axis("growth_contact_damping", dampings),
             **axis("growth_contact_stiffness", stiffness),
-            "critical_mass": (
-                (),
-                rigid,
-                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass": ((), rigid, CRITICAL_MASS),
         },
         attrs={
             "title": "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
@@ -105,12 +102,7 @@ def _curves(
         "stable_at_every_mass": (
             ("curve_contact_stiffness", "curve_contact_damping"),
             (grid >= LARGEST_MASS).astype(np.int8),
-            attributes(
-                "1",
-                "steady sliding is stable at every mass",
-                flag_values=np.array([0, 1], dtype=np.int8),
-                flag_meanings="no yes",
-            ),
+            yes_no("steady sliding is stable at every mass"),
         ),
     }
 
@@ -175,25 +167,21 @@ def _limits(drive: ThreadsParameters, heavy: float, light: float) -> Variables:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    return [
+        *_drawn_contact_checks(dataset, drive),
+        _sweep_check(dataset),
+        *_lemma_checks(dataset),
+        *_converse_checks(dataset),
+        _soft_contact_check(dataset, drive),
+        _sign_check(dataset, drive),
+    ]
+
+
+def _drawn_contact_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+    """Check the critical masses of the contacts that are drawn: their order, and that eigenvalues cross there."""
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
-    sides = [_sides(drive, *values) for values in zip(own, *_contacts(dataset), strict=True)]
-    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
-    soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
-    softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
-    heavy, light = (dataset.isel(mass=k) for k in (0, 1))
-    beyond = heavy.growth_contact_stiffness > dataset.unstable_contact_stiffness
-    grows = heavy.growth_rate > 0
-    wrong, compared = _against_signs(dataset, drive)
-    stiff = heavy.growth_rate.isel(growth_contact_stiffness=-1).values
-    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
-    half = scale * dataset.growth_contact_damping.values / 2
-    ratio = stiff / (half + np.sqrt(half**2 + scale * last))
-    elastic = light.growth_rate.isel(growth_contact_damping=0).values
-    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
-    enough = light.growth_contact_damping > light.least_contact_damping
-    least = dataset.least_contact_damping.values
-    windows, ends = _windows(dataset, drive)
-    softer = light.growth_contact_stiffness.where(np.isfinite(dataset.window_of_soft_contact[:, 0]))
+    contacts = dataset.contact_stiffness.values, dataset.contact_damping.values
+    sides = [_sides(drive, *values) for values in zip(own, *contacts, strict=True)]
     return [
         Check.holds(
             "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
@@ -208,15 +196,36 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"largest real parts {', '.join(f'{a:.2e} and {b:.2e}' for a, b in sides)} 1/s",
             all(a < 0 < b for a, b in sides),
         ),
-        Check.holds(
-            "Every contact of the sweep loses steady sliding below the critical mass of the rigid drive, but for soft "
-            "ones with little damping, which keep it at every mass or regain it at a large one",
-            "model of Sect. 5.5",
-            f"{int(np.isfinite(whole).sum())} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
-            f"{int(every.sum())} never do, {int(np.isfinite(dataset.stable_again).sum())} regain it, k_c <= "
-            f"{softest:.0e} N/m",
-            bool((whole[~every] < rigid).all()) and softest < float(dataset.unstable_contact_stiffness[0]),
-        ),
+    ]
+
+
+def _sweep_check(dataset: xr.Dataset) -> Check:
+    """Check that the curves of the critical mass lie below that of the rigid drive, but for soft contacts."""
+    rigid = float(dataset.critical_mass)
+    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
+    soft = (every | np.isfinite(dataset.stable_again.values)).any(axis=1)
+    softest = float(dataset.curve_contact_stiffness.values[soft].max(initial=0.0))
+    return Check.holds(
+        "Every contact of the sweep loses steady sliding below the critical mass of the rigid drive, but for soft "
+        "ones with little damping, which keep it at every mass or regain it at a large one",
+        "model of Sect. 5.5",
+        f"{int(np.isfinite(whole).sum())} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
+        f"{int(every.sum())} never do, {int(np.isfinite(dataset.stable_again).sum())} regain it, k_c <= "
+        f"{softest:.0e} N/m",
+        bool((whole[~every] < rigid).all()) and softest < float(dataset.unstable_contact_stiffness[0]),
+    )
+
+
+def _lemma_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check Lemma 8.1 on the larger mass: it is unstable with a stiff contact, and how fast it then grows."""
+    heavy = dataset.isel(mass=0)
+    beyond = heavy.growth_contact_stiffness > dataset.unstable_contact_stiffness
+    grows = heavy.growth_rate > 0
+    stiff = heavy.growth_rate.isel(growth_contact_stiffness=-1).values
+    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    half = scale * dataset.growth_contact_damping.values / 2
+    ratio = stiff / (half + np.sqrt(half**2 + scale * last))
+    return [
         Check.holds(
             "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
             "Lemma 8.1",
@@ -230,6 +239,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
             bool((np.abs(ratio - 1) < _CLOSE).all()),
         ),
+    ]
+
+
+def _converse_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check on the smaller mass that the converse of Lemma 8.1 needs contact damping, and how much."""
+    light = dataset.isel(mass=1)
+    elastic = light.growth_rate.isel(growth_contact_damping=0).values
+    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
+    enough = light.growth_contact_damping > light.least_contact_damping
+    least = dataset.least_contact_damping.values
+    return [
         Check.holds(
             "The converse fails in an elastic contact: the smaller mass, stable when rigid, flutters however stiff",
             "Lemma 8.1, docs/lemmas.md",
@@ -244,25 +264,32 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{least[-1]:.6g} against {bound:.6g} N s/m",
             bool((light.growth_rate < 0).where(enough, True).all()) and abs(least[-1] / bound - 1) < _CLOSE,
         ),
-        Check.holds(
-            "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
-            f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
-            "model of Sect. 5.5, docs/lemmas.md",
-            f"{sum(windows)} of {len(windows)} contacts, k_c <= {float(softer.max()):.2e} N/m; "
-            f"and at the least damping of {sum(ends)} of {len(ends)}",
-            all(windows) and all(ends) and len(windows) > 0,
-        ),
-        Check.holds(
-            "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
-            "model of Sect. 5.5",
-            f"{wrong} exceptions among {compared} contacts",
-            wrong == 0 and compared > 0,
-        ),
     ]
 
 
-def _span(settings: Mapping[str, Any]) -> np.ndarray:
-    return np.geomspace(*(settings[key] for key in ("start", "stop", "count")))
+def _soft_contact_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
+    """Check the ends of the intervals of smaller dampings at which a soft contact is stable, too."""
+    windows, ends = _windows(dataset, drive)
+    softer = dataset.growth_contact_stiffness.where(np.isfinite(dataset.window_of_soft_contact[:, 0]))
+    return Check.holds(
+        "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
+        f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
+        "model of Sect. 5.5, docs/lemmas.md",
+        f"{sum(windows)} of {len(windows)} contacts, k_c <= {float(softer.max()):.2e} N/m; "
+        f"and at the least damping of {sum(ends)} of {len(ends)}",
+        all(windows) and all(ends) and len(windows) > 0,
+    )
+
+
+def _sign_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
+    """Check the signs of the growth rates, which LAPACK computes, against conditions in 50 digits."""
+    wrong, compared = _against_signs(dataset, drive)
+    return Check.holds(
+        "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
+        "model of Sect. 5.5",
+        f"{wrong} exceptions among {compared} contacts",
+        wrong == 0 and compared > 0,
+    )
 
 
 def _stable(drive: ThreadsParameters, stiffness: float, damping: float) -> list[tuple[float, float]]:
@@ -277,10 +304,6 @@ def _dampings(drive: ThreadsParameters) -> list[tuple[float, float]]:
 
 def _growth(drive: ThreadsParameters, stiffness: np.ndarray) -> np.ndarray:
     return eigenvalues(threads_model({**dict(drive), "contact_stiffness": stiffness}, _LAW))[:, -1].real
-
-
-def _contacts(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    return dataset.contact_stiffness.values, dataset.contact_damping.values
 
 
 def _sides(drive: Mapping[str, float], mass: float, stiffness: float, damping: float) -> tuple[float, float]:

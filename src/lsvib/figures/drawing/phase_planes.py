@@ -12,9 +12,9 @@ from lsvib.figures.drawing import arrows, style
 from lsvib.figures.drawing.style import number
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
-EVEN = (1.1, 1.1, 1.1, 1.1)
+EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
 OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
-_DOTTED = (0, (1, 1.2))
+_DOTTED = (0, (1, 1.2))  # dots and gaps in widths of the line: close enough to read as one line
 
 
 def single(dataset: xr.Dataset) -> Figure:

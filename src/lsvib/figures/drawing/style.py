@@ -53,6 +53,7 @@ _STYLE = {
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
 _NOTE = 7  # size of the line under a picture [pt], legible in print
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 _LISTED = 5  # values of one parameter that the line lists; of more it gives the range
@@ -156,6 +157,14 @@ def write_below(figure: Figure, words: Sequence[str]) -> None:
         else:
             lines.append(word)
     note.set_text("\n".join(lines))
+
+
+def plain(text: str) -> str:
+    """Return words of a picture in one line and without mathematics: ``"$k_c$ = $10^{8}$"`` becomes ``"k_c = 10⁸"``."""
+    text = re.sub(r"\^\{(-?\d+)\}", lambda power: power[1].translate(SUPERSCRIPTS), text)
+    for command, letter in _LETTERS.items():
+        text = text.replace(command, letter)
+    return " ".join(text.replace("$", "").split())
 
 
 def enumeration(start: str, items: Sequence[str]) -> list[str]:

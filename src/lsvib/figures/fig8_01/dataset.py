@@ -8,7 +8,7 @@ import xarray as xr
 
 from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.data.checks import Check
-from lsvib.figures.common import contact_portraits
+from lsvib.figures.common import contact_portrait_checks, contact_portraits
 
 _ENDS = 0.01  # of 1/Γ₋; e⁻⁸ of a start is left where the motions end
 
@@ -26,22 +26,20 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
-    inertia = dataset.effective_inertia_of_law
-    predicted = contact_portraits.energy(
-        elastic, elastic.grid_contact_force, elastic.grid_contact_force_rate
-    ) < contact_portraits.saddle_energy(elastic)
-    predicted = predicted & (elastic.grid_contact_force > elastic.equilibrium_contact_force.sel(law=1))
-    wrong = int(((elastic.grid_outcome == ForceOutcome.BOUNDED) != predicted).sum())
-    found = [int((elastic.grid_outcome == kind).sum()) for kind in (ForceOutcome.BOUNDED, ForceOutcome.MINUS_INFINITY)]
-    centre = elastic.scaled_eigenvalue_real_part.sel(law=-1), elastic.scaled_eigenvalue_imaginary_part.sel(law=-1)
-    focus = damped.scaled_eigenvalue_real_part.sel(law=-1), damped.scaled_eigenvalue_imaginary_part.sel(law=-1)
-    bounded = damped.start_outcome.values == ForceOutcome.BOUNDED
-    ends = damped.contact_force.values[bounded, -1]
-    gap = float(np.abs(ends * float(inertia.sel(law=-1)) - 1).max(initial=0.0))
-    unbounded = dataset.start_outcome.values == ForceOutcome.MINUS_INFINITY
-    leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.grid_contact_force.min())
     return [
-        *contact_portraits.newton_checks(dataset),
+        *contact_portrait_checks.newton_checks(dataset),
+        *_equilibrium_checks(dataset, elastic),
+        contact_portrait_checks.energy_check(dataset),
+        *_outcome_checks(dataset, elastic),
+        *_damping_checks(damped),
+    ]
+
+
+def _equilibrium_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
+    """Check where the equilibria lie, and that one is a saddle and the other, without contact damping, a centre."""
+    real, imaginary = (dataset[f"scaled_eigenvalue_{part}_part"].sel(law=1) for part in ("real", "imaginary"))
+    centre = _eigenvalues_of_law_minus(elastic)
+    return [
         Check.holds(
             "Each equilibrium lies on the side on which its law holds: there are two solutions",
             "Sect. 8.1, Fig. 8.1",
@@ -51,9 +49,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "The equilibrium of law + is a saddle, without contact damping and with it",
             "Sect. 8.2, eq. 8.11, Fig. 8.1",
-            f"eigenvalues {dataset.scaled_eigenvalue_real_part.sel(law=1).values.round(4).tolist()}",
-            bool((dataset.scaled_eigenvalue_real_part.sel(law=1).prod("eigenvalue") < 0).all())
-            and bool((dataset.scaled_eigenvalue_imaginary_part.sel(law=1) == 0).all()),
+            f"eigenvalues {real.values.round(4).tolist()}",
+            bool((real.prod("eigenvalue") < 0).all()) and bool((imaginary == 0).all()),
         ),
         Check.holds(
             "The equilibrium of law − is a centre without contact damping",
@@ -61,7 +58,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"eigenvalues ±{abs(float(centre[1][0])):.4g}i",
             bool((centre[0] == 0).all() and (centre[1] != 0).all()),
         ),
-        contact_portraits.energy_check(dataset),
+    ]
+
+
+def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
+    """Check that the loop of the separatrix decides between the two outcomes, and that both are drawn."""
+    force, rate = elastic.grid_contact_force, elastic.grid_contact_force_rate
+    within = contact_portrait_checks.energy(elastic, force, rate) < contact_portrait_checks.saddle_energy(elastic)
+    predicted = within & (force > elastic.equilibrium_contact_force.sel(law=1))
+    wrong = int(((elastic.grid_outcome == ForceOutcome.BOUNDED) != predicted).sum())
+    found = [int((elastic.grid_outcome == kind).sum()) for kind in (ForceOutcome.BOUNDED, ForceOutcome.MINUS_INFINITY)]
+    unbounded = dataset.start_outcome.values == ForceOutcome.MINUS_INFINITY
+    leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.grid_contact_force.min())
+    return [
         Check.holds(
             "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
             "Sect. 8.2, Fig. 8.1",
@@ -80,6 +89,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{int(leaving.sum())} of {leaving.size}",
             bool(leaving.all() and leaving.size),
         ),
+    ]
+
+
+def _damping_checks(damped: xr.Dataset) -> list[Check]:
+    """Check that contact damping turns the centre into a focus, on which bounded motions settle."""
+    focus = _eigenvalues_of_law_minus(damped)
+    bounded = damped.start_outcome.values == ForceOutcome.BOUNDED
+    ends = damped.contact_force.values[bounded, -1]
+    inertia = float(damped.effective_inertia_of_law.sel(law=-1))
+    gap = float(np.abs(ends * inertia - 1).max(initial=0.0))
+    return [
         Check.holds(
             "With contact damping the equilibrium of law − is a stable focus",
             "Remark 8.1",
@@ -93,3 +113,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool(ends.size) and gap < _ENDS,
         ),
     ]
+
+
+def _eigenvalues_of_law_minus(case: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Real and imaginary parts of the eigenvalues at the equilibrium of law −."""
+    return case.scaled_eigenvalue_real_part.sel(law=-1), case.scaled_eigenvalue_imaginary_part.sel(law=-1)

@@ -8,7 +8,7 @@ import xarray as xr
 
 from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.data.checks import Check
-from lsvib.figures.common import contact_portraits
+from lsvib.figures.common import contact_portrait_checks, contact_portraits
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -32,7 +32,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     slope = last[1][..., 1] / ((last[0][..., 1] - saddle) / float(dataset.force_scale))
     gap = np.abs(slope / rate - 1).max()
     return [
-        *contact_portraits.newton_checks(dataset),
+        *contact_portrait_checks.newton_checks(dataset),
         Check.holds(
             "The equilibria 1/Γ₊ and 1/Γ₋ both lie on the side of the other law: there is no solution",
             "Sect. 8.2, Fig. 8.2",
@@ -58,5 +58,5 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it",
             bool(gap < 0.01),
         ),
-        contact_portraits.energy_check(dataset),
+        contact_portrait_checks.energy_check(dataset),
     ]

@@ -13,7 +13,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
-_HALVINGS = 100
+_HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket
 _CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.data import phase_plane, printed
+from lsvib.data import phase_plane, printed, spans
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.drives import chapter
@@ -42,7 +42,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     drive = RigidParameters.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
-    forces = np.unique(np.concatenate([phase_plane.span(settings["axial_force"]), list(values.values()), beside]))
+    forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     start = np.array([settings["initial"]["u"], settings["initial"]["w"]])
     drives = [drive.replace(axial_force=float(force)) for force in forces]
     steady = [steady_state(rigid_automaton(d), start) for d in drives]

@@ -17,7 +17,7 @@ _THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "
 # Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
 _PLACES = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
 
-_THIN = (0.6, 0.6, 0.6, 0.6)
+_THIN = (0.6, 0.6, 0.6, 0.6)  # widths of the motions in the small insets, in points
 
 
 @style.styled

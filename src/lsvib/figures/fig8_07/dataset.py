@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.contact.existence import Existence, existence
-from lsvib.data import phase_plane
+from lsvib.data import phase_plane, spans
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
@@ -26,7 +26,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``stop``, ``count``; ``starts``, ``duration`` [s], ``samples`` of the motions. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
-    angle, velocity = phase_plane.span(settings["angle"]), phase_plane.span(settings["velocity"])
+    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     xi = coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness

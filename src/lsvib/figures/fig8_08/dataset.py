@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import CRITICAL_MASS, attributes
 from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters
+from lsvib.data.parameter_origins import Variables, axis, drive_parameters
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -32,27 +32,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     marks = {name: _mass(drive, inertia) for name, inertia in _marks(drive).items()}
     start, stop, count = (settings["mass"][key] for key in ("start", "stop", "count"))
     mass = _masses(start, stop, count, critical, list(marks.values()))
-    inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
     dampings = np.array(settings["dampings"], dtype=float)
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
     return xr.Dataset(
         {
-            "eigenvalue_real_part": (
-                ("eigenvalue", "mass"),
-                pair.real.T,
-                attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
-            ),
-            "eigenvalue_imaginary_part": (
-                ("eigenvalue", "mass"),
-                pair.imag.T,
-                attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
-            ),
-            "effective_inertia_plus": (
-                "mass",
-                inertia,
-                attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-            ),
+            **_spectrum(drive, mass),
             "loss_of_stability": (
                 "swept_support_damping",
                 losses,
@@ -64,11 +48,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
             "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
             **axis("swept_support_damping", dampings),
-            "critical_mass": (
-                (),
-                critical,
-                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass": ((), critical, CRITICAL_MASS),
             "meeting_mass": (
                 (),
                 marks["meeting_mass"],
@@ -87,6 +67,29 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6, Fig. 8.8",
         },
     )
+
+
+def _spectrum(drive: RigidParameters, mass: np.ndarray) -> Variables:
+    """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
+    inertia = np.array([_inertia(drive, m) for m in mass])
+    pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
+    return {
+        "eigenvalue_real_part": (
+            ("eigenvalue", "mass"),
+            pair.real.T,
+            attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
+        ),
+        "eigenvalue_imaginary_part": (
+            ("eigenvalue", "mass"),
+            pair.imag.T,
+            attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
+        ),
+        "effective_inertia_plus": (
+            "mass",
+            inertia,
+            attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+        ),
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

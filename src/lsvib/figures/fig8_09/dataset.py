@@ -8,7 +8,8 @@ import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.impulses import seizure_speeds
-from lsvib.data import phase_plane
+from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import CRITICAL_MASS
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
 from lsvib.drives.parameters import RigidParameters
@@ -30,7 +31,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     critical = critical_mass(drive)
     if critical is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
-    forces = phase_plane.span(settings["axial_force"])
+    forces = spans.even(settings["axial_force"])
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | _sensitivity(drives[-1], forces, settings["starts"][0]),
@@ -39,11 +40,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **drive_parameters(drives, along=("mass",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **phase_plane.rule_coordinate(),
             **axis("swept_axial_force", forces),
-            "critical_mass": (
-                (),
-                critical,
-                phase_plane.attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass": ((), critical, CRITICAL_MASS),
         },
         attrs={
             "title": "Figure 8.9: trajectories below and above the critical mass",

@@ -8,7 +8,7 @@ import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.curve_distance import Orbit
-from lsvib.data import phase_plane, printed
+from lsvib.data import phase_plane, printed, spans
 from lsvib.data.attributes import quantity
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
@@ -37,7 +37,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     automaton, cycle = compliant_cycle(drive, start)
     rigid_cycle = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
     motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
-    forces = phase_plane.span(settings["axial_force"])
+    forces = spans.even(settings["axial_force"])
     return xr.Dataset(
         _motion(motion, settings["samples"])
         | cycle_curves((), [cycle], settings["samples"])

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.data import phase_plane
+from lsvib.data import phase_plane, spans
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.data.phase_plane import attributes
@@ -22,7 +22,7 @@ from lsvib.steady_sliding.stiff_contact import critical_mass_of_contact
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
-_TRIES = 40
+_TRIES = 40  # of regula falsi; as many halvings would narrow an interval of the grid to 1e-12 of it
 _NUMBERS = {
     "attractor": ("1", phase_plane.ATTRACTOR),
     "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
@@ -42,43 +42,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     of the grid with ``start``, ``stop``, ``count``, spaced logarithmically. Raises ``InputError``.
     """
     drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
-    stiffness, damping = (
-        np.geomspace(*(settings[key][word] for word in ("start", "stop", "count"))) for key in _CONTACT
-    )
+    stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
     rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
-
-    def values(k: float, c: float) -> dict[str, float]:
-        contact = drive.replace(contact_stiffness=k, contact_damping=c)
-        return _numbers(compliant_cycle(contact, start)[1])
-
-    grid = [[values(k, c) for c in damping] for k in stiffness]
-    limits = [
-        _boundary(lambda c, k=k: values(k, c)["largest_deflection"], damping, row)
-        for k, row in zip(stiffness, grid, strict=True)
-    ]
     single = [_numbers(steady) for steady in cycles]
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
         | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
         | {name: _table(("contact",), name, single) for name in _NUMBERS}
-        | {
-            f"grid_{name}": _table(("grid_contact_stiffness", "grid_contact_damping"), name, grid)
-            for name in _ON_THE_GRID
-        }
-        | {
-            "boundary_contact_damping": (
-                "grid_contact_stiffness",
-                [limit[0] for limit in limits],
-                attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
-            ),
-            "boundary_deflection": (
-                "grid_contact_stiffness",
-                [limit[1] for limit in limits],
-                attributes("rad", "largest coupling deflection at that damping", "$z$"),
-            ),
-        },
+        | _grid(drive, start, stiffness, damping),
         coords={
             **labels("contact", contacts, _CONTACT),
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
@@ -102,6 +75,36 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.6.1, Fig. 8.13",
         },
     )
+
+
+def _grid(
+    drive: ThreadsParameters, start: Mapping[str, float], stiffness: np.ndarray, damping: np.ndarray
+) -> phase_plane.Variables:
+    """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
+
+    def numbers(k: float, c: float) -> dict[str, float]:
+        contact = drive.replace(contact_stiffness=k, contact_damping=c)
+        return _numbers(compliant_cycle(contact, start)[1])
+
+    grid = [[numbers(k, c) for c in damping] for k in stiffness]
+    limits = [
+        _boundary(lambda c, k=k: numbers(k, c)["largest_deflection"], damping, row)
+        for k, row in zip(stiffness, grid, strict=True)
+    ]
+    return {
+        f"grid_{name}": _table(("grid_contact_stiffness", "grid_contact_damping"), name, grid) for name in _ON_THE_GRID
+    } | {
+        "boundary_contact_damping": (
+            "grid_contact_stiffness",
+            [limit[0] for limit in limits],
+            attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
+        ),
+        "boundary_deflection": (
+            "grid_contact_stiffness",
+            [limit[1] for limit in limits],
+            attributes("rad", "largest coupling deflection at that damping", "$z$"),
+        ),
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -4,14 +4,15 @@ The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0:
 a mass beyond m_cr.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.data import phase_plane
+from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import attributes
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.parameters import RigidParameters
@@ -34,11 +35,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
-    angle, velocity = phase_plane.span(settings["angle"]), phase_plane.span(settings["velocity"])
-    heavy = drives[-1]
-    threshold = global_stability_force(heavy)
+    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
+    threshold = global_stability_force(drives[-1])
     bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
-    attractors = [[_from_release(heavy.replace(axial_force=r), rule) for rule in phase_plane.RULES] for r in bracket]
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | accumulation.reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
@@ -47,25 +46,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 ("case", "grid_angle_deviation", "grid_velocity_deviation"),
                 np.array([_basin(d, angle, velocity) for d in drives]),
                 phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
-            ),
-            "corner_angle": (
-                "case",
-                [accumulation.corner(d) for d in drives],
-                phase_plane.attributes(
-                    "rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"
-                ),
-            ),
-            "corner_attractor": (
-                ("case", "rule", "corner_distance"),
-                np.array([[_from_standstill(d, rule) for rule in phase_plane.RULES] for d in drives], np.int8),
-                phase_plane.flag("attractor of the motion from standstill so far below the corner", Attractor),
-            ),
-            "bracket_attractor": (
-                ("bracket", "rule"),
-                np.array(attractors, np.int8),
-                phase_plane.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
-            ),
-        },
+            )
+        }
+        | _corners(drives)
+        | _beside_threshold([drives[-1].replace(axial_force=force) for force in bracket]),
         coords={
             **labels("case", drives, _CHANGED),
             **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
@@ -74,19 +58,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "corner_distance": (
                 "corner_distance",
                 _DISTANCES,
-                phase_plane.attributes("rad", "distance of the start below the corner, at standstill"),
+                attributes("rad", "distance of the start below the corner, at standstill"),
             ),
-            "bracket_axial_force": (
-                "bracket",
-                bracket,
-                phase_plane.attributes("N", "axial force beside the threshold", "$R$"),
-            ),
+            "bracket_axial_force": ("bracket", bracket, attributes("N", "axial force beside the threshold", "$R$")),
             "global_stability_force": (
                 (),
                 threshold,
-                phase_plane.attributes(
-                    "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
-                ),
+                attributes("N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"),
             ),
         },
         attrs={
@@ -97,55 +75,105 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
+def _corners(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
+    """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
+    return {
+        "corner_angle": (
+            "case",
+            [accumulation.corner(d) for d in drives],
+            attributes("rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"),
+        ),
+        "corner_attractor": (
+            ("case", "rule", "corner_distance"),
+            np.array([[_from_standstill(d, rule) for rule in phase_plane.RULES] for d in drives], np.int8),
+            phase_plane.flag("attractor of the motion from standstill so far below the corner", Attractor),
+        ),
+    }
+
+
+def _beside_threshold(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
+    """The attractor of the motion that leaves rest, of the drives just above and just below the threshold."""
+    return {
+        "bracket_attractor": (
+            ("bracket", "rule"),
+            np.array([[_from_release(drive, rule) for rule in phase_plane.RULES] for drive in drives], np.int8),
+            phase_plane.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
+        )
+    }
+
+
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
-    mass, force, gamma = dataset.mass.values, dataset.axial_force.values, dataset.effective_inertia_plus.values
-    printed, beyond = (slice(0, 2), slice(2, 4))
-    result = [
-        Check.holds(
-            "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
-            "Sect. 8.7, Fig. 8.14",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
-            bool((gamma[printed] > 0).all() and (gamma[beyond] < 0).all()),
-        )
+    return [
+        _inertia_check(dataset),
+        _settling_check(dataset, 0, " (as printed)"),
+        _settling_check(dataset, 2, ""),
+        _one_attractor_check(
+            dataset,
+            1,
+            " (as printed)",
+            Attractor.STEADY_SLIDING,
+            "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin",
+        ),
+        _one_attractor_check(
+            dataset,
+            3,
+            "",
+            Attractor.SPRAG_SLIP_CYCLE,
+            "every trajectory drawn ends on a limit cycle, the same under either rule of resuming",
+        ),
+        *_corner_checks(dataset),
+        *accumulation.checks(dataset),
+        *_threshold_checks(dataset),
     ]
-    grid = dataset.grid_attractor.values
-    for case, note in ((0, " (as printed)"), (2, "")):
-        labels = dataset.attractor.values[case]
-        touches = _line_crossings(dataset, case)
-        claim = "every trajectory drawn meets N = 0 and yet reaches the origin, as does every other start"
-        result.append(
-            Check.holds(
-                f"(a) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {claim}",
-                "Sect. 8.7, Fig. 8.14a",
-                f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}; of {grid[case].size} "
-                f"other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach the origin",
-                bool((labels == Attractor.STEADY_SLIDING).all() and (grid[case] == Attractor.STEADY_SLIDING).all())
-                and min(touches) > 0,
-            )
-        )
-    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
-    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
-    for case, note, expected, words in (
-        (1, " (as printed)", Attractor.STEADY_SLIDING, no_cycle),
-        (3, "", Attractor.SPRAG_SLIP_CYCLE, one_cycle),
-    ):
-        labels, amplitude = dataset.attractor.values[case], dataset.amplitude.values[case].ravel()
-        result.append(
-            Check.holds(
-                f"(b) m = {mass[case]:g} kg{note}, R = {force[case]:g} N: {words}",
-                "Sect. 8.7, Fig. 8.14b",
-                f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
-                f"{grid[case].size} other starts {int((grid[case] == Attractor.STEADY_SLIDING).sum())} reach it",
-                bool((labels == expected).all())
-                and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max())
-                and bool(np.isin(grid[case], [Attractor.STEADY_SLIDING, expected]).all()),
-            )
-        )
-    result += _corner_checks(dataset) + accumulation.checks(dataset)
-    threshold = float(dataset.global_stability_force)
+
+
+def _inertia_check(dataset: xr.Dataset) -> Check:
+    """Check the sign of Γ₊ for both readings of the mass, two cases each."""
+    mass, gamma = dataset.mass.values, dataset.effective_inertia_plus.values
+    return Check.holds(
+        "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
+        "Sect. 8.7, Fig. 8.14",
+        f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
+        bool((gamma[:2] > 0).all() and (gamma[2:] < 0).all()),
+    )
+
+
+def _settling_check(dataset: xr.Dataset, case: int, note: str) -> Check:
+    """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0."""
+    grid, labels = dataset.grid_attractor.values[case], dataset.attractor.values[case]
+    touches = _line_crossings(dataset, case)
+    claim = "every trajectory drawn meets N = 0 and yet reaches the origin, as does every other start"
+    return Check.holds(
+        f"(a) {_drive(dataset, case, note)}: {claim}",
+        "Sect. 8.7, Fig. 8.14a",
+        f"meets N = 0 {' and '.join(str(n) for n in touches)} times; {_names(labels)}; of {grid.size} "
+        f"other starts {int((grid == Attractor.STEADY_SLIDING).sum())} reach the origin",
+        bool((labels == Attractor.STEADY_SLIDING).all() and (grid == Attractor.STEADY_SLIDING).all())
+        and min(touches) > 0,
+    )
+
+
+def _one_attractor_check(dataset: xr.Dataset, case: int, note: str, expected: Attractor, claim: str) -> Check:
+    """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
+    grid, labels = dataset.grid_attractor.values[case], dataset.attractor.values[case]
+    amplitude = dataset.amplitude.values[case].ravel()
+    return Check.holds(
+        f"(b) {_drive(dataset, case, note)}: {claim}",
+        "Sect. 8.7, Fig. 8.14b",
+        f"{_names(labels)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
+        f"{grid.size} other starts {int((grid == Attractor.STEADY_SLIDING).sum())} reach it",
+        bool((labels == expected).all())
+        and float(np.ptp(amplitude)) <= 1e-12 * float(amplitude.max())
+        and bool(np.isin(grid, [Attractor.STEADY_SLIDING, expected]).all()),
+    )
+
+
+def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the motion that leaves rest changes its attractor at the threshold, between the forces of (a), (b)."""
+    force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
     labels = dataset.bracket_attractor.values
-    result += [
+    return [
         Check.holds(
             "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
             "Sect. 8.7",
@@ -159,7 +187,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool((labels[0] == Attractor.SPRAG_SLIP_CYCLE).all() and (labels[1] == Attractor.STEADY_SLIDING).all()),
         ),
     ]
-    return result
+
+
+def _drive(dataset: xr.Dataset, case: int, note: str) -> str:
+    """Words for the drive of a case: mass, a note on it, and force."""
+    return f"m = {dataset.mass.values[case]:g} kg{note}, R = {dataset.axial_force.values[case]:g} N"
 
 
 def _corner_checks(dataset: xr.Dataset) -> list[Check]:

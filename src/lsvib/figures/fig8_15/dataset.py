@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed
-from lsvib.data.attributes import flags
+from lsvib.data import printed, spans
+from lsvib.data.attributes import attributes, flags
 from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters
+from lsvib.data.parameter_origins import Variables, axis, drive_parameters
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.errors import InputError
@@ -33,15 +33,70 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``stop``, ``count``; ``support_stiffness`` [N/m] with the same, spaced logarithmically. Raises ``InputError``.
     """
     drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
-    friction = np.linspace(*(settings["friction_coefficient"][key] for key in ("start", "stop", "count")))
-    stiffness = np.geomspace(*(settings["support_stiffness"][key] for key in ("start", "stop", "count")))
+    friction = spans.even(settings["friction_coefficient"])
+    stiffness = spans.logarithmic(settings["support_stiffness"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     critical = critical_friction(drive, drive.screw_mass)
     if critical is None:
         raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
-    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
-    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, _LAW)
+    return xr.Dataset(
+        _class_map(drive, friction, stiffness) | _boundaries(drive, curve) | _critical_frictions(drive, critical),
+        coords={
+            **axis("friction_coefficient", friction),
+            **axis("support_stiffness", stiffness),
+            "printed_critical_friction": printed.variable(
+                chapter.THRESHOLDS["critical_friction"], "critical friction coefficient"
+            ),
+            **axis("boundary_friction_coefficient", curve),
+            **_parameters(drive),
+        },
+        attrs={
+            "title": "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
+            "source": "lsvib, generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.1, Fig. 8.15",
+            "comment": "R Omega > 0; undamped",
+        },
+    )
+
+
+def _class_map(drive: SupportParameters, friction: np.ndarray, stiffness: np.ndarray) -> Variables:
+    """The class of the steady sliding at each friction coefficient and support stiffness [N/m]."""
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    return {
+        "stability": (
+            ("friction_coefficient", "support_stiffness"),
+            undamped_class(support_model(grid, _LAW)),
+            {"units": "1", "long_name": "class of the steady sliding", **flags(UndampedClass)},
+        )
+    }
+
+
+def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
+    """Both boundaries of mode coupling (8.29) at some friction coefficients."""
+    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
+    return {
+        f"{which}_boundary": (
+            "boundary_friction_coefficient",
+            branches[:, k],
+            attributes("N m-1", f"{which} boundary of mode coupling", "$k_1$"),
+        )
+        for k, which in enumerate(("lower", "upper"))
+    }
+
+
+def _critical_frictions(drive: SupportParameters, critical: float) -> Variables:
+    """The critical friction coefficient in closed form, and by eigenvalues."""
+    by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
+    passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
+    return {
+        "critical_friction": ((), critical, attributes("1", "critical friction coefficient, closed form", r"$\mu$")),
+        "critical_friction_by_eigenvalues": ((), by_eigenvalues, attributes("1", passing, r"$\mu$")),
+    }
+
+
+def _parameters(drive: SupportParameters) -> Variables:
+    """The parameters of the undamped drive; some have a comment, because the text names a table that is missing."""
     parameters = drive_parameters(
         drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
         axes=("friction_coefficient", "support_stiffness"),
@@ -55,85 +110,37 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     parameters["coupling_stiffness"][2]["comment"] = (
         "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
     )
-    return xr.Dataset(
-        {
-            "stability": (
-                ("friction_coefficient", "support_stiffness"),
-                undamped_class(support_model(grid, _LAW)),
-                {"units": "1", "long_name": "class of the steady sliding", **flags(UndampedClass)},
-            ),
-            "lower_boundary": (
-                "boundary_friction_coefficient",
-                branches[:, 0],
-                _stiffness("lower boundary of mode coupling"),
-            ),
-            "upper_boundary": (
-                "boundary_friction_coefficient",
-                branches[:, 1],
-                _stiffness("upper boundary of mode coupling"),
-            ),
-            "critical_friction": ((), critical, _friction("critical friction coefficient, closed form")),
-            "critical_friction_by_eigenvalues": (
-                (),
-                support_conditions.critical_friction_by_eigenvalues(drive),
-                _friction("friction coefficient where an eigenvalue 1/omega^2 passes through zero"),
-            ),
-        },
-        coords={
-            **axis("friction_coefficient", friction),
-            **axis("support_stiffness", stiffness),
-            "printed_critical_friction": printed.variable(
-                chapter.THRESHOLDS["critical_friction"], "critical friction coefficient"
-            ),
-            **axis("boundary_friction_coefficient", curve),
-            **parameters,
-        },
-        attrs={
-            "title": "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
-            "source": "lsvib, generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.8.1, Fig. 8.15",
-            "comment": "R Omega > 0; undamped",
-        },
-    )
+    return parameters
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
-    kinds = dataset.stability.values
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
-    friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
-    grid = {**drive, "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    grid = {
+        **drive,
+        "friction_coefficient": dataset.friction_coefficient.values[:, None],
+        "support_stiffness": dataset.support_stiffness.values,
+    }
     a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, _LAW)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
     clear = (np.abs(discriminant) > _SAME * size) & (np.abs(a_4) > _SAME * inertia)
-    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, _LAW) != kinds)))
-    both = int(
-        np.sum((discriminant < 0) & (kinds == UndampedClass.KINEMATIC))
-        + np.sum((a_4 < 0) & (kinds == UndampedClass.FLUTTER))
-    )
+    return [
+        *_critical_friction_checks(dataset),
+        *_class_checks(dataset, drive, grid, clear),
+        _overlap_check(dataset, a_4, discriminant),
+        _region_check(dataset, grid, clear),
+        *_branch_checks(dataset, drive),
+        _necessary_check(dataset, drive),
+        _reduced_mass_check(dataset, drive),
+    ]
+
+
+def _critical_friction_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical friction against print and eigenvalues, and that it alone bounds the kinematic region."""
     critical = float(dataset.critical_friction)
-    kinematic = kinds == UndampedClass.KINEMATIC
-    right = kinematic == (friction > critical)[:, None]
-    lower, upper = (
-        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
-        for name in ("lower_boundary", "upper_boundary")
-    )
-    between = (stiffness > lower) & (stiffness < upper)
-    divergence = (stiffness > upper) & (support_conditions.rigid_inertia(grid, _LAW) < 0)
-    expected = np.select([between, divergence], [UndampedClass.FLUTTER, UndampedClass.DIVERGENCE], UndampedClass.STABLE)
-    off = int(np.sum(clear & ~kinematic & (kinds != expected)))
-    residual = _residual(dataset, drive)
-    differ, compared = _against_lapack(dataset, drive, clear)
-    own = {**drive, "friction_coefficient": friction}
-    early = int(kinematic[friction <= np.tan(drive["lead_angle"])].sum())
-    against = min(
-        np.min(support_conditions.rigid_inertia(own, -_LAW)), np.min(support_conditions.reduced_inertia(own, -_LAW))
-    )
-    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
-    locked = RigidParameters.of({n: drive[n] for n in _PARAMETERS if n != "screw_mass"}, friction_coefficient=critical)
-    odd, real, rewritten = _real_branches(dataset, own)
-    counts = {mode.name.lower(): int(np.sum(kinds == mode)) for mode in UndampedClass}
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    right = kinematic == (dataset.friction_coefficient.values > critical)[:, None]
     return [
         printed.check(
             "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
@@ -153,6 +160,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{int(np.sum(~right))} exceptions among {right.size} points",
             bool(right.all() and kinematic.any()),
         ),
+    ]
+
+
+def _class_checks(
+    dataset: xr.Dataset, drive: Mapping[str, float], grid: Mapping[str, Any], clear: np.ndarray
+) -> list[Check]:
+    """Check the classes by the printed conditions and by LAPACK, where rounding does not decide (``clear``)."""
+    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, _LAW) != dataset.stability.values)))
+    differ, compared = _against_lapack(dataset, drive, clear)
+    return [
         Check.holds(
             "The classes by eigenvalues are those of the printed conditions (8.24) to (8.26)",
             "eqs 8.24 to 8.26",
@@ -165,18 +182,49 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{differ} exceptions among {compared} points",
             differ == 0 and compared > 0,
         ),
-        Check.holds(
-            "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
-            "Lemma 8.2, Fig. 8.15",
-            f"{both} points in both, {counts['flutter']} and {counts['kinematic']} in one",
-            both == 0 and counts["flutter"] > 0 and counts["kinematic"] > 0,
-        ),
-        Check.holds(
-            "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
-            "eqs 8.25, 8.29",
-            f"{off} exceptions among {int((clear & ~kinematic).sum())} points; {counts['divergence']} of divergence",
-            off == 0,
-        ),
+    ]
+
+
+def _overlap_check(dataset: xr.Dataset, a_4: np.ndarray, discriminant: np.ndarray) -> Check:
+    """Check by the signs of a_4 and of the discriminant of (8.24) that no point is in two regions."""
+    kinds = dataset.stability.values
+    flutter, kinematic = kinds == UndampedClass.FLUTTER, kinds == UndampedClass.KINEMATIC
+    both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
+    return Check.holds(
+        "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
+        "Lemma 8.2, Fig. 8.15",
+        f"{both} points in both, {int(flutter.sum())} and {int(kinematic.sum())} in one",
+        both == 0 and bool(flutter.any() and kinematic.any()),
+    )
+
+
+def _region_check(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray) -> Check:
+    """Check that the closed boundaries enclose the region of mode coupling, and that divergence lies beyond them."""
+    kinds, stiffness = dataset.stability.values, dataset.support_stiffness.values
+    kinematic = kinds == UndampedClass.KINEMATIC
+    lower, upper = (
+        dataset[name].reindex(boundary_friction_coefficient=dataset.friction_coefficient.values).values[:, None]
+        for name in ("lower_boundary", "upper_boundary")
+    )
+    between = (stiffness > lower) & (stiffness < upper)
+    divergence = (stiffness > upper) & (support_conditions.rigid_inertia(grid, _LAW) < 0)
+    expected = np.select([between, divergence], [UndampedClass.FLUTTER, UndampedClass.DIVERGENCE], UndampedClass.STABLE)
+    off = int(np.sum(clear & ~kinematic & (kinds != expected)))
+    return Check.holds(
+        "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
+        "eqs 8.25, 8.29",
+        f"{off} exceptions among {int((clear & ~kinematic).sum())} points; "
+        f"{int(np.sum(kinds == UndampedClass.DIVERGENCE))} of divergence",
+        off == 0,
+    )
+
+
+def _branch_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+    """Check both branches against the quadratic equation (8.29), and where they exist."""
+    residual = _residual(dataset, drive)
+    friction = dataset.friction_coefficient.values
+    odd, real, rewritten = _real_branches(dataset, {**drive, "friction_coefficient": friction})
+    return [
         Check.holds(
             "Both branches satisfy the printed quadratic equation (8.29), to 1e-11 of its largest term",
             "eq. 8.29",
@@ -192,23 +240,43 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{rewritten:.1e} of b_2²",
             odd == 0 and real == dataset.sizes["boundary_friction_coefficient"] and rewritten < 1e-12,
         ),
-        Check.holds(
-            "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
-            "smaller μ, and under law −, whose effective inertia is positive, at none",
-            "eq. 8.21, Remark 8.2, Sect. 8.9",
-            f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
-            early == 0 and against >= drive["screw_inertia"],
-        ),
-        Check.within(
-            "The rigid drive with the critical friction has the reduced mass as its critical mass",
-            "Remark 8.3",
-            reduced_mass,
-            critical_mass(locked) or np.nan,
-            1e-12,
-            "kg",
-            "both exact; rounding only",
-        ),
     ]
+
+
+def _necessary_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
+    """Check the two necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0."""
+    friction = dataset.friction_coefficient.values
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    early = int(kinematic[friction <= np.tan(drive["lead_angle"])].sum())
+    own = {**drive, "friction_coefficient": friction}
+    against = min(
+        np.min(support_conditions.rigid_inertia(own, -_LAW)), np.min(support_conditions.reduced_inertia(own, -_LAW))
+    )
+    return Check.holds(
+        "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
+        "smaller μ, and under law −, whose effective inertia is positive, at none",
+        "eq. 8.21, Remark 8.2, Sect. 8.9",
+        f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
+        early == 0 and against >= drive["screw_inertia"],
+    )
+
+
+def _reduced_mass_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
+    """Check Remark 8.3: with the critical friction the rigid drive's critical mass is m m_1 / (m + m_1)."""
+    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
+    locked = RigidParameters.of(
+        {name: drive[name] for name in _PARAMETERS if name != "screw_mass"},
+        friction_coefficient=float(dataset.critical_friction),
+    )
+    return Check.within(
+        "The rigid drive with the critical friction has the reduced mass as its critical mass",
+        "Remark 8.3",
+        reduced_mass,
+        critical_mass(locked) or np.nan,
+        1e-12,
+        "kg",
+        "both exact; rounding only",
+    )
 
 
 def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, int, float]:
@@ -271,11 +339,3 @@ def _against_lapack(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.n
     )
     compared = clear[np.ix_(rows, columns)]
     return int(np.sum(compared & (theirs != part.stability.values))), int(compared.sum())
-
-
-def _friction(long_name: str) -> dict[str, str]:
-    return {"units": "1", "long_name": long_name, "symbol": r"$\mu$"}
-
-
-def _stiffness(long_name: str) -> dict[str, str]:
-    return {"units": "N m-1", "long_name": long_name, "symbol": "$k_1$"}

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data.attributes import attributes, flags
+from lsvib.data import spans
+from lsvib.data.attributes import CRITICAL_MASS, attributes, flags
 from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, origin_of, parameter
+from lsvib.data.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
 from lsvib.drives.parameters import NutParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding.conditions import critical_mass
@@ -43,35 +44,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     rigid = critical_mass(drive)
     if rigid is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
-    inertia = np.geomspace(*(settings["nut_inertia"][key] for key in ("start", "stop", "count")))
-    friction = np.linspace(*(settings["friction_coefficient"][key] for key in ("start", "stop", "count")))
+    inertia = spans.logarithmic(settings["nut_inertia"])
+    friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
-    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     return xr.Dataset(
-        {
-            "critical_mass_with_nut": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
-            "critical_mass_with_nut_by_eigenvalues": (
-                "nut_inertia",
-                [_by_eigenvalues(nut, rigid) for nut in nuts],
-                _mass("where an eigenvalue 1/omega^2 passes through zero"),
-            ),
-            "stability": (
-                ("friction_coefficient", "nut_inertia"),
-                undamped_class(nut_model(grid, _LAW)),
-                {
-                    "units": "1",
-                    "long_name": "class of the steady sliding",
-                    "comment": "undamped",
-                    **flags(UndampedClass),
-                },
-            ),
-            "boundary_nut_inertia": (
-                "friction_coefficient",
-                _boundary(drive, friction),
-                attributes("kg m2", "inertia of the nut at which (8.33) begins to hold, missing if at none", "$I_2$"),
-            ),
-        },
+        _critical_masses(drive, inertia, rigid) | _class_map(drive, friction, inertia),
         coords={
             "critical_friction_with_nut": (
                 "nut_inertia",
@@ -80,11 +57,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             ),
             **axis("nut_inertia", inertia),
             **axis("friction_coefficient", friction),
-            "critical_mass": (
-                (),
-                rigid,
-                attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass": ((), rigid, CRITICAL_MASS),
             "drawn_friction_coefficient": (
                 (),
                 drive.friction_coefficient,
@@ -110,26 +83,60 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
+def _critical_masses(drive: NutParameters, inertia: np.ndarray, rigid: float) -> Variables:
+    """Critical mass [kg] over the inertia of the nut [kg m²], both ways; that of the rigid drive bounds it."""
+    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    return {
+        "critical_mass_with_nut": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
+        "critical_mass_with_nut_by_eigenvalues": (
+            "nut_inertia",
+            [_by_eigenvalues(nut, rigid) for nut in nuts],
+            _mass("where an eigenvalue 1/omega^2 passes through zero"),
+        ),
+    }
+
+
+def _class_map(drive: NutParameters, friction: np.ndarray, inertia: np.ndarray) -> Variables:
+    """Class of the steady sliding over friction coefficient and inertia of the nut [kg m²], and where (8.33) begins."""
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    return {
+        "stability": (
+            ("friction_coefficient", "nut_inertia"),
+            undamped_class(nut_model(grid, _LAW)),
+            attributes("1", "class of the steady sliding", comment="undamped", **flags(UndampedClass)),
+        ),
+        "boundary_nut_inertia": (
+            "friction_coefficient",
+            _boundary(drive, friction),
+            attributes("kg m2", "inertia of the nut at which (8.33) begins to hold, missing if at none", "$I_2$"),
+        ),
+    }
+
+
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
-    friction, inertia = dataset.friction_coefficient.values, dataset.nut_inertia.values
-    grid = {**drive, "friction_coefficient": friction[:, None], "nut_inertia": inertia}
-    condition = kinematic_inertia(grid, _LAW)
-    clear = np.abs(condition) > _SAME * effective_screw_inertia(grid)
+    grid = {
+        **drive,
+        "friction_coefficient": dataset.friction_coefficient.values[:, None],
+        "nut_inertia": dataset.nut_inertia.values,
+    }
+    clear = np.abs(kinematic_inertia(grid, _LAW)) > _SAME * effective_screw_inertia(grid)
+    return [
+        *_class_checks(dataset, grid, clear),
+        _damping_check(dataset, drive, clear),
+        *_boundary_checks(dataset, drive, clear),
+        *_critical_mass_checks(dataset, drive),
+    ]
+
+
+def _class_checks(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray) -> list[Check]:
+    """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
     kinds = dataset.stability.values
     kinematic = kinds == UndampedClass.KINEMATIC
-    wrong = int(np.sum(clear & (kinematic != (condition < 0))))
+    wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, _LAW) < 0))))
     other = int(np.sum(~kinematic & (kinds != UndampedClass.STABLE)))
     opposite = int(np.sum(clear & ((determinant(nut_model(grid, _LAW).mass) < 0) != kinematic)))
-    differ, compared = _with_damping(dataset, drive, clear)
-    rigid = float(dataset.critical_mass)
-    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
-    factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
-    edge = dataset.critical_friction_with_nut.values
-    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": inertia}
-    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
-    side = int(np.sum(clear & (kinematic == _stable_side(dataset))))
     return [
         Check.holds(
             "The class by eigenvalues is kinematic exactly where (8.33) holds",
@@ -149,12 +156,28 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{opposite} exceptions among {int(clear.sum())} points",
             opposite == 0,
         ),
-        Check.holds(
-            "With damping of screw and nut the real parts of LAPACK's eigenvalues tell the same",
-            "Sect. 8.8.2, docs/lemmas.md",
-            f"{differ} exceptions among {compared} points",
-            differ == 0 and compared > 0,
-        ),
+    ]
+
+
+def _damping_check(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> Check:
+    """Check that damping does not change the classes."""
+    differ, compared = _with_damping(dataset, drive, clear)
+    return Check.holds(
+        "With damping of screw and nut the real parts of LAPACK's eigenvalues tell the same",
+        "Sect. 8.8.2, docs/lemmas.md",
+        f"{differ} exceptions among {compared} points",
+        differ == 0 and compared > 0,
+    )
+
+
+def _boundary_checks(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> list[Check]:
+    """Check both closed forms of the boundary (8.33): over the friction coefficient and over the nut's inertia."""
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    side = int(np.sum(clear & (kinematic == _stable_side(dataset))))
+    edge = dataset.critical_friction_with_nut.values
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
+    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
+    return [
         Check.holds(
             "The boundary in closed form parts the classes at every friction coefficient",
             "eq. 8.33",
@@ -167,6 +190,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"largest remainder {left:.1e} at {int(np.isfinite(edge).sum())} of {edge.size} inertias",
             left < 1e-12,
         ),
+    ]
+
+
+def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+    """Check the critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut."""
+    inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
+    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
+    factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
+    return [
         Check.within(
             "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
             "Remark 8.6",

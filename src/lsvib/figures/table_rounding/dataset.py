@@ -8,15 +8,16 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flags, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
+from lsvib.steady_sliding.solved_threshold import solve_threshold
 
 # Half a unit of the last digit of the printed thresholds: 10.10 kg, 0.285, 20 N, 34.5 N, 46.5 N.
 _PRINTED_HALF_UNITS = {
@@ -31,6 +32,14 @@ _NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
 _WORDS = {"critical_friction": "critical friction coefficient"}
 _HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
 
+_SOLVED = {  # name of each threshold among those that are solved for a parameter, and the parameter
+    "critical_mass": ("kinematic", "mass"),
+    "critical_friction": ("kinematic", "friction_coefficient"),
+    "onset_force": ("onset", "axial_force"),
+    "stick_force": ("stick", "axial_force"),
+    "detach_force": ("detach", "axial_force"),
+}
+
 Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
 Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
 
@@ -44,50 +53,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     base = RigidParameters.of(settings["drive"])
     drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
     functions = _functions()
-    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
-    changes = np.array([list(propagated(functions[name], drives[name]).values()) for name in _PRINTED_HALF_UNITS])
-    parts = ("threshold", "parameter")
+    solved = {name: solve_threshold(_with_screw(name, drive), *_SOLVED[name]) for name, drive in drives.items()}
+    changes = np.array([list(propagated(solved[name]).values()) for name in _PRINTED_HALF_UNITS])
     screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
     return xr.Dataset(
-        {
-            "print_residual": (
-                "threshold",
-                in_print / computed - 1,
-                attributes("1", "printed less computed, relative"),
-            ),
-            "print_half_unit": (
-                "threshold",
-                np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
-                attributes("1", "half a unit of the last printed digit of the threshold, relative"),
-            ),
-            "relative_change": (
-                parts,
-                changes / computed[:, None],
-                attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
-            ),
-            "half_unit": (
-                "parameter",
-                np.array(list(HALF_UNITS.values())),
-                attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
-            ),
-            "printed_value": (
-                "parameter",
-                [np.degrees(base.lead_angle) if n == "lead_angle_deg" else getattr(base, n) for n in HALF_UNITS],
-                attributes("1", "value of the parameter, SI units, angle in degrees"),
-            ),
-            "one_digit": (
-                "parameter",
-                np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
-                attributes(
-                    "1",
-                    "printed without a digit but the leading one",
-                    flag_values=np.array([0, 1], dtype=np.int8),
-                    flag_meanings="no yes",
-                ),
-            ),
-        }
-        | _matching(drives["stick_force"], functions),
+        _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
             "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
@@ -103,10 +74,53 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         attrs={
             "title": "Rounding of Table 8.1 and the printed thresholds",
-            "source": "lsvib, thresholds in closed form and by the return map, central differences",
+            "source": "lsvib, thresholds in closed form and by the return map, with exact derivatives",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         },
     )
+
+
+def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
+    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
+    return {
+        "print_residual": (
+            "threshold",
+            in_print / computed - 1,
+            attributes("1", "printed less computed, relative"),
+        ),
+        "print_half_unit": (
+            "threshold",
+            np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
+            attributes("1", "half a unit of the last printed digit of the threshold, relative"),
+        ),
+        "relative_change": (
+            ("threshold", "parameter"),
+            changes / computed[:, None],
+            attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
+        ),
+    }
+
+
+def _table(drive: RigidParameters) -> Variables:
+    """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
+    return {
+        "half_unit": (
+            "parameter",
+            np.array(list(HALF_UNITS.values())),
+            attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
+        ),
+        "printed_value": (
+            "parameter",
+            [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS],
+            attributes("1", "value of the parameter, SI units, angle in degrees"),
+        ),
+        "one_digit": (
+            "parameter",
+            np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
+            yes_no("printed without a digit but the leading one"),
+        ),
+    }
 
 
 def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidParameters], float]]) -> Variables:
@@ -196,6 +210,13 @@ def _residual_and_rounding(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]
     precise = dataset.one_digit.values == 0
     allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
     return np.abs(dataset.print_residual.values), allowed
+
+
+def _with_screw(name: str, drive: RigidParameters) -> RigidParameters:
+    """The drive of a threshold; that of the critical friction has the mass of the screw as well."""
+    if name != "critical_friction":
+        return drive
+    return SupportParameters.of(drive, screw_mass=chapter.THRESHOLDS[name].drive["screw_mass"])
 
 
 def _own(changes: Mapping[str, float]) -> dict[str, float]:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from lsvib.basins.resilience import wilson
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.answers import VERDICTS, Answer
 from lsvib.bench.rivals.catalogue import METHODS, find_method
@@ -24,7 +25,6 @@ from lsvib.data.checks import Check
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
 WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)
 _SOURCE = "docs/stability.md"
-_QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
 
 
 class _Row(NamedTuple):
@@ -211,21 +211,12 @@ def _count(verdict: np.ndarray, groups: list[np.ndarray]) -> np.ndarray:
 def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -> dict[str, tuple]:
     """Share of wrong verdicts and the ends of its interval."""
     wrong, asked = count[..., [VERDICTS.index(v) for v in WRONG]].sum(axis=-1), count.sum(axis=-1)
-    low, high = _interval(wrong, asked)
+    low, high = wilson(wrong, asked)
     return {
         f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), _text(words)),
         f"{prefix}wrong_share_low": (dims, low, _text(f"{words}: lower end of the interval of 95 % (Wilson)")),
         f"{prefix}wrong_share_high": (dims, high, _text(f"{words}: upper end of the interval of 95 % (Wilson)")),
     }
-
-
-def _interval(part: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Interval of 95 % of a share (Wilson 1927); nan where there is no case."""
-    n, z = np.where(total, total, np.nan), _QUANTILE
-    share = part / n
-    middle = (share + z**2 / (2 * n)) / (1 + z**2 / n)
-    half = z / (1 + z**2 / n) * np.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
-    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
 
 
 def _errors(rows: list[_Row]) -> np.ndarray:

@@ -23,7 +23,7 @@ _ENGINE = {  # its verdicts as those of the others; the rest is asked of nobody
     "wrong": "other motion",
     "unbalanced": "other motion",
 }
-_HEIGHT, _WIDTH = 0.42, 0.9
+_HEIGHT, _WIDTH = 0.42, 0.9  # of a bar, in rows and columns; above it there is room for the numbers
 
 
 @style.styled

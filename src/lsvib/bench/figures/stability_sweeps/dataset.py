@@ -42,6 +42,7 @@ _TOLERANCE_WITH_FOUR_STATES = 1e-8
 _NOT_PASSED = 1e-3  # share of the cases that need not pass, without a wrong one among them,
 _FEW = 3  # or this number, if that is more
 _BALANCED = 0.99  # share of the motions whose energy must be balanced
+# Drives whose motions are followed for very many periods: one with stick–slip, one with sprag–slip.
 _LONG = ({"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axial_force": 100.0})
 
 

@@ -1,0 +1,104 @@
+"""The gallery: a short script for every figure, written from its folder, and how Sphinx-Gallery finds the pictures."""
+
+import inspect
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from lsvib.figures.drawing.style import save
+from lsvib.figures.folders import caption_file, dataset_module, default_figures, picture_module
+
+_RESOLUTION = 110  # dots per inch, enough for a screen
+_HEADER = """
+Gallery
+=======
+
+Every figure that a run of the workflow draws, each with its caption, the script that makes it, and the two modules
+behind it: one computes the dataset, the other draws the picture from it. ``lsvib figure 8.6`` makes the same files.
+"""
+_SECTIONS = {
+    "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
+    "2_beyond": "Beyond the chapter\n------------------\n\nWhat it says without a figure, and what goes further.\n",
+}
+_SCRIPT = '''"""
+{title}
+{rule}
+
+{caption}
+"""
+
+from lsvib.figures.configuration import standard_settings
+from lsvib.figures.{name} import dataset, picture
+
+found = dataset.build(standard_settings("{name}"))
+figure = picture.draw(found)
+
+# %%
+# The dataset
+# -----------
+#
+# .. literalinclude:: {dataset}
+#    :language: python
+#
+# The picture
+# -----------
+#
+# .. literalinclude:: {picture}
+#    :language: python
+'''
+
+
+def title(figure: str) -> str:
+    """Return the heading of a figure: that of the chapter has its number, another one its name in words."""
+    chapter, _, number = figure.removeprefix("fig").partition("_")
+    if chapter.isdigit() and number.isdigit():
+        return f"Figure {chapter}.{int(number)}"
+    return figure.replace("_", " ").capitalize()
+
+
+def script(figure: str, source: Path) -> str:
+    """Return the script of a figure, and copy its two modules to the sources of the site, which show them."""
+    shown = {}
+    for kind, module in (("dataset", dataset_module(figure)), ("picture", picture_module(figure))):
+        copy = source / "files" / "figures" / figure / f"{kind}.py"
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(inspect.getsource(import_module(module)), encoding="utf-8")
+        shown[kind] = f"/files/figures/{figure}/{kind}.py"
+    caption = caption_file(figure).read_text(encoding="utf-8").strip()
+    name = title(figure)
+    return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, **shown)
+
+
+def write_scripts(source: Path) -> None:
+    """Write the scripts of all figures into the folder ``examples`` of the sources."""
+    examples = source / "examples"
+    examples.mkdir()
+    (examples / "GALLERY_HEADER.rst").write_text(_HEADER, encoding="utf-8")
+    for section, header in _SECTIONS.items():
+        folder = examples / section
+        folder.mkdir()
+        (folder / "GALLERY_HEADER.rst").write_text(header, encoding="utf-8")
+        for figure in default_figures():
+            if figure.startswith("fig8_") == (section == "1_chapter"):
+                (folder / f"{figure}.py").write_text(script(figure, source), encoding="utf-8")
+
+
+def _get_sg_image_scraper() -> Any:
+    """Return :func:`scrape`, under the name by which Sphinx-Gallery asks a module for it."""
+    return scrape
+
+
+def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any], **more: Any) -> str:
+    """Save the figure that a script has made, which no pyplot knows, and return the lines that show it."""
+    from sphinx_gallery.scrapers import figure_rst
+
+    figure = block_vars["example_globals"].pop("figure", None)
+    if not isinstance(figure, Figure):
+        return ""
+    path = next(block_vars["image_path_iterator"])
+    save(figure, path, resolution=_RESOLUTION)
+    words = f"{title(Path(block_vars['src_file']).stem)}; the caption above says what it shows."
+    shown: str = figure_rst([path], gallery_conf["src_dir"], words)
+    return shown

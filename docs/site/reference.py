@@ -1,0 +1,122 @@
+"""The reference: every public name, every parameter and the documented modules, written from the package itself."""
+
+import math
+from importlib import import_module
+from pathlib import Path
+
+import lsvib
+from lsvib.api import DRIVES
+from lsvib.drives.parameters import allowed_range, described
+
+_GROUPS = {
+    "Drives": ["RigidDrive", "ThreadsDrive", "SupportDrive", "NutDrive"],
+    "Functions": ["stability", "thresholds", "simulate"],
+    "Simulation": ["Scene"],
+    "Stability and thresholds": ["StabilityReport", "UndampedStability", "Condition", "Quantity", "Threshold"],
+    "Attractors": ["Attractor", "SteadyState"],
+    "Regions of attraction": ["Basin", "Window", "Grid", "Axis"],
+    "Errors": ["LsvibError", "InputError", "NoThreshold", "EngineError", "DivergenceError"],
+}
+_OTHER = "Others"
+# Modules that the other pages name, by room; the rooms themselves are in docs/design.md.
+MODULES = {
+    "Drives": ["lsvib.drives.parameters", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.registry"],
+    "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
+    "Steady sliding": [
+        "lsvib.steady_sliding.linearised",
+        "lsvib.steady_sliding.stability_table",
+        "lsvib.steady_sliding.summary",
+        "lsvib.steady_sliding.thresholds",
+    ],
+    "Cycles": [
+        "lsvib.cycles.attractors",
+        "lsvib.cycles.periodic",
+        "lsvib.cycles.continuation",
+        "lsvib.cycles.impulses",
+        "lsvib.data.cycles",
+    ],
+    "Regions of attraction": ["lsvib.basins.exact_basin", "lsvib.basins.grid", "lsvib.basins.clipping"],
+    "Data": ["lsvib.data.simulation", "lsvib.data.sweep", "lsvib.data.checks", "lsvib.data.writer"],
+    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
+}
+
+
+def write_pages(source: Path) -> None:
+    """Write ``api.rst``, ``parameters.rst`` and ``modules.rst`` into the sources of the site."""
+    (source / "api.rst").write_text(public_names(), encoding="utf-8")
+    (source / "parameters.rst").write_text(parameter_tables(), encoding="utf-8")
+    (source / "modules.rst").write_text(module_pages(source), encoding="utf-8")
+
+
+def public_names() -> str:
+    """Return the page of all names of ``lsvib.__all__``, in groups; none can be forgotten."""
+    known = {name for names in _GROUPS.values() for name in names}
+    rest = [name for name in lsvib.__all__ if name not in known and not name.startswith("__")]
+    lines = [_heading("Public interface", "="), "All of it is in ``import lsvib``; :doc:`python` shows it at work.\n"]
+    for group, names in (*_GROUPS.items(), *([(_OTHER, rest)] if rest else [])):
+        lines.append(_heading(group, "-"))
+        lines += [_entry(name) for name in names]
+    return "\n".join(lines)
+
+
+def _entry(name: str) -> str:
+    thing = getattr(lsvib, name)
+    if not isinstance(thing, type):
+        return f".. autofunction:: lsvib.{name}\n"
+    options = {"members": "", "undoc-members": "", "show-inheritance": ""}
+    if name.endswith("Drive"):  # what all drives can, and nothing of pydantic
+        options = {"members": "", "inherited-members": "BaseModel", "exclude-members": "model_config, __init__"}
+    if issubclass(thing, Exception):
+        options = {"show-inheritance": ""}
+    return "\n".join([f".. autoclass:: lsvib.{name}", *(f"   :{key}: {value}" for key, value in options.items()), ""])
+
+
+def parameter_tables() -> str:
+    """Return the page of the parameters of all models, with symbol, unit, range, default and meaning."""
+    lines = [
+        _heading("Parameters", "="),
+        "The defaults are those of Table 8.1, as far as it states them; :doc:`physics` says where the others come "
+        "from.\n``lsvib config`` prints the same.\n",
+    ]
+    seen: set[str] = set()
+    for model, kind in DRIVES.items():
+        own = [key for key in kind.model_fields if key not in seen]
+        seen |= set(own)
+        words = "All models have" if model == "rigid" else "It adds"
+        lines += [_heading(f"Model {model}, lsvib.{kind.__name__}", "-"), f"{words}\n"]
+        lines += [".. list-table::", "   :header-rows: 1", ""]
+        lines += _row(["key", "symbol", "unit", "allowed range", "default", "meaning"])
+        for key in own:
+            about = described(kind, key)
+            default = kind.model_fields[key].default
+            shown = f"{math.degrees(default):.4g}°" if key == "lead_angle" else f"{default:g}"
+            cells = [f"``{key}``", about["symbol"], about["unit"], allowed_range(kind, key), shown, about["long_name"]]
+            lines += _row(cells)
+        lines.append("")
+    return "\n".join(lines)
+
+
+def module_pages(source: Path) -> str:
+    """Return the page that lists the documented modules, and write a page for each."""
+    folder = source / "module"
+    folder.mkdir()
+    lines = [_heading("Modules", "="), "What the pages of theory name. Rooms and their arrows: :doc:`design`.\n"]
+    for room, names in MODULES.items():
+        lines += [_heading(room, "-"), ".. toctree::\n"]
+        lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
+        lines.append("")
+        for name in names:
+            module = import_module(name)
+            others = [key for key in getattr(module, "__all__", ()) if getattr(module, key).__module__ != name]
+            text = f"{_heading(name, '=')}\n.. automodule:: {name}\n   :members:\n"
+            text += f"   :exclude-members: {', '.join(others)}\n" if others else ""
+            (folder / f"{name.removeprefix('lsvib.')}.rst").write_text(text, encoding="utf-8")
+    return "\n".join(lines)
+
+
+def _heading(text: str, mark: str) -> str:
+    return f"{text}\n{mark * len(text)}\n"
+
+
+def _row(cells: list[str]) -> list[str]:
+    return [f"   {'*' if k == 0 else ' '} - {cell}" for k, cell in enumerate(cells)]

@@ -1,0 +1,116 @@
+"""The part of the report that shows motions: what the vibration is at the middle values and in the worst case."""
+
+import math
+
+import yaml
+
+from lsvib.assess import page, pictures
+from lsvib.assess.assessment import Assessment, Mechanism, Motion
+from lsvib.assess.drive import random_entries
+from lsvib.assess.numbers import shown
+from lsvib.assess.page import Html
+from lsvib.assess.words import ATTRACTORS
+
+
+def where(one: Mechanism | Motion, assessment: Assessment) -> str:
+    """Return the point of operation of a mechanism or motion in words."""
+    direction, speed, force = one.corner
+    lead = assessment.values["lead"] / (2 * math.pi)
+    way = "outward" if direction > 0 else "back"
+    side = "against" if force >= 0 else "in the direction of"
+    return (
+        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with "
+        f"{shown(abs(force), 'N')} {side} outward travel"
+    )
+
+
+def rigid(assessment: Assessment) -> bool:
+    """Whether the data sheet has neither a support nor a thread contact that gives way."""
+    return assessment.sheet.contact is None and assessment.sheet.support is None
+
+
+def motions(assessment: Assessment) -> list[Html]:
+    """Return what is said of the motion at the middle values and in the worst case."""
+    same = assessment.worst is assessment.nominal
+    parts = [page.heading("What the vibration is")]
+    shown_motions = [("At the given values" if same else "At the middle values", assessment.nominal)]
+    if not same:
+        shown_motions.append(("In the worst case within the uncertainties", assessment.worst))
+    for title, motion in shown_motions:
+        parts += _motion(title, motion, assessment)
+    return parts
+
+
+def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
+    moved, (push, sentence) = motion.vibration, motion.push
+    start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
+    parts = [
+        page.heading(title, 3),
+        page.paragraph(
+            f"The drive is {where(motion, assessment)}, where it is most at risk.{_taken(motion, assessment)}"
+        ),
+    ]
+    if motion is assessment.worst and motion is not assessment.nominal:
+        spreads = assessment.sheet.spreads()
+        values = ", ".join(
+            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
+        )
+        parts.append(page.paragraph(f"The values of this case: {values}."))
+    ends = ATTRACTORS.get(moved.attractor, moved.attractor)
+    if moved.reason is not None:
+        parts.append(page.paragraph(f"Of the motion {start} this is known: {moved.reason}"))
+    elif not moved.vibrates:
+        verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
+        parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}."))
+    else:
+        (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
+        heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
+        rows = [
+            ("What it is", ends),
+            ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
+            ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
+            ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
+            ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
+            ("Largest contact force of the threads", shown(moved.peak_force, "N")),
+        ]
+        if moved.impulse:
+            rows.append(
+                ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
+            )
+        parts.append(page.table(["", start[0].upper() + start[1:]], rows))
+    lead = motion.values["lead"] / (2 * math.pi)
+    if push is not None and math.isfinite(push) and push > 0:
+        parts.append(
+            page.paragraph(
+                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
+                f"is {shown(lead * push, 'm/s')} at the load{'' if rigid(assessment) else ', with stiff threads'}. "
+                f"{sentence}"
+            )
+        )
+    elif push is not None and math.isinf(push) and rigid(assessment):
+        parts.append(page.paragraph(sentence))
+    if moved.time.size:
+        caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
+        parts.append(
+            page.picture(
+                pictures.embedded(pictures.motion_chart, motion), f"{caption}, {title.lower()}.".replace(" ,", ",")
+            )
+        )
+    if moved.scene and moved.time.size:
+        parts += [
+            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
+            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
+            page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
+        ]  # fmt: skip
+    return parts
+
+
+def _taken(motion: Motion, assessment: Assessment) -> str:
+    """What the motion leaves out of the data sheet, in sentences."""
+    sheet, model = assessment.sheet, motion.vibration.model
+    parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
+    stiff = " and ".join(name for name, given in parts.items() if given and name != model)
+    text = f" Its motion is computed with stiff {stiff}." if stiff else ""
+    if sheet.friction.curve is not None or motion.values["friction_slope"] != 0:
+        text += " Friction is taken as constant at its value there."
+    return text

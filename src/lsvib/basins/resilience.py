@@ -1,0 +1,213 @@
+r"""How large a push steady sliding survives, and how much of a window settles: from the exact boundary of the basin.
+
+A push moves the drive from steady sliding to a deviation (u, w) at once. It is fatal if it leads out of the basin; the
+smallest fatal one ends on the boundary. Along u = 0 and along w = 0 that is the nearest crossing, a root along an arc.
+By its energy
+
+    E = k u² / 2 + J w² / 2,        J = I + m r_m² tan² λ
+
+(of the coupling, and of screw and mass, relative to steady sliding) it is the nearest point: on an arc of the flow
+w′ = b − a₀ u − a₁ w energy is stationary where E′ = w [(k − J a₀) u − J a₁ w + J b] = 0, so again at roots of affine
+functions, and on a segment where a quadratic function is smallest. Nothing is sampled but what is called so.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
+from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
+from lsvib.basins.mapper import mapper
+from lsvib.basins.planar_mapper import PlanarMapper
+from lsvib.cycles.attractors import Attractor
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.kernels import columns
+
+_QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
+
+
+@dataclass(frozen=True)
+class SampledShare:
+    """A share estimated from random starts: ``hits`` of ``samples`` settle, a ``share`` of them [1].
+
+    ``low`` and ``high`` end the interval of 95 % (Wilson 1927); ``unresolved`` starts lie on a boundary to rounding and
+    are not counted; ``seed`` of the random numbers.
+    """
+
+    share: float
+    low: float
+    high: float
+    hits: int
+    samples: int
+    unresolved: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Resilience:
+    """What steady sliding of a rigid drive survives; infinite where every push is survived, zero where none is.
+
+    ``boundary`` of its basin in words; smallest fatal push in the deflection ``angle`` [rad] alone, in the ``speed``
+    [rad/s] alone, by its ``energy`` [J], which leads to ``state`` (u [rad], w [rad/s]), nan if there is none;
+    ``fraction`` [1] of the ``window`` that settles, nan without a window; ``sampled``, the same from random starts.
+    """
+
+    boundary: str
+    angle: float
+    speed: float
+    energy: float
+    state: tuple[float, float]
+    fraction: float
+    window: Window | None = None
+    sampled: SampledShare | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain numbers and names; None stands for what is infinite or not a number."""
+        found = asdict(self)
+        found["window"] = None if self.window is None else self.window._asdict()
+        found["state"] = [_plain(x) for x in self.state]
+        return {name: _plain(value) if isinstance(value, float) else value for name, value in found.items()}
+
+
+def _plain(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def resilience(drive: RigidParameters, window: Window | None = None, samples: int = 0, seed: int = 0) -> Resilience:
+    """Return what the steady sliding of a rigid drive survives.
+
+    Arguments: drive; a ``window`` of the phase plane; number of random starts in it (``samples``) and their ``seed``.
+    Raises ``InputError`` and ``EngineError`` where the basin is not covered (:func:`lsvib.basins.exact_basin.basin`).
+    """
+    sampled = sampled_share(drive, window, samples, seed) if window is not None and samples else None
+    if rigid_automaton(drive).contracts and drive.support_damping > 0:
+        return _all(Boundary.NONE, window, sampled)  # every motion settles, however slowly: no boundary is looked for
+    try:
+        region = basin(drive)
+    except AttractsNothing:
+        share = math.nan if window is None else 0.0
+        return Resilience("unstable", 0.0, 0.0, 0.0, (0.0, 0.0), share, window, sampled)
+    if not region.curves:
+        return _all(region.boundary, window, sampled)
+    energy, state = least_energy(region)
+    return Resilience(
+        boundary=region.boundary.name.lower(),
+        angle=smallest_push(region, 0),
+        speed=smallest_push(region, 1),
+        energy=energy,
+        state=state,
+        fraction=math.nan if window is None else region.fraction(window),
+        window=window,
+        sampled=sampled,
+    )
+
+
+def _all(boundary: Boundary, window: Window | None, sampled: SampledShare | None) -> Resilience:
+    """Of a drive whose steady sliding is globally stable."""
+    share = math.nan if window is None else 1.0
+    return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window, sampled)
+
+
+def smallest_push(region: Basin, coordinate: int) -> float:
+    """Return the smallest fatal push in one coordinate (0: u [rad], 1: w [rad/s]) as a size; infinite if there is none.
+
+    It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
+    """
+    return min((abs(value) for value in _crossings(region, coordinate)), default=math.inf)
+
+
+def _crossings(region: Basin, coordinate: int) -> Iterator[float]:
+    """Where the boundary meets the axis of a coordinate, on which the other one is zero."""
+    other = 1 - coordinate
+    row = np.eye(3)[other]
+    for piece in _pieces(region):
+        if piece.start[other] == 0:
+            yield float(piece.start[coordinate])
+        if isinstance(piece, Arc):
+            for time in sign_changes(region.flow, piece, row):
+                yield float(state_on(region.flow, piece, time)[coordinate])
+            continue
+        first, last = piece.start[other], piece.end[other]
+        if min(first, last) < 0 < max(first, last):
+            if piece.start[coordinate] == piece.end[coordinate]:  # it may begin or end at infinity
+                yield float(piece.start[coordinate])
+            else:
+                share = first / (first - last)
+                yield float(piece.start[coordinate] + share * (piece.end[coordinate] - piece.start[coordinate]))
+
+
+def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
+    """Return the energy [J] of the smallest fatal push by energy, and the state (u [rad], w [rad/s]) it leads to."""
+    drive = region.drive
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)
+    stiffness, inertia = drive.coupling_stiffness, drive.screw_inertia + drive.mass * lever**2
+    best = math.inf, (math.nan, math.nan)
+    for piece in _pieces(region):
+        for u, w in _candidates(region.flow, piece, stiffness, inertia):
+            best = min(best, (0.5 * stiffness * u * u + 0.5 * inertia * w * w, (float(u), float(w))))
+    return float(best[0]), best[1]
+
+
+def _candidates(
+    flow: NDArray[np.float64], piece: Piece, stiffness: float, inertia: float
+) -> Iterator[tuple[float, float]]:
+    """States on a piece among which the energy is smallest."""
+    if isinstance(piece, Segment):
+        yield _nearest(piece, stiffness, inertia)
+        return
+    a0, a1, b = (float(flow[piece.mode, k]) for k in (columns.A0, columns.A1, columns.B))
+    rows = np.array([[0.0, 1.0, 0.0], [stiffness - inertia * a0, -inertia * a1, inertia * b]])
+    yield piece.start[0], piece.start[1]
+    yield piece.end[0], piece.end[1]
+    for row in rows:
+        for time in sign_changes(flow, piece, row):
+            u, w = state_on(flow, piece, time)
+            yield float(u), float(w)
+
+
+def _nearest(piece: Segment, stiffness: float, inertia: float) -> tuple[float, float]:
+    """The state on a segment with the least energy."""
+    (u, w), (u_end, w_end) = piece.start, piece.end
+    if u == u_end:  # it may begin or end at infinity
+        return float(u), float(min(max(0.0, min(w, w_end)), max(w, w_end)))
+    du, dw = u_end - u, w_end - w
+    share = -(stiffness * u * du + inertia * w * dw) / (stiffness * du * du + inertia * dw * dw)
+    share = min(max(share, 0.0), 1.0)
+    return float(u + share * du), float(w + share * dw)
+
+
+def _pieces(region: Basin) -> Iterator[Piece]:
+    for curve in region.curves:
+        yield from curve
+
+
+def sampled_share(drive: RigidParameters, window: Window, samples: int, seed: int) -> SampledShare:
+    """Return the share of random starts in a window that settle, by the labels of their motions.
+
+    The labels are those of maps (:class:`lsvib.basins.planar_mapper.PlanarMapper`); the boundary plays no part.
+    """
+    mapped = mapper(drive)
+    assert isinstance(mapped, PlanarMapper)
+    rng = np.random.default_rng(seed)
+    u = rng.uniform(window.left, window.right, samples)
+    w = rng.uniform(window.bottom, window.top, samples)
+    labels = mapped.labels_of(u, w)
+    unresolved = int(np.sum(labels == Attractor.UNRESOLVED))
+    hits, count = int(np.sum(labels == Attractor.STEADY_SLIDING)), samples - unresolved
+    low, high = wilson(np.array(hits), np.array(count))
+    return SampledShare(hits / count if count else math.nan, float(low), float(high), hits, samples, unresolved, seed)
+
+
+def wilson(part: NDArray[Any], total: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return both ends of the interval of 95 % of a share, ``part`` of ``total`` (Wilson 1927); nan where that is 0."""
+    n, z = np.where(total, total, np.nan), _QUANTILE
+    share = part / n
+    middle = (share + z**2 / (2 * n)) / (1 + z**2 / n)
+    half = z / (1 + z**2 / n) * np.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
+    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)

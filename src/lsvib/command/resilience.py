@@ -1,0 +1,94 @@
+"""The command about what steady sliding survives."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import ONE_VALUE, AsJson, Changes, pairs
+from lsvib.command.printing import print_json
+from lsvib.command.terminal import Progress
+from lsvib.errors import InputError
+
+
+@app.command
+def resilience(
+    *,
+    changes: Changes = None,
+    window: Annotated[
+        list[str] | None,
+        Parameter(consume_multiple=True, help="Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", **ONE_VALUE),
+    ] = None,
+    samples: Annotated[str, Parameter(help="Number of random starts in the window, to compare with.")] = "0",
+    seed: Annotated[str, Parameter(help="Seed of the random starts.")] = "0",
+    over: Annotated[
+        list[str] | None,
+        Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable. Needs --out.", **ONE_VALUE),
+    ] = None,
+    out: Annotated[
+        Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the smallest fatal pushes of the rigid drive's steady sliding, and the share of a window that settles.
+
+    Examples of use:
+
+        lsvib resilience --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --window u=-0.3:0.3 w=-150:150
+
+        lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
+    """
+    from lsvib.api import RigidDrive
+    from lsvib.data.resilience import resilience_sweep, samples_of, window_of
+    from lsvib.data.sweep import evenly
+    from lsvib.data.writer import write_dataset
+    from lsvib.files import Outputs
+
+    if (over is None) != (out is None):
+        raise InputError("over and out belong together: the values over a parameter are written to a file.")
+    drive, part = RigidDrive.of(pairs(changes)), window_of(_window(window))
+    if over is None:
+        _print(drive.resilience(part, samples=samples, seed=seed), as_json)  # type: ignore[arg-type]
+        return
+    outputs = Outputs([(out, "netCDF")] if out else [])
+    count, start = samples_of(samples, seed, part)
+    axes = {name: evenly(name, text) for name, text in pairs(over).items()}
+    found = resilience_sweep(drive, axes, part, count, start, Progress("points"))
+    with outputs.writing() as files:
+        for file in files:
+            write_dataset(found, file)
+    result = {"points": int(found.fatal_energy.size), "not_covered": int(found.fatal_energy.isnull().sum())}
+    if as_json:
+        print_json(result)
+        return
+    print(f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered")
+
+
+def _window(items: list[str] | None) -> dict[str, tuple[str, str]] | None:
+    """Read KEY=LOW:HIGH items."""
+    if items is None:
+        return None
+    found = {}
+    for name, text in pairs(items).items():
+        low, colon, high = text.partition(":")
+        if not colon or ":" in high:
+            raise InputError(f"window: {name}={text} is not of the form KEY=LOW:HIGH.")
+        found[name] = low, high
+    return found
+
+
+def _print(found: Any, as_json: bool) -> None:
+    if as_json:
+        print_json(found.to_json())
+        return
+    print(f"boundary of the region of attraction: {found.boundary.replace('_', ' ')}")
+    print(f"smallest fatal push in the deflection: {found.angle:.12g} rad")
+    print(f"smallest fatal push in the speed: {found.speed:.12g} rad/s")
+    u, w = found.state
+    print(f"smallest fatal push by energy: {found.energy:.12g} J, to u = {u:.12g} rad, w = {w:.12g} rad/s")
+    if found.window is not None:
+        print(f"share of the window that settles: {found.fraction:.12g}")
+    if found.sampled is not None:
+        s = found.sampled
+        print(f"of {s.samples} random starts: {s.share:.6g}, with 95 % between {s.low:.6g} and {s.high:.6g}")

@@ -1,0 +1,146 @@
+"""What the steady sliding of the rigid drive survives, as a dataset over values of its parameters."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from itertools import product
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.basins.clipping import Window
+from lsvib.basins.resilience import Resilience, resilience
+from lsvib.data.attributes import attributes
+from lsvib.data.sweep import coordinate, parameter_values
+from lsvib.drives.parameters import RigidParameters, names_and_values
+from lsvib.errors import EngineError, InputError
+
+Progress = Callable[[int, int], None]
+_MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
+_MOST_SAMPLES = 100_000_000  # starts: 1.6 GB
+_FARTHEST = 1e150  # of an edge of a window: its area is still a number
+
+_VARIABLES: dict[str, tuple[Callable[[Resilience], float], dict[str, Any]]] = {
+    "fatal_angle": (lambda r: r.angle, attributes("rad", "smallest fatal push in the deflection alone")),
+    "fatal_speed": (lambda r: r.speed, attributes("rad s-1", "smallest fatal push in the speed alone")),
+    "fatal_energy": (lambda r: r.energy, attributes("J", "energy of the smallest fatal push by energy")),
+}
+_OF_WINDOW: dict[str, tuple[Callable[[Resilience], float], dict[str, Any]]] = {
+    "basin_fraction": (lambda r: r.fraction, attributes("1", "share of the window that settles, exact")),
+}
+_OF_SAMPLES: dict[str, tuple[Callable[[Any], float], dict[str, Any]]] = {
+    "sampled_fraction": (lambda s: s.share, attributes("1", "share of random starts in the window that settle")),
+    "sampled_fraction_low": (lambda s: s.low, attributes("1", "lower end of its interval of 95 % (Wilson)")),
+    "sampled_fraction_high": (lambda s: s.high, attributes("1", "upper end of its interval of 95 % (Wilson)")),
+}
+
+
+def resilience_sweep(
+    drive: RigidParameters,
+    over: Mapping[str, Any],
+    window: Window | None = None,
+    samples: int = 0,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return what steady sliding survives over the product of values of some parameters of the rigid drive.
+
+    Arguments: ``over``, values [SI units] by name of a parameter; ``window``, ``samples`` and ``seed`` as of
+    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
+    are infinite where every push is survived, zero where none is, nan where the basin is not covered, for the reasons
+    in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    """
+    axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
+    total = math.prod(map(len, axes.values())) if axes else 0
+    if not 1 <= total <= _MOST_POINTS:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST_POINTS}.")
+    drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
+    found: list[Resilience | None] = []
+    refused: list[str] = []
+    for one in drives:
+        try:
+            found.append(resilience(one, window, samples, seed))
+        except (InputError, EngineError) as error:
+            found.append(None)
+            refused.append(str(error))
+        if progress is not None:
+            progress(len(found), total)
+    sizes = tuple(map(len, axes.values()))
+
+    def column(of: Callable[[Any], float], part: Callable[[Resilience], Any]) -> np.ndarray[Any, Any]:
+        return np.array([math.nan if one is None else of(part(one)) for one in found]).reshape(sizes)
+
+    columns = {name: column(of, lambda one: one) for name, (of, _) in (_VARIABLES | _OF_WINDOW).items()}
+    about = {name: attrs for name, (_, attrs) in (_VARIABLES | _OF_WINDOW | _OF_SAMPLES).items()}
+    if window is None:
+        del columns["basin_fraction"]
+    elif samples:
+        columns |= {name: column(of, lambda one: one.sampled) for name, (of, _) in _OF_SAMPLES.items()}
+    return xr.Dataset(
+        {name: (tuple(axes), values, about[name]) for name, values in columns.items()},
+        coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
+        attrs={
+            "title": f"What the steady sliding of the rigid lead-screw drive survives over {', '.join(axes)}",
+            "source": "lsvib, exact boundary of the region of attraction; random starts only where a name says sampled",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+            "model": drive.model,
+            "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
+            "window": json.dumps(None if window is None else window._asdict()),
+            "samples": samples,
+            "seed": seed,
+            "refused": json.dumps(sorted(set(refused))),
+        },
+    )
+
+
+def window_of(given: Any) -> Window | None:
+    """Return a window from one, None, or edges by coordinate, ``{"u": (low, high), "w": (low, high)}`` [rad, rad/s].
+
+    Raises ``InputError`` for anything else.
+    """
+    if given is None:
+        return None
+    if isinstance(given, Window):
+        given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
+    edges = names_and_values("window", given)
+    if set(edges) != {"u", "w"}:
+        raise InputError(f"window has the keys {', '.join(edges) or 'none'}; it needs u and w.")
+    ends: list[float] = []
+    for name in ("u", "w"):
+        pair = edges[name]
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
+        try:
+            low, high = (numbers.number(value) for value in pair)
+        except numbers.NotNumber as error:
+            raise InputError(f"window {name} = {numbers.shown(pair)} has an end that {error}.") from None
+        if not -_FARTHEST <= low < high <= _FARTHEST:
+            raise InputError(
+                f"window {name} = {low:g} to {high:g} is outside the allowed range "
+                f"-{_FARTHEST:g} <= low < high <= {_FARTHEST:g}."
+            )
+        ends += [low, high]
+    return Window(*ends)
+
+
+def counted(name: str, given: Any, most: int) -> int:
+    """Return a whole number from 0 to ``most``; raises ``InputError`` for anything else."""
+    try:
+        count = numbers.whole(given)
+    except numbers.NotNumber as error:
+        raise InputError(
+            f"{name} = {numbers.shown(given)} {error}; the allowed range is 0 <= {name} <= {most}."
+        ) from None
+    if not 0 <= count <= most:
+        raise InputError(f"{name} = {count} is outside the allowed range 0 <= {name} <= {most}.")
+    return count
+
+
+def samples_of(samples: Any, seed: Any, window: Window | None) -> tuple[int, int]:
+    """Return numbers of samples and seed, checked; raises ``InputError``, also for samples without a window."""
+    count, start = counted("samples", samples, _MOST_SAMPLES), counted("seed", seed, 2**63 - 1)
+    if count and window is None:
+        raise InputError("samples need a window, with the ends of u and w, to be drawn from.")
+    return count, start

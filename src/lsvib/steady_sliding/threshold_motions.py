@@ -1,0 +1,215 @@
+r"""Defining equations of the thresholds of the rigid drive that depend on a motion, for numbers with derivatives.
+
+All are written for Ω > 0; for Ω < 0 the drive is mirrored. Slip under law s is the oscillator Γ_s y″ + C_s y′ + k y = 0
+about its equilibrium y = 0, where Q = q_u y + q_w w + Γ_s R̃; S is its impulse response, C = S′ + a₁ S.
+The inner unknowns are times [s]. Slip from θ′ = 0 that is back at the same y after τ started at
+
+    x(τ) = −Ω S / (1 − C)    and has    w = −Ω S′ − a₀ x S,    h(τ) = q_u x + q_w w    then.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from lsvib.cycles.slip_cycle import half_return, leaving
+from lsvib.drives import friction
+from lsvib.engine.exact.duals import Dual, cosine_of_root, exponential, sine_ratio_of_root, tangent
+from lsvib.steady_sliding.threshold_solver import Equations
+
+
+class Start(NamedTuple):
+    """A threshold of the axial force, from which Newton's method starts: the ``system`` of equations, the ``force`` R
+    [N] of the drive mirrored to Ω > 0, infinite if there is none, and the inner unknowns, ``times`` [s]."""
+
+    system: str
+    force: Any
+    times: tuple[Any, ...] = ()
+
+
+class DualSlip:
+    """Slip under one law: a₀ = k / Γ, a₁ = C / Γ, and its responses as functions of a time with derivatives."""
+
+    def __init__(self, inertia: Dual, damping: Dual, stiffness: Dual) -> None:
+        self.a0, self.a1 = stiffness / inertia, damping / inertia
+
+    def responses(self, time: Dual) -> tuple[Dual, Dual, Dual]:
+        """Return C, S and S′ at a time [s]; one formula whether slip turns or not."""
+        half = self.a1 / 2
+        z = (self.a0 - half**2) * time**2
+        decay = exponential(-(half * time))
+        c, s = decay * cosine_of_root(z), decay * time * sine_ratio_of_root(z)
+        return c + half * s, s, c - half * s
+
+    def state(self, y: Dual, w: Dual, time: Dual) -> tuple[Dual, Dual]:
+        """Return (y, w) a time [s] after the state (y, w)."""
+        c, s, s_rate = self.responses(time)
+        return y * c + w * s, w * s_rate - self.a0 * y * s
+
+
+class DualDrive:
+    """Constants of the rigid drive (eqs 8.13–8.17) with derivatives, mirrored so that Ω > 0; ``sense`` is sgn Ω."""
+
+    def __init__(self, p: Mapping[str, Dual], sense: int) -> None:
+        t, self.radius, self.stiffness = tangent(p["lead_angle"]), p["pitch_radius"], p["coupling_stiffness"]
+        self.lever = self.radius * t
+        self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
+        self.net = self.force - self.lever * p["translation_damping"] * self.speed
+        self.xi = {law: friction.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
+        self.inertia: dict[int, Dual] = {}
+        self.damping: dict[int, Dual] = {}
+        for law, xi in self.xi.items():
+            self.inertia[law] = friction.effective_inertia(p["screw_inertia"], p["mass"], self.radius, t, xi)
+            self.damping[law] = friction.effective_damping(
+                p["support_damping"], p["translation_damping"], self.radius, t, xi
+            )
+        self.contact = (
+            self.lever * p["mass"] * self.stiffness,
+            self.lever * (p["mass"] * p["support_damping"] - p["screw_inertia"] * p["translation_damping"]),
+        )
+
+    def slip(self, law: int) -> DualSlip:
+        """Return slip under a law."""
+        return DualSlip(self.inertia[law], self.damping[law], self.stiffness)
+
+    def end_of_rest(self, law: int) -> Dual:
+        """Deflection y [rad] from the equilibrium of a law at which rest ends where T_r reaches r_m ξ₊ R: C_s Ω / k
+        under law +, and less by r_m (ξ₊ − ξ₋) R / k under law −."""
+        first = self.damping[law] * self.speed / self.stiffness
+        return first if law > 0 else first - self.radius * (self.xi[1] - self.xi[-1]) * self.force / self.stiffness
+
+    def end_against(self) -> Dual:
+        """Deflection y [rad] from the equilibrium of law − at which rest ends for R ≤ 0: C₋ Ω / k."""
+        return self.damping[-1] * self.speed / self.stiffness
+
+
+def _stick(law: int) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """The cycle of slip by its two half returns; at the time ``at`` under a law w is stationary, and w = −Ω."""
+
+    def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+        halves = {s: half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True)}
+        slip = d.slip(law)
+        y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], halves[law]), inner[2])
+        return [
+            halves[1].comes - halves[-1].leaves,
+            halves[-1].comes - halves[1].leaves,
+            slip.a0 * y + slip.a1 * w,
+            d.net * w + d.speed,
+        ]
+
+    return equations
+
+
+def _touches(law: int, start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """Slip from the end of rest touches Q = 0: there Q′ = 0 and Q = 0."""
+
+    def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+        slip, (q_u, q_w) = d.slip(law), d.contact
+        y, w = slip.state(start(d), -d.speed, inner[0])
+        rate = -slip.a0 * y - slip.a1 * w
+        return [q_u * w + q_w * rate, q_u * y + q_w * w + d.inertia[law] * d.net]
+
+    return equations
+
+
+def _comes_back_at_zero(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+    """Slip under law + from the end of rest is back at θ′ = 0 just where Q = 0."""
+    slip, (q_u, q_w) = d.slip(1), d.contact
+    y, w = slip.state(d.end_of_rest(1), -d.speed, inner[0])
+    return [w + d.speed, q_u * y + q_w * w + d.inertia[1] * d.net]
+
+
+class _Return:
+    """Slip under law − from θ′ = 0 that is back at the same y after a time: start x, rates there, h and dh/dτ."""
+
+    def __init__(self, d: DualDrive, time: Dual) -> None:
+        slip, (q_u, q_w) = d.slip(-1), d.contact
+        c, s, s_rate = slip.responses(time)
+        open_ = 1 - c
+        self.x = -d.speed * s / open_
+        self.w = -d.speed * s_rate - slip.a0 * self.x * s
+        self.h = q_u * self.x + q_w * self.w
+        x_rate = -d.speed * (s_rate * open_ - slip.a0 * s * s) / open_**2  # C′ = −a₀ S
+        w_rate = d.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)
+        self.h_rate = q_u * x_rate + q_w * w_rate
+        self.q_rate = q_u * self.w - q_w * (slip.a0 * self.x + slip.a1 * self.w)  # Q′ along the slip as it comes back
+        self.q = self.h + d.inertia[-1] * d.net
+
+
+def _fold(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+    """Seizures that lead to each other meet: dh/dτ = 0, and Q = 0 on coming back."""
+    back = _Return(d, inner[0])
+    return [back.h_rate, back.q]
+
+
+def _birth(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+    """The cycle of seizures touches Q = 0 where it seizes: Q′ = 0 and Q = 0 on coming back."""
+    back = _Return(d, inner[0])
+    return [back.q_rate, back.q]
+
+
+def _rest_lost(start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """Slip from the end of rest seizes just where rest ends: x(τ) is the end of rest, and Q = 0."""
+
+    def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+        back = _Return(d, inner[0])
+        return [back.x - start(d), back.q]
+
+    return equations
+
+
+_SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]]] = {
+    "stick+": (
+        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law + w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
+        _stick(1),
+    ),
+    "stick-": (
+        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law − w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
+        _stick(-1),
+    ),
+    "detach": (
+        "slip under law + from the end of rest, u = C₊ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
+        _touches(1, lambda d: d.end_of_rest(1)),
+    ),
+    "detach at rest": (
+        "slip under law + from the end of rest, u = C₊ Ω / k, has θ′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
+        _comes_back_at_zero,
+    ),
+    "rest seizes": (
+        "slip under law − from the end of rest, u = C₋ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)",
+        _touches(-1, DualDrive.end_against),
+    ),
+    "rest seizes with the motion": (
+        "slip under law − from the end of rest, u = [C₋ Ω − r_m (ξ₊ − ξ₋) R] / k, has Q′(τ) = 0 and Q(τ) = 0 "
+        "(eq. 8.17, Sect. 8.7)",
+        _touches(-1, lambda d: d.end_of_rest(-1)),
+    ),
+    "fold": (
+        "slip under law − from (x, −Ω) back at u = x after τ: dh/dτ = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
+        "(eq. 8.17, Sect. 8.7)",
+        _fold,
+    ),
+    "cycle_birth": (
+        "slip under law − from (x, −Ω) back at u = x after τ: Q′(τ) = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
+        "(eq. 8.17, Sect. 8.7)",
+        _birth,
+    ),
+    "rest lost": (
+        "slip under law − from the end of rest, x = C₋ Ω / k, is back at u = x after τ with Q(τ) = 0 (eq. 8.17)",
+        _rest_lost(DualDrive.end_against),
+    ),
+    "rest lost with the motion": (
+        "slip under law − from the end of rest, x = [C₋ Ω − r_m (ξ₊ − ξ₋) R] / k, is back at u = x after τ with "
+        "Q(τ) = 0 (eq. 8.17)",
+        _rest_lost(lambda d: d.end_of_rest(-1)),
+    ),
+}
+
+
+def words(system: str) -> str:
+    """Return the equations of a system in words."""
+    return _SYSTEMS[system][0]
+
+
+def equations(system: str, sense: int) -> Equations:
+    """Return the equations of a system for drives with sgn Ω = ``sense``."""
+    of: Any = _SYSTEMS[system][1]
+    return lambda parameters, inner: of(DualDrive(parameters, sense), inner)

@@ -1,0 +1,98 @@
+"""A threshold of the axial force as one of any other parameter: where it equals the force of the drive.
+
+Such an equation is transcendental, so its roots are searched for, not isolated: its sign is sampled over twelve decades
+about the drive's own value (or a natural size, if that is zero), closer and closer towards the places at which Γ₊ and
+C₊ vanish – there a threshold begins or ends, and these places are exact –, and every change of sign is halved down.
+What lies between two samples without a change of sign, or beyond the twelve decades, stays unseen.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from lsvib.cycles.forward_slip import bracketed_root
+from lsvib.drives.parameters import RigidParameters
+from lsvib.errors import EngineError, InputError
+from lsvib.steady_sliding.threshold_polynomials import places
+
+DECADES = 6  # on both sides of the middle of the search
+_EACH = 12  # samples a decade: a fifth from one to the next
+_CLOSER = tuple(0.3**k for k in range(1, 16))  # of the way to a place where a threshold begins or ends, to 1e-8
+_CLOSE = 1e-11  # relative, of a root: Newton's method goes on from there
+
+Gap = Callable[[RigidParameters], float]
+"""A function that vanishes at a threshold; raises ``InputError`` or ``EngineError`` for a drive that has none."""
+
+
+def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
+    """Yield the values of a parameter, in ascending order, at which the sign of a gap changes, each to 1e-11 of it.
+
+    A jump through zero is among them.
+    """
+
+    def at(value: float) -> float | None:
+        try:
+            found = gap(drive.replace(**{unknown: value}))
+        except (InputError, EngineError):
+            return None
+        return found if math.isfinite(found) else None
+
+    last: tuple[float, float] | None = None
+    for value in samples(drive, unknown):
+        here = at(value)
+        if here is not None and last is not None and (here > 0) != (last[1] > 0):
+            yield from _between(at, last[0], value)
+        last = None if here is None else (value, here)
+
+
+def _between(at: Callable[[float], float | None], low: float, high: float) -> Iterator[float]:
+    """Yield the root between two values; none if the gap is not defined somewhere on the way."""
+
+    def function(value: float) -> float:
+        found = at(value)
+        if found is None:
+            raise _Undefined
+        return found
+
+    try:
+        yield float(bracketed_root(function, low, high, _CLOSE))
+    except _Undefined:
+        return
+
+
+class _Undefined(Exception):
+    """The gap is not defined there."""
+
+
+def samples(drive: RigidParameters, unknown: str) -> list[float]:
+    """Return the values of a parameter at which the gap is looked at, in ascending order, all of them allowed."""
+    middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
+    sizes = [middle * 10.0 ** (k / _EACH) for k in range(-DECADES * _EACH, DECADES * _EACH + 1)]
+    signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
+    values = {sign * size for sign in signs for size in sizes}
+    for name in ("kinematic", "negative_damping"):
+        for place in places(drive, name, unknown) or []:
+            end = float(place.value)
+            values |= {end * (1 + side * part) for side in (-1, 1) for part in _CLOSER}
+    return sorted(value for value in values if _allowed(drive, unknown, value))
+
+
+def _allowed(drive: RigidParameters, unknown: str, value: float) -> bool:
+    try:
+        drive.replace(**{unknown: value})
+    except InputError:
+        return False
+    return True
+
+
+def _natural(drive: RigidParameters, unknown: str) -> float:
+    """A size of a parameter that may be zero, from the others, in its SI unit."""
+    rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
+    sizes: dict[str, Any] = {
+        "support_damping": drive.screw_inertia * rate,
+        "translation_damping": drive.screw_inertia * rate / lever**2,
+        "axial_force": drive.mass * lever * rate * abs(drive.input_speed),
+        "friction_coefficient": math.tan(drive.lead_angle),
+    }
+    return float(sizes[unknown])

@@ -1,0 +1,208 @@
+"""What the report says to an engineer: friction at the running speed, rare cases, what a sheet leaves out, advice."""
+
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pint")
+pytest.importorskip("scipy")
+
+from lsvib.assess import drive as sheets
+from lsvib.assess.assessment import assess
+from lsvib.assess.friction import lifting_efficiency, sliding_speed
+from lsvib.assess.margins import ANY, margins
+from lsvib.assess.mechanisms import NAMES, drive_of, reserves
+from lsvib.assess.plain_values import as_json
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.uncertainty import study
+from lsvib.assess.window import corners, worst
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.registry import find_model
+from lsvib.steady_sliding.conditions import conditions
+
+CHAPTER = {
+    "name": "Table 8.1",
+    "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
+    "screw": {"inertia": "3.12e-6 kg*m^2"},
+    "coupling": {"stiffness": "1 N*m/rad"},
+    "load": {"mass": "1 kg", "force": "-50 N"},
+    "operation": {"speed": "40 rad/s", "direction": "out"},
+    "friction": {"coefficient": 0.218},
+    "damping": {"rotational": "2e-4 N*m*s/rad"},
+}
+TANGENT = math.tan(math.radians(5.57))
+
+
+def sheet(**changes) -> Sheet:
+    """The chapter's drive with parts replaced."""
+    return Sheet.of({**CHAPTER, **changes})
+
+
+def values_of(given: Sheet) -> dict:
+    """Its quantities at the middle values."""
+    return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
+
+
+def test_a_curve_counts_for_the_efficiency_at_the_running_speed():
+    """Not by the mean of its points, which lie far from the speeds that are used."""
+    given = sheet(friction={"curve": [["0 m/s", 0.25], ["1 m/s", 0.05], ["50 m/s", 0.05]]})
+    angle = math.radians(5.57)
+    sliding = sliding_speed(40.0, 5.18e-3, angle)
+    found = assess(given, samples=64)
+    expected = lifting_efficiency(0.25 - 0.2 * sliding, angle)
+    assert found.efficiency["lifting"] == pytest.approx(expected, rel=1e-12)
+    assert found.self_locking
+
+
+def test_a_factor_makes_a_curve_uncertain_as_a_whole():
+    """Twice the curve is the curve of twice the coefficients."""
+    one = sheet(friction={"curve": [["0 m/s", 0.25], ["0.5 m/s", 0.15]], "curve_factor": 1.3})
+    other = sheet(friction={"curve": [["0 m/s", 0.325], ["0.5 m/s", 0.195]]})
+    for name, row in worst(one, values_of(one)).items():
+        assert row.reserve[0] == pytest.approx(worst(other, values_of(other))[name].reserve[0], rel=1e-12)
+    spread = sheet(friction={"curve": [["0 m/s", 0.25], ["0.5 m/s", 0.15]], "curve_factor": [0.5, 1.5]})
+    assert sheets.random_entries(spread) == ["friction.curve_factor"]
+
+
+def test_the_share_of_self_locking_threads_is_that_of_friction_above_the_tangent():
+    """A uniform coefficient from 0.05 to 0.15 about tan λ = 0.0975."""
+    found = as_json(assess(sheet(friction={"coefficient": [0.05, 0.15]}), samples=4096))
+    assert found["self_locking_probability"] == pytest.approx((0.15 - TANGENT) / 0.1, abs=1e-3)
+    ends = [lifting_efficiency(mu, math.radians(5.57)) for mu in (0.15, 0.05)]
+    assert found["efficiency"]["lifting_range"] == pytest.approx(ends, rel=1e-3)
+
+
+def test_an_axis_may_lean_by_an_uncertain_angle():
+    """The weight adds to the force; at the ends of the range by all that it can."""
+    given = sheet(load={"mass": "3 kg", "force": "10 N", "orientation": ["-30 deg", "90 deg"]})
+    assert sheets.random_entries(given) == ["load.orientation"]
+    for degrees in (-30.0, 17.0, 90.0):
+        entries = {**sheets.nominal_draw(given), "load.orientation": math.radians(degrees)}
+        values = sheets.quantities(given, entries)
+        force = sheets.point(given, values, 1, 40.0, 10.0).parameters["axial_force"]
+        assert force == pytest.approx(-(10 + 3 * 9.80665 * math.sin(math.radians(degrees))), rel=1e-14)
+    upright = sheet(load={"mass": "3 kg", "force": "10 N", "orientation": "vertical"})
+    assert values_of(upright)["tilt"] == math.pi / 2
+
+
+RARE = {
+    "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
+    "load": {"mass": {"low": "1 kg", "mode": "2 kg", "high": "10.4 kg"}, "force": "-50 N"},
+    "friction": {"coefficient": {"low": 0.1, "mode": 0.15, "high": 0.218}},
+}
+
+
+def test_a_corner_that_no_sample_hits_is_not_passed_over():
+    """At the heaviest load with the highest friction Γ₀ is negative, although no sample of 256 is there."""
+    found = assess(sheet(**RARE), samples=256)
+    assert found.uncertainty.any.value == 0
+    assert found.verdict == "steady but for rare values"
+    assert found.worst.mechanism == "kinematic_constraint"
+    assert found.worst.vibration.attractor == "sprag slip cycle"
+    lighter = {**RARE, "load": {**RARE["load"], "mass": {"low": "1 kg", "mode": "2 kg", "high": "10 kg"}}}
+    assert assess(sheet(**lighter), samples=256).verdict == "steady"
+
+
+def test_springy_threads_are_shown_in_motion_beside_a_springy_support():
+    """The motion of this cause is that of the drive with compliant threads, which the support's model does not have."""
+    given = sheet(
+        load={"mass": "9 kg", "force": "-50 N"},
+        screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
+        support={"stiffness": "1e9 N/m", "damping": "1e6 N*s/m"},
+        contact={"stiffness": "1e5 N/m", "damping": "1e5 N*s/m"},
+    )
+    found = assess(given, samples=64)
+    assert found.mechanisms["thread_contact"].occurs
+    assert (found.nominal.mechanism, found.nominal.vibration.model) == ("thread_contact", "threads")
+    assert found.nominal.vibration.vibrates
+
+
+def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
+    """Rotational damping ends negative damping where C_0 = 0; damping of the load starts it at C_0 = 0."""
+    fed = sheet(load={"mass": "1 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
+    values = values_of(fed)
+    row = next(row for row in margins(fed, values)[ANY] if row.quantity == "rotational_damping")
+    assert row.factor is None
+    at = conditions(drive_of(fed, values, *corners(fed, values)[0]))["negative_damping"]["margins"]
+    assert row.value == pytest.approx(at["negative_effective_damping"], rel=1e-12)
+    calm = sheet(load={"mass": "1 kg", "force": "-60 N"})
+    row = next(row for row in margins(calm, values_of(calm))[ANY] if row.quantity == "translational_damping")
+    xi = (0.218 - TANGENT) / (1 + 0.218 * TANGENT)
+    # Beyond c_x = R / (r_m tan λ Ω) the load would resist; 60 N are enough for the damping at which C_0 vanishes.
+    assert row.value == pytest.approx(2e-4 / (xi * TANGENT * 5.18e-3**2), rel=1e-12)
+
+
+def test_advice_makes_the_drive_steady_as_a_whole():
+    """Two causes at once: on the far side of each margin none of them occurs, on the near side one does."""
+    given = sheet(load={"mass": "12 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})
+    values = values_of(given)
+    assert {name for name, one in worst(given, values).items() if one.reserve[0] < 0} >= {
+        "negative_damping",
+        "kinematic_constraint",
+    }
+    rows = [row for row in margins(given, values)[ANY] if row.factor is not None]
+    keys = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
+    assert len(rows) > 4
+    for row in rows:
+        for side, steady in ((1 + 1e-9, True), (1 - 1e-9, False)):
+            factor = row.factor * (side if row.factor > 1 else 2 - side)
+            changed = {**values, **{key: values[key] * factor for key in keys.get(row.quantity, (row.quantity,))}}
+            found = worst(given, changed)
+            assert all(found[name].reserve[0] >= 0 for name in NAMES if name in found) == steady, row
+
+
+def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
+    """Γ₀ < 0 makes the rigid drive unstable; with the given contact steady running returns, and the verdict says so."""
+    load = {"mass": "14 kg", "force": "-100 N"}
+    soft = {"stiffness": "1e5 N/m", "damping": "30 N*s/m"}
+    damping = {"rotational": "2e-4 N*m*s/rad", "translational": "20 N*s/m"}
+    stiff, given = sheet(load=load, damping=damping), sheet(load=load, damping=damping, contact=soft)
+    assert assess(stiff, samples=64).mechanisms["kinematic_constraint"].occurs
+    found = assess(given, samples=64)
+    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "push_needed")
+    assert found.nominal.vibration.model == "threads"
+    assert found.nominal.vibration.attractor == "steady sliding"
+
+
+SPRINGY = {
+    "load": {"mass": {"low": "5 kg", "mode": "7 kg", "high": "10 kg"}, "force": "-50 N"},
+    "contact": {"stiffness": {"median": "1e5 N/m", "factor": 1.5}, "damping": {"median": "1e5 N*s/m", "factor": 1.3}},
+}
+
+
+@pytest.mark.long
+def test_probability_of_springy_threads_against_simulated_drives():
+    """Drives that are drawn independently and simulated with compliant threads, four states each."""
+    given, count = sheet(**SPRINGY), 1000
+    found = study(given, 8192, 3).probability["thread_contact"]
+    entries, rng = sheet(**SPRINGY).spreads(), np.random.default_rng(11)
+    model, hits = find_model("threads"), 0
+    for _ in range(count):
+        draw = {**sheets.nominal_draw(given), **{
+            path: float(entries[path].quantile(rng.random())) for path in sheets.random_entries(given)
+        }}  # fmt: skip
+        values = {key: float(value) for key, value in sheets.quantities(given, draw).items()}
+        drive = drive_of(given, values, *corners(given, values)[0], "contact")
+        start = model.initial_state(drive, {"u": 0.0, "w": 1e-6 * drive.input_speed})
+        end = steady_state(model.build(drive, tuple(model.options), "contact_sign"), start).label
+        hits += end != Attractor.STEADY_SLIDING
+    scatter = 3 * math.sqrt(found.value * (1 - found.value) / count)
+    assert 0.1 < found.value < 0.9
+    assert abs(hits / count - found.value) < scatter
+
+
+@pytest.mark.parametrize("direction", ["out", "back"])
+def test_both_directions_are_mirror_images(direction):
+    """A drive that goes back under the opposite force is the drive that goes out."""
+    sign = 1 if direction == "out" else -1
+    given = sheet(
+        load={"mass": "9 kg", "force": [f"{sign * -70 + 10} N", f"{sign * -70 + 30} N"]},
+        operation={"speed": ["20 rad/s", "40 rad/s"], "direction": direction},
+        damping={"rotational": "2e-4 N*m*s/rad", "translational": "300 N*s/m"},
+    )
+    values = values_of(given)
+    for corner in corners(given, values):
+        mirrored = (-corner[0], corner[1], -corner[2])
+        one, other = reserves(given, values, *corner), reserves(given, values, *mirrored)
+        assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}

@@ -1,0 +1,137 @@
+"""The smallest fatal pushes: motions from just within settle, from just beyond do not, none of less energy is fatal."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import lsvib
+from lsvib.basins.mapper import mapper
+from lsvib.basins.resilience import wilson
+
+DRIVES = {
+    "touching_motion": lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10),
+    "touching_slip": lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.3),
+    "cycle": lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.35),
+    "mirrored": lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=10, input_speed=-40),
+}
+WINDOW = {"u": (-0.3, 0.3), "w": (-150, 150)}
+CLOSE = 1e-7  # relative distance from the boundary: far above rounding
+
+
+def settles(drive, states):
+    labels = mapper(drive).labels_of(*np.array(states).T)
+    assert (labels != lsvib.Attractor.UNRESOLVED).all()
+    return labels == lsvib.Attractor.STEADY_SLIDING
+
+
+def energy_of(drive, u, w):
+    inertia = drive.screw_inertia + drive.mass * (drive.pitch_radius * math.tan(drive.lead_angle)) ** 2
+    return 0.5 * drive.coupling_stiffness * u**2 + 0.5 * inertia * w**2
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_motions_on_both_sides_of_the_smallest_fatal_pushes(name):
+    drive = DRIVES[name]
+    found = drive.resilience()
+    assert found.boundary == (name if name != "mirrored" else "touching_motion")
+    for size, unit in ((found.angle, (1, 0)), (found.speed, (0, 1))):
+        within = [(sign * size * (1 - CLOSE) * unit[0], sign * size * (1 - CLOSE) * unit[1]) for sign in (1, -1)]
+        beyond = [(sign * size * (1 + CLOSE) * unit[0], sign * size * (1 + CLOSE) * unit[1]) for sign in (1, -1)]
+        assert settles(drive, within).all()
+        assert not settles(drive, beyond).all()
+    u, w = found.state
+    assert found.energy == pytest.approx(energy_of(drive, u, w), rel=1e-14)
+    assert settles(drive, [(u * (1 - CLOSE), w * (1 - CLOSE))]).all()
+    assert not settles(drive, [(u * (1 + CLOSE), w * (1 + CLOSE))]).any()
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_no_push_of_less_energy_is_fatal(name):
+    drive = DRIVES[name]
+    found = drive.resilience()
+    angles = np.random.default_rng(3).uniform(0, 2 * math.pi, 2000)
+    inertia = 2 * energy_of(drive, 0.0, 1.0)
+    size = math.sqrt(2 * found.energy) * (1 - CLOSE)
+    ring = size * np.stack(
+        [np.cos(angles) / math.sqrt(drive.coupling_stiffness), np.sin(angles) / math.sqrt(inertia)], 1
+    )
+    assert settles(drive, ring).all()
+
+
+def test_pushes_are_in_proportion_to_the_force():
+    """With c_x = 0 a basin within the touching motion is in proportion to R in each direction."""
+    one = DRIVES["touching_motion"].resilience()
+    two = DRIVES["touching_motion"].replace(axial_force=-20).resilience()
+    assert two.angle == pytest.approx(2 * one.angle, rel=1e-12)
+    assert two.speed == pytest.approx(2 * one.speed, rel=1e-12)
+    assert two.energy == pytest.approx(4 * one.energy, rel=1e-12)
+
+
+def test_nothing_and_everything_is_survived():
+    unstable = lsvib.RigidDrive(mass=11, axial_force=10).resilience(WINDOW)
+    assert (unstable.angle, unstable.speed, unstable.energy, unstable.fraction) == (0, 0, 0, 0)
+    for drive in (lsvib.RigidDrive(), lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-50)):
+        stable = drive.resilience(WINDOW)
+        assert (stable.angle, stable.speed, stable.energy, stable.fraction) == (math.inf,) * 3 + (1.0,)
+        assert json.loads(json.dumps(stable.to_json(), allow_nan=False))["energy"] is None
+
+
+def test_wilson():
+    """Textbook values: 0 of 10, 5 of 10, 10 of 10."""
+    low, high = wilson(np.array([0, 5, 10]), np.array([10, 10, 10]))
+    assert low == pytest.approx([0, 0.236593, 0.722467], abs=1e-6)
+    assert high == pytest.approx([0.277533, 0.763407, 1], abs=1e-6)
+    assert np.isnan(wilson(np.array(0), np.array(0))[0])
+
+
+def test_intervals_of_samples_hold_the_exact_share():
+    drive, held = DRIVES["cycle"], 0
+    for seed in range(20):
+        found = drive.resilience(WINDOW, samples=300, seed=seed)
+        assert found.sampled.samples == 300
+        held += found.sampled.low <= found.fraction <= found.sampled.high
+    assert held >= 16  # of 20 at 95 %: fewer in 0.3 % of all choices of seeds
+
+
+def test_a_sweep_is_its_points():
+    drive = DRIVES["touching_motion"]
+    found = drive.resilience_sweep(WINDOW, samples=50, seed=4, axial_force=[-40, -10, 5])
+    assert found.fatal_energy.dims == ("axial_force",)
+    for force in (-40, -10, 5):
+        one = drive.replace(axial_force=force).resilience(WINDOW, samples=50, seed=4)
+        at = found.sel(axial_force=force)
+        for name, value in (
+            ("fatal_angle", one.angle),
+            ("fatal_speed", one.speed),
+            ("fatal_energy", one.energy),
+            ("basin_fraction", one.fraction),
+            ("sampled_fraction", one.sampled.share),
+            ("sampled_fraction_low", one.sampled.low),
+            ("sampled_fraction_high", one.sampled.high),
+        ):
+            assert at[name].item() == value
+    assert "basin_fraction" not in drive.resilience_sweep(axial_force=[-10])
+    refused = lsvib.RigidDrive(mass=1, axial_force=10).resilience_sweep(translation_damping=[1e5])
+    assert np.isnan(refused.fatal_energy).all()
+    assert len(json.loads(refused.attrs["refused"])) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"window": {"u": (1, 0), "w": (0, 1)}}, "window u = 1 to 0 is outside the allowed range"),
+        ({"window": {"u": (0, 1)}}, "window has the keys u; it needs u and w."),
+        ({"window": {"u": 1, "w": (0, 1)}}, "window u = 1 is not a low and a high end."),
+        ({"window": {"u": ("a", 1), "w": (0, 1)}}, "window u = "),
+        ({"samples": 5}, "samples need a window"),
+        ({"window": WINDOW, "samples": -1}, "samples = -1 is outside the allowed range 0 <= samples"),
+        ({"window": WINDOW, "samples": 2, "seed": 0.5}, "seed = 0.5 is not a whole number"),
+    ],
+)
+def test_refused_in_one_sentence(arguments, sentence):
+    with pytest.raises(lsvib.InputError) as refused:
+        DRIVES["cycle"].resilience(**arguments)
+    assert str(refused.value).startswith(sentence)
+    assert str(refused.value).endswith(".")

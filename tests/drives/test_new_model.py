@@ -1,0 +1,159 @@
+"""A model is one new file: in a copy of the room of the drives, with nothing else changed, all layers know it."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lsvib
+from lsvib.drives.model_files import model_names
+
+PACKAGE = Path(lsvib.__file__).parent
+# Compliant threads on a slope, along which a part of the weight adds to the axial force.
+SLOPE = '''"""The drive with compliant threads on a slope: the weight of the load adds to the axial force."""
+
+from dataclasses import replace
+
+from lsvib.drives import threads
+from lsvib.drives.parameters import Quantity, RigidParameters, ThreadsParameters, quantity
+
+
+class SlopeParameters(RigidParameters):
+    """A drive with compliant threads on a slope."""
+
+    model, own_damping = "slope", "contact_damping"
+
+    contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+    weight: Quantity = quantity(0.0, "G", "N", "weight of the load along the axis", ge=-1e12, le=1e12)
+
+
+def _on_the_level(drive):
+    values = drive.model_dump()
+    return ThreadsParameters.of(values | {"axial_force": drive.axial_force + values.pop("weight")})
+
+
+def _automaton(drive, physics, resume):
+    return replace(threads.MODEL.build(_on_the_level(drive), physics, resume), states=STATES)
+
+
+def _start(drive, values):
+    renamed = {"e" if key == "slope_e" else key: value for key, value in values.items()}
+    return threads.MODEL.start(_on_the_level(drive), renamed)
+
+
+STATES = ("angle_deviation", "velocity_deviation", "slope_mismatch", "mismatch_rate")
+MODEL = replace(
+    threads.MODEL,
+    drive=SlopeParameters,
+    build=_automaton,
+    start=_start,
+    states=STATES,
+    quantities={"slope_mismatch": ("mismatch of nut and screw along the slope", "m", "$e$")},
+    optional=("slope_e", "v"),
+    section="",
+)
+'''
+LINEAR = ("--set", "mass=9", "--set", "contact_damping=5e4", "--json")
+MOTION = ("--set", "mass=11", "--set", "support_damping=1e-3", "--t-end", "0.01", "--json")
+COMMANDS = {
+    "config": ("config", "--model", "slope", "--set", "weight=7", "--json"),
+    "stability": ("stability", "--model", "slope", *LINEAR),
+    "stability of threads": ("stability", "--model", "threads", *LINEAR),
+    "thresholds": ("thresholds", "--model", "slope", *LINEAR),
+    "thresholds of threads": ("thresholds", "--model", "threads", *LINEAR),
+    "motion": (
+        *("simulate", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *MOTION),
+        *("--initial", "u=0.05", "w=0", "slope_e=0", "--out", "slope.nc"),
+    ),
+    "motion of threads": (
+        *("simulate", "--model", "threads", "--set", "axial_force=-10", *MOTION),
+        *("--initial", "u=0.05", "w=0", "e=0", "--out", "threads.nc"),
+    ),
+}
+# The rest of the package, and with it the compiled engine, is that of the tests.
+CODE = """
+import contextlib, io, json, sys
+import lsvib
+import xarray as xr
+
+lsvib.__path__.append(sys.argv[1])
+from lsvib.api import drive_class
+from lsvib.basins.grid import COORDINATES
+from lsvib.command.app import main
+from lsvib.drives.registry import find_model
+from lsvib.figures.configuration import schema
+
+found = {}
+for name, arguments in json.loads(sys.argv[2]).items():
+    sys.argv = ["lsvib", *arguments]
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        main()
+    found[name] = json.loads(printed.getvalue())
+with xr.open_dataset("slope.nc") as motion:
+    found["unit"] = motion.slope_mismatch.units
+drive = drive_class("slope")(weight=3)
+found["drive"] = [repr(drive), drive.stability().kind]
+found["schema"] = schema()["properties"]["attraction"]["properties"]["model"]["enum"]
+found["coordinates"] = dict(COORDINATES)
+try:
+    find_model("wood")
+except lsvib.InputError as error:
+    found["refusal"] = str(error)
+print(json.dumps(found))
+"""
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Return what the commands print, and what Python says, where the file of the new model is."""
+    folder = tmp_path_factory.mktemp("copy")
+    shutil.copytree(PACKAGE / "drives", folder / "lsvib" / "drives", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(PACKAGE / "__init__.py", folder / "lsvib")
+    (folder / "lsvib" / "drives" / "slope.py").write_text(SLOPE, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", CODE, str(PACKAGE), json.dumps(COMMANDS)],
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_its_parameters_are_shown(found):
+    expected = {"value": 7.0, "unit": "N", "symbol": "G", "allowed": "-1e+12 <= weight <= 1e+12"}
+    assert found["config"]["weight"] == expected
+
+
+def test_its_stability_is_decided_by_its_polynomial_and_damper(found):
+    slope, threads = found["stability"], found["stability of threads"]
+    for key in ("class", "eigenvalues", "characteristic_polynomial"):
+        assert slope[key] == threads[key]
+    assert slope["conditions"] == {key: threads["conditions"][key] for key in ("divergence", "flutter")}
+    assert found["thresholds"] == found["thresholds of threads"]
+    assert found["thresholds"]["least_contact_damping"]["value"] > 5e4
+
+
+def test_its_motion_is_that_of_the_equations_in_its_file(found):
+    slope, threads = found["motion"], found["motion of threads"]
+    assert slope["events"] == threads["events"]
+    assert threads["events"]
+    assert list(slope["final_state"].values()) == list(threads["final_state"].values())
+    assert slope["peak_normal_force"] == threads["peak_normal_force"]
+    assert found["unit"] == "m"
+
+
+def test_schema_grids_and_drives_know_it(found):
+    assert found["drive"] == ["SlopeParameters(weight=3.0)", "stable"]
+    assert found["schema"] == [*model_names(), "slope"]
+    assert found["coordinates"]["slope_e"] == "slope_mismatch"
+
+
+def test_a_name_without_a_file_is_refused_with_the_names_that_have_one(found):
+    assert found["refusal"] == f"model = 'wood' is not one of {', '.join(model_names())}, slope."

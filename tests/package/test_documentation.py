@@ -1,0 +1,116 @@
+"""The documentation: links lead somewhere, examples run, and the site builds without a warning and opens from disk."""
+
+import doctest
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from reference import chromium
+
+import lsvib
+from lsvib.figures.folders import default_figures
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "config" / "README.md", *ROOT.glob("workflow/**/*.md")]
+)
+# Those of docs/python.md run in tests/command/test_api.py.
+EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
+needs_sphinx = pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="Sphinx is not installed.")
+
+
+def name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def anchors(path: Path) -> set[str]:
+    """The anchors of the headings of a page, as GitHub makes them."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    plain = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
+    return set(plain)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_link_within_the_repository_leads_somewhere(page):
+    text = page.read_text(encoding="utf-8")
+    for path, anchor in re.findall(r"\]\((?!https?:|mailto:)([^)#\s]*)(?:#([^)\s]*))?\)", text):
+        target = page.parent / path if path else page
+        assert target.exists(), path
+        assert not anchor or anchor in anchors(target), f"{path}#{anchor}"
+
+
+@pytest.mark.parametrize("page", EXAMPLES, ids=name)
+def test_the_examples_of_a_page_run(page):
+    result = doctest.testfile(str(page), module_relative=False)
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The pages of the site, built without the pictures of the gallery."""
+    out = tmp_path_factory.mktemp("docs")
+    command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(out), "--without-pictures"]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONWARNINGS": "ignore"})
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (out / "lsvib-docs.zip").is_file()
+    return out / "html"
+
+
+@needs_sphinx
+@pytest.mark.slow
+def test_the_site_has_every_page_every_figure_and_every_public_name(site):
+    pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.html")}
+    assert {path.stem for path in (ROOT / "docs").glob("*.md")} <= pages
+    assert {"index", "settings", "contributing", "changelog", "parameters"} <= pages
+    assert {Path(page).name for page in pages if page.startswith("gallery/")} >= set(default_figures())
+    reference = (site / "api.html").read_text(encoding="utf-8")
+    for public in lsvib.__all__:
+        if not public.startswith("__"):
+            assert f'id="lsvib.{public}"' in reference
+    for method in ("simulate", "attraction", "follow", "thresholds", "replace"):
+        assert f'id="lsvib.ThreadsDrive.{method}"' in reference
+
+
+@needs_sphinx
+@pytest.mark.slow
+def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        from build_site import on_site
+    finally:
+        sys.path.pop(0)
+    with pytest.raises(SystemExit, match=r"docs: docs/x\.md links to nowhere\.md, which is not there"):
+        on_site("see [this](nowhere.md)", "docs/x.md", tmp_path, {})
+    shown = on_site("[a](../README.md) [b](figures/one_drive.png#x)", "docs/x.md", tmp_path, {"README.md": "index.rst"})
+    assert shown == "[a](index.rst) [b](files/docs/figures/one_drive.png)"
+    assert (tmp_path / "files" / "docs" / "figures" / "one_drive.png").is_file()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium.started() as started:
+        yield started
+
+
+@needs_sphinx
+@chromium.needs_chromium
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1300, 390])
+def test_the_site_opens_from_disk_and_needs_nothing_from_elsewhere(site, browser, width):
+    """The front page, a page of theory by its link, an anchor on another page, and the search."""
+    with chromium.opened(browser, (site / "index.html").as_uri(), width) as page:
+        page.get_by_role("link", name="trust", exact=True).click()
+        page.get_by_role("heading", name="Why the numbers can be trusted").wait_for()
+        assert chromium.wider_than_the_screen(page) <= 0
+        page.goto((site / "command.html").as_uri())
+        page.locator("a[href='lemmas.html#boundaries-of-stability-of-a-damped-drive']").first.click()
+        page.get_by_role("heading", name="Boundaries of stability of a damped drive").wait_for()
+        assert chromium.wider_than_the_screen(page) <= 0
+        page.goto((site / "search.html").as_uri() + "?q=Painlev%C3%A9")
+        page.locator("#search-results li a").first.wait_for()

@@ -1,0 +1,51 @@
+"""Debian's Chromium, driven by playwright, for tests of what a person sees; skipped where one of them is missing."""
+
+import importlib.util
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+CHROMIUM = shutil.which("chromium")
+needs_chromium = pytest.mark.skipif(
+    CHROMIUM is None or importlib.util.find_spec("playwright") is None,
+    reason="There is no Chromium on this machine, or no playwright, which drives it.",
+)
+FLAGS = (
+    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync"
+)
+
+
+@contextmanager
+def started() -> Iterator:
+    """A browser."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS.split())
+        yield chromium
+        chromium.close()
+
+
+@contextmanager
+def opened(browser, address: str, width: int = 1500, height: int = 1000, known: str | None = None) -> Iterator:
+    """A page at an address; whatever its console says, or asks of another machine, is an error at the end.
+
+    ``known``: the beginning of what may be said all the same.
+    """
+    page = browser.new_page(viewport={"width": width, "height": height})
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("requestfailed", lambda request: said.append(f"{request.url}: {request.failure}"))
+    page.goto(address)
+    yield page
+    page.close()
+    assert [words for words in said if known is None or not words.startswith(known)] == []
+
+
+def wider_than_the_screen(page) -> int:
+    """By how many pixels a page has to be scrolled sideways."""
+    return page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")

@@ -1,0 +1,76 @@
+"""The report of a run in a real browser: first page, pictures with captions, checks that can be filtered, a phone."""
+
+import shutil
+import zipfile
+
+import pytest
+from conftest import Project
+from reference import chromium
+
+pytestmark = [pytest.mark.workflow, pytest.mark.slow, chromium.needs_chromium]
+
+
+@pytest.fixture(scope="module")
+def report(finished, tmp_path_factory):
+    """The folder of an unpacked report, of a copy of the finished project."""
+    folder = tmp_path_factory.mktemp("report")
+    shutil.copytree(finished[0].folder, folder / "project")
+    run = Project(folder / "project")("--report", "report.zip")
+    assert run.returncode == 0, run.stdout
+    with zipfile.ZipFile(folder / "project" / "report.zip") as archive:
+        archive.extractall(folder)
+    return folder / "report"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium.started() as started:
+        yield started
+
+
+@pytest.fixture
+def page(report, browser):
+    """The report; that Snakemake has its style from a script which advises against that is not ours to change."""
+    with chromium.opened(browser, (report / "report.html").as_uri(), known="cdn.tailwindcss.com") as opened:
+        yield opened
+
+
+def test_the_first_page_has_the_printed_thresholds_and_a_guide(page):
+    page.get_by_text("How to read this report").wait_for()
+    row = page.get_by_role("row", name="Critical mass")
+    assert [cell.strip() for cell in row.inner_text().split("\t")][1:] == ["10.1 kg", "10.107 kg", "0.069 %", "fig8_08"]
+
+
+def test_a_picture_has_its_caption_with_values(page):
+    page.get_by_role("link", name="Chapter 8").click()
+    show, tell = page.get_by_role("row", name="fig8_08").locator("a,button").all()
+    show.click()
+    page.locator("img[src*='fig8_08'], img[src^='data:image/png']").first.wait_for()
+    tell.click()
+    page.get_by_text("Values: As printed: c_x = 0 N s m⁻¹. Otherwise Table 8.1.").wait_for()
+
+
+def test_the_report_has_the_table_of_checks(page):
+    page.get_by_role("link", name="Checks").click()
+    page.get_by_role("row", name="every check").locator("a,button").first.click()
+    frame = page.frame_locator("iframe")
+    frame.get_by_label("Figure").select_option("fig8_03")
+    frame.get_by_role("status").get_by_text("4 of 9 checks are shown.").wait_for()
+
+
+@pytest.mark.parametrize("width", [1200, 390])
+def test_the_table_of_checks_can_be_filtered(finished, browser, width):
+    address = (finished[0].folder / "results" / "checks.html").as_uri()
+    with chromium.opened(browser, address, width) as page:
+        said, rows = page.get_by_role("status"), page.locator("#every tbody tr:visible")
+        assert said.inner_text() == "9 of 9 checks are shown."
+        assert page.locator("#printed tbody tr").count() == 1
+        page.get_by_label("Figure").select_option("fig8_08")
+        shown = rows.count()
+        assert 0 < shown < 9
+        assert said.inner_text() == f"{shown} of 9 checks are shown."
+        page.get_by_label("Words").fill("CRITICAL mass")
+        assert 0 < rows.count() < shown
+        page.get_by_label("only those that failed").check()
+        assert rows.count() == 0
+        assert chromium.wider_than_the_screen(page) <= 0
