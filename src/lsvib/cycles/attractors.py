@@ -145,7 +145,9 @@ def steady_state(
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
-    ``patience`` is the number of events after which returns that hardly move are leapt over, with two states.
+    ``max_events`` bounds the work: it is a number of events with two states, and with more the budget in units of one
+    ordinary event (:class:`lsvib.engine.motion.Budget`), which may be spent twice. ``patience`` is the number of events
+    after which returns that hardly move are leapt over, with two states.
 
     The search ends in one of the following ways.
 
@@ -155,8 +157,9 @@ def steady_state(
     * The motion settles (:func:`settled`): steady sliding, rest, neutral oscillations, or unbounded.
     * The section state repeats after 1 to 64 returns, or the map of 1 to 8 returns has an attracting fixed point. The
       cycle is called sprag–slip if it sprags, stick–slip if it rests, and other cycle if it does neither; a fixed point
-      at the origin is steady sliding.
-    * A motion of a part of a drive, such as slip without rest, leaves the range of numbers: unbounded.
+      at the origin is steady sliding. With more than two states a cycle that nothing damps is one of a neutral family.
+    * A motion of compliant threads, or of a part of a drive, such as slip without rest, leaves the range of numbers:
+      unbounded.
     * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions without
       an attracting cycle – chaotic and quasi-periodic ones, above all where nothing damps – and to motions whose cycle
       attracts slowly, if it has a multiplier within 1e-6 of the unit circle or more than 8 returns, or if the return
