@@ -34,7 +34,7 @@ _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which th
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
-_APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near with more states
+_APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 _SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
@@ -214,15 +214,17 @@ def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 def _of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
     """Find the attractor of a motion with more than two states; the budget may be spent twice."""
 
-    def ended(part: Motion) -> SteadyState | None:
-        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part, budget)
+    def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
+        if part.status == Status.SETTLED:
+            return settled(automaton, part)
+        return _recurrence(automaton, part, budget, apart)
 
     found: SteadyState | drifts.Recurrence | None = None
     used, chunk = 0, CHUNK
     try:
         while found is None and used < LONG:
             motion = followed(automaton, state, mode, chunk, budget)
-            found, state, mode = ended(motion), motion.end_state, motion.end_mode
+            found, state, mode = ended(motion, math.inf), motion.end_state, motion.end_mode
             used, chunk = used + motion.time.size, 2 * chunk
         if found is None:
             again = Budget(budget.left)
@@ -391,7 +393,9 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
 
 
-def _recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = None) -> SteadyState | None:
+def _recurrence(
+    automaton: Automaton, motion: Motion, budget: Budget | None = None, apart: float = math.inf
+) -> SteadyState | None:
     """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = _watched(motion)
     if seen is None:
@@ -402,7 +406,7 @@ def _recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = No
     if len(points) < FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
-    if size.size > 2 and changes[nearest - 1].max() > _APART:
+    if changes[nearest - 1].max() > apart:
         return None
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:

@@ -5,16 +5,17 @@ rest. The states there form an affine *section*; d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
   its right, so a fixed point lies between.
-* d > 1: Newton's method solves P(y) = y. P′ is the exact product of :mod:`lsvib.cycles.variational`, or for returns of
-  many events, and on surfaces that are only touched, central differences along the section. So slow multipliers – real,
-  negative or complex – do not make the search long. The evidence is the residual P(y) − y, and that the motion comes
-  closer with each of its returns, in the norm in which P′ contracts.
+* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section, and where
+  that fails with the exact product of :mod:`lsvib.cycles.variational`. So slow multipliers, real, negative or complex,
+  do not make the search long. The evidence is the residual P(y) − y, and that the motion comes closer with each of its
+  returns, in the norm in which P′ contracts.
 
 A fixed point counts only if its multipliers, the eigenvalues of P′, lie inside the unit circle; or on it, where the
 modes of a cycle preserve volumes, because nothing damps: then it is one of a neutral family.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -236,9 +237,8 @@ class ReturnSection:
         here = np.zeros(self.dimension)
         if self.origin.size == 2:
             return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
-        slopes, margin = self.slopes(here)
-        leading = largest(slopes)
-        return FixedPoint(self.origin, leading, math.nan, self._is_neutral(slopes, margin))
+        leading, neutral = largest(self.jacobian(here)), self._is_neutral(*self.slopes(here))
+        return FixedPoint(self.origin, leading, math.nan, neutral)
 
     def _is_neutral(self, slopes: np.ndarray, margin: float) -> bool:
         """Whether a fixed point with these P′ (d, d) neither attracts nor repels, because nothing damps."""
@@ -276,10 +276,19 @@ class ReturnSection:
         return bool(left > 0 > right) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
-        """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution."""
+        """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution.
+
+        Differences come first: they look to both sides of a surface that is only touched.
+        """
+        found = self._newton(earlier, lambda place: (self.jacobian(place), MARGIN))
+        return found or self._newton(earlier, self.slopes)
+
+    def _newton(
+        self, earlier: np.ndarray, slopes_at: Callable[[np.ndarray], tuple[np.ndarray, float]]
+    ) -> FixedPoint | None:
         place, length = np.zeros(self.dimension), math.inf
         for _ in range(_NEWTONS):
-            (slopes, margin), gap = self.slopes(place), self.excess(place)
+            (slopes, margin), gap = slopes_at(place), self.excess(place)
             if not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
                 return None
             step = np.linalg.lstsq(np.eye(self.dimension) - slopes, gap, rcond=None)[0]
@@ -291,9 +300,9 @@ class ReturnSection:
         else:
             return None
         # The fixed point may touch a surface that the motion crosses on its way: its own multipliers count.
-        own, margin = self.slopes(place)
-        leading, neutral = largest(own), self._is_neutral(own, margin)
-        if not (neutral or abs(leading) < 1 - margin):
+        own, own_margin = self.slopes(place)
+        leading, neutral = largest(slopes), self._is_neutral(own, own_margin)
+        if not (neutral or (abs(leading) < 1 - margin and abs(largest(own)) < 1 - own_margin)):
             return None
         if np.abs(place).max() > _THERE:
             if self._is_neutral(slopes, margin):
@@ -304,7 +313,7 @@ class ReturnSection:
                 return None
             if (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
                 return None
-        return FixedPoint(self.state(place), leading, math.nan, neutral)
+        return FixedPoint(self.state(place), largest(own) if neutral else leading, math.nan, neutral)
 
 
 def conserves(automaton: Automaton) -> bool:
