@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-import zipfile
 
 import docutils.core
 import pytest
@@ -372,14 +371,14 @@ def test_lint_asks_for_nothing_but_conda(fresh):
     rules = re.findall(r"^Lints for rule (\w+)", run.stdout, re.MULTILINE)
     assert set(demands) == {"Specify a conda environment or container for each rule.:"}
     names = ["checks", "compile_engine", "dataset", "figure", "verdict"]
-    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile"]
+    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile", "chart_tile", "draw_chart", "gather_chart"]
     names += ["assess_drive", "compare_drives", "sample_drive"]
     assert sorted(rules) == sorted([*names, *attraction, "accuracy_checks", "accuracy_table", "accuracy_verdict"])
     assert "Lints for snakefile" not in run.stdout
 
 
 def test_every_figure_has_a_caption_and_a_section():
-    figures = {*default_figures(), *accuracy_figures(), "attraction"}
+    figures = {*default_figures(), *accuracy_figures(), "attraction", "chart"}
     assert {path.parent.name for path in CAPTIONS} == figures
     assert {name for name, section in CONFIG.items() if isinstance(section, dict)} == figures
 
@@ -390,18 +389,6 @@ def test_captions_are_restructured_text_without_a_complaint(path):
     settings = {"warning_stream": complaints, "report_level": 1}
     docutils.core.publish_doctree(path.read_text(encoding="utf-8"), settings_overrides=settings)
     assert complaints.getvalue() == ""
-
-
-@pytest.mark.slow
-def test_report_shows_figures_with_captions(built):
-    run = built("--report", "report.zip")
-    assert run.returncode == 0, run.stdout
-    with zipfile.ZipFile(built.folder / "report.zip") as report:
-        names = report.namelist()
-        page = report.read("report/report.html").decode()
-    for figure in FIGURES:
-        assert any(name.endswith(f"{figure}.png") for name in names)
-    assert "node and focus meet on the black curve" in page
 
 
 def states_of(project):
