@@ -215,6 +215,32 @@ class _Drive(RigidParameters):
             self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
         )
 
+    def chart(
+        self,
+        x: "str | tuple[str, float, float, int]",
+        y: "str | tuple[str, float, float, int]",
+        *,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+    ) -> "xr.Dataset":
+        """Return what the drive does over two of its parameters, with the exact curves that divide the chart.
+
+        For rigid drives and those with compliant threads (docs/charts.md). Arguments: ``x`` and ``y``, each (parameter,
+        start, stop, number of cells) in SI units, or such text as "mass=1:20:400"; ``resume`` as of :meth:`automaton`;
+        number of ``workers``, which changes no label; ``progress``, called with numbers of motions done and in all.
+        Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
+        >>> names = found.label.flag_meanings.split()
+        >>> [names[label + 1] for label in found.label.sel(mass=2).values]
+        ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
+        """
+        from lsvib.data.chart import chart
+
+        return chart(self, x, y, rule(resume), workers, progress)
+
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
 
@@ -350,7 +376,7 @@ class RigidDrive(_Drive):
 
         Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``initial``,
         u [rad] and w [rad/s], by default next to steady sliding; ``resume`` as of :meth:`automaton`; number of
-        processes (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
+        threads (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
         all. Variables: attractor, amplitude [rad], period [s], multiplier [1], peak_normal_force [N],
         peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
 

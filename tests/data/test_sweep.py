@@ -1,6 +1,7 @@
 """Sweeps: every point is what its own drive gives, for any number of processes; thresholds lie where it changes."""
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from test_cli import refused, run  # noqa: F401
 import lsvib
 from lsvib import api
 from lsvib.cycles.attractors import orbit_extremes
+from lsvib.cycles.endings import Ending
 from lsvib.cycles.impulses import event_impulses
 from lsvib.data import sweep as sweeping
 from lsvib.engine.motion import follow
@@ -64,7 +66,8 @@ def test_same_bits_for_any_number_of_processes():
     xr.testing.assert_identical(
         BASE.sweep(axial_force=forces, workers=2, progress=lambda *numbers: told.append(numbers)), alone
     )
-    assert told == [(k, 120) for k in range(1, 121)]
+    assert told[-1] == (120, 120)
+    assert all(before[0] < after[0] <= after[1] == 120 for before, after in pairwise(told))
     order = np.random.default_rng(1).permutation(120)
     xr.testing.assert_identical(BASE.sweep(axial_force=forces[order]), alone.isel(axial_force=order))
     xr.testing.assert_identical(BASE.sweep(axial_force=forces[7:8]), alone.isel(axial_force=slice(7, 8)))
@@ -117,6 +120,16 @@ def test_command_refuses(run, arguments, words):  # noqa: F811
     assert words in refused(run, "sweep", *arguments, "--out", "x.nc")
 
 
+def test_pairs_of_lead_angle_and_friction_are_checked():
+    """μ < cot λ couples the two axes: every pair must be acceptable, though each value alone may be."""
+    drive = lsvib.RigidDrive(friction_coefficient=0.5)
+    found = drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38])
+    assert found.attractor.shape == (2, 2)
+    for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
+        with pytest.raises(lsvib.InputError, match=r"friction_coefficient = 0\.5 is outside"):
+            drive.sweep(lead_angle=leads, friction_coefficient=frictions)
+
+
 @pytest.mark.parametrize(
     ("over", "words"),
     [({}, "over names no parameter"), ({"mass": 3}, "is not a list"), ({"mass": "12"}, "is not a list"),
@@ -127,5 +140,5 @@ def test_python_refuses(over, words):
     with pytest.raises(lsvib.InputError, match=words):
         lsvib.RigidDrive().sweep(**over)
     assert not hasattr(api.ThreadsDrive(), "sweep")
-    assert set(sweeping.Point._fields) == set(lsvib.RigidDrive().sweep(mass=[1.0]).data_vars)
+    assert set(Ending._fields) - {"happens"} == set(lsvib.RigidDrive().sweep(mass=[1.0]).data_vars)
     assert Path(sweeping.__file__).name == "sweep.py"

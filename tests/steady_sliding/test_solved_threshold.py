@@ -6,12 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from mpmath import mp
 
 import lsvib
 from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode
-from lsvib.engine.exact import duals
 from lsvib.steady_sliding import boundaries, thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 
@@ -137,36 +136,22 @@ def test_a_result_is_plain_numbers():
     assert found.solutions[0].change({"mass": 2.0}) == {"mass": 2 * found.derivatives["mass"].value}
 
 
-@pytest.mark.parametrize("at", [-30.0, -1e-13, 0.0, 1e-13, 0.3, 200.0])
-def test_functions_of_duals(at):
-    """Values and slopes of the functions that are smooth through zero, against power series and differences."""
-    with mp.workdps(60):
-        (z,) = duals.variables([at])
-        here, step = mp.mpf(at), mp.mpf(10) ** -15
-
-        def ratio(x):
-            return mp.nsum(lambda n: (-1) ** int(n) * x**n / mp.factorial(2 * n + 1), [0, 60])
-
-        def cosine(x):
-            return mp.re(mp.cos(mp.sqrt(x)))
-
-        for made, truth in ((duals.cosine_of_root(z), cosine), (duals.sine_ratio_of_root(z), ratio)):
-            assert abs(made.value - truth(here)) < mp.mpf(10) ** -40 * max(1, abs(truth(here)))
-            slope = (truth(here + step) - truth(here - step)) / (2 * step)
-            assert abs(made.slopes[0] - slope) < mp.mpf(10) ** -25 * max(1, abs(slope))
-
-
-def test_arithmetic_of_duals():
-    rng = np.random.default_rng(7)
-    a, b = (float(x) for x in rng.uniform(0.5, 2, 2))
-    x, y = duals.variables([a, b])
-    found = (2 - x) * y / (x + 3) - 1 / y + (-x) ** 3 * duals.exponential(y) * duals.tangent(x / 3) + (1 - y)
-
-    def plain(x, y):
-        return (2 - x) * y / (x + 3) - 1 / y + (-x) ** 3 * mp.exp(y) * mp.tan(x / 3) + (1 - y)
-
-    with mp.workdps(60):
-        a, b, h = mp.mpf(a), mp.mpf(b), mp.mpf(10) ** -18
-        assert abs(found.value - plain(a, b)) < mp.mpf(10) ** -50
-        assert abs(found.slopes[0] - (plain(a + h, b) - plain(a - h, b)) / (2 * h)) < mp.mpf(10) ** -30
-        assert abs(found.slopes[1] - (plain(a, b + h) - plain(a, b - h)) / (2 * h)) < mp.mpf(10) ** -30
+@pytest.mark.long
+def test_both_sides_of_the_birth_and_the_fold_in_random_drives():
+    """As above, in a hundred drives up to a factor of two from the chapter's, of either sense."""
+    rng, found = np.random.default_rng(1), 0
+    while found < 100:
+        values = {name: getattr(PARADOX, name) * 2.0 ** rng.uniform(-1, 1) for name in RigidParameters.model_fields}
+        sense = rng.choice([-1, 1])
+        values |= {"input_speed": sense * values["input_speed"], "axial_force": sense * values["axial_force"]}
+        drive = lsvib.RigidDrive(**values)
+        try:
+            fold, birth = drive.threshold("fold").value, drive.threshold("cycle_birth").value
+        except lsvib.NoThreshold:
+            continue
+        found += 1
+        gap = birth - fold
+        forces = fold - 0.2 * gap, fold + 0.2 * gap, birth - 1e-4 * gap, birth + 1e-4 * gap
+        kinds = [basin(drive.replace(axial_force=force)).boundary for force in forces]
+        assert kinds == [Boundary.NONE, Boundary.CYCLE, Boundary.CYCLE, Boundary.TOUCHING_SLIP]
+        assert abs(drive.threshold("global_stability").value) >= abs(fold)

@@ -65,6 +65,11 @@ class Axis(NamedTuple):
         """Make an axis from numbers or text; ``InputError`` if it is none or has cells that coincide."""
         if coordinate not in COORDINATES:
             raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(COORDINATES)}.")
+        return cls.over(coordinate, start, stop, count)
+
+    @classmethod
+    def over(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
+        """Make an axis as :meth:`checked`, over whatever bears the name."""
         start, stop = (numbers.start(f"axis {coordinate}: {name}", x) for name, x in (("start", start), ("stop", stop)))
         if not start < stop:
             raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")

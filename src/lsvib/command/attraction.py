@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from lsvib.command.app import app
 from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
-from lsvib.command.printing import print_json, print_map
+from lsvib.command.printing import picture_files, print_json, print_map
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
 
@@ -55,7 +55,7 @@ def attraction(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
-    pictures = _pictures(figure)
+    pictures = picture_files(figure)
     outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
     if pictures and refine:
@@ -79,12 +79,3 @@ def attraction(
         return
     print(f"wrote {out}")
     print_map(result, counts)
-
-
-def _pictures(figure: Path | None) -> list[tuple[Path, str]]:
-    """Return the files to draw the map to and what they are called in messages; none if no figure is asked for."""
-    if figure is None:
-        return []
-    if figure.suffix != ".png":
-        raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
-    return [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]

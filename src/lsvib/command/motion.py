@@ -72,7 +72,7 @@ def sweep(
         Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **ONE_VALUE),
     ] = None,
     resume: Annotated[str, RESUME] = "contact_sign",
-    workers: Annotated[str, Parameter(help="Number of processes.")] = "1",
+    workers: Annotated[str, Parameter(help="Number of threads.")] = "1",
     out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lsvib.errors import InputError
+
 if TYPE_CHECKING:
     from lsvib.data.checks import Check
     from lsvib.results import SolvedThreshold
@@ -81,6 +83,24 @@ def print_sweep(result: Mapping[str, Any]) -> None:
     for kind, count in result["attractors"].items():
         print(f"{kind.replace('_', ' ')}: {count} of {result['points']} points")
     print(f"{result['points_per_second']:.3g} points per second")
+
+
+def print_chart(result: Mapping[str, Any]) -> None:
+    """Print the summary of a chart."""
+    for name, part in result["fractions"].items():
+        print(f"{name.replace('_', ' ')}: a fraction of {part:.6g} of {result['cells']} cells")
+    curves = ", ".join(name.replace("_", " ") for name in result["curves"])
+    print(f"exact curves: {curves or 'none'}")
+    print(f"{result['cells_per_second']:.3g} cells per second")
+
+
+def picture_files(figure: Path | None) -> list[tuple[Path, str]]:
+    """Return the files to draw a picture to and what they are called in messages; none if no figure is asked for."""
+    if figure is None:
+        return []
+    if figure.suffix != ".png":
+        raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+    return [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]
 
 
 def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:

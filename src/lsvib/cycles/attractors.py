@@ -22,22 +22,22 @@ from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError
 
-_CHUNK = 64  # events that are looked at first; every further look takes twice as many
-_PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
-_SOLVED = 8  # most returns to the section in a cycle that the return map is solved for
-_LONG = 1000  # events after which returns that hardly move are leapt over
+CHUNK = 64  # events that are looked at first; every further look takes twice as many
+PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
+SOLVED = 8  # most returns to the section in a cycle that the return map is solved for
+LONG = 1000  # events after which returns that hardly move are leapt over
 _LONGER = 8  # factor from one such attempt to the next
 _MORE_PATIENCE = 1000.0  # time that a return after a leap may take, in times of the longest return seen
-_REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
+REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
 _BLOCK_EVENTS = 5000  # most events of a motion with modes in blocks; each takes ten to a hundred times as long
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
-_FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
+FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
-_CORNERS = (1e-9, 1e-5)
+CORNERS = (1e-9, 1e-5)
 
 
 class Attractor(IntEnum):
@@ -136,7 +136,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def steady_state(
-    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000, patience: int = _LONG
+    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000, patience: int = LONG
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
@@ -170,7 +170,7 @@ def _steady_state(
         return SteadyState(Attractor.STEADY_SLIDING, state)
     if isinstance(automaton.tables.flow, BlockFlow):
         max_events = min(max_events, _BLOCK_EVENTS)
-    used, chunk, size_of_state = 0, min(_CHUNK, patience), state.size
+    used, chunk, size_of_state = 0, min(CHUNK, patience), state.size
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -265,7 +265,7 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> S
     ``twice`` the motion from the last return and the one from half a return further must end alike.
     """
     seen = _watched(motion)
-    if seen is None or len(seen.points) < _FEWEST:
+    if seen is None or len(seen.points) < FEWEST:
         return None
     key, points, size, patience = seen.key, seen.points, seen.size, _MORE_PATIENCE * seen.longest
     section = ReturnSection(automaton, key, points[-1], size, 1, patience)
@@ -282,11 +282,11 @@ def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> S
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else _cycle(there, fixed)
     elif end.end == leaps.End.SHRINKS:
-        found = _steady_state(automaton, place, key[1], left, _LONG, twice)
+        found = _steady_state(automaton, place, key[1], left, LONG, twice)
     else:
         between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
-        found = _steady_state(automaton, place, key[1], left, _LONG, False)
-        if twice and found.label != _steady_state(automaton, between, key[1], left, _LONG, False).label:
+        found = _steady_state(automaton, place, key[1], left, LONG, False)
+        if twice and found.label != _steady_state(automaton, between, key[1], left, LONG, False).label:
             return SteadyState(Attractor.UNRESOLVED, place)
     return None if found is None else replace(found, passages=(passage, *found.passages))
 
@@ -349,7 +349,7 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     else:
         own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
         state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])
-        orbit = follow(automaton, state, math.inf, mode=mode, stop=(kind, mode), max_events=_CHUNK)
+        orbit = follow(automaton, state, math.inf, mode=mode, stop=(kind, mode), max_events=CHUNK)
     size = np.maximum(np.abs(motion.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
@@ -361,11 +361,11 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if seen is None:
         return None
     key, points, size, longest = seen
-    changes = np.abs(points[-1] - points[-2 : -2 - _PERIODS : -1]) / size
-    repeats = np.flatnonzero((changes <= _REPEATS[size.size > 2]).all(axis=1)) + 1
-    if len(points) < _FEWEST and not repeats.size:
+    changes = np.abs(points[-1] - points[-2 : -2 - PERIODS : -1]) / size
+    repeats = np.flatnonzero((changes <= REPEATS[size.size > 2]).all(axis=1)) + 1
+    if len(points) < FEWEST and not repeats.size:
         return None
-    nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:_SOLVED].max(axis=1))) + 1
+    nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest)
     if repeats.size and size.size == 2:
         return _cycle(section, section.repeated())
@@ -380,14 +380,14 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
             continue
         if size.size > 2 and not _by_the_same_events(section, found):
             continue
-        if np.abs(found.state / size).max() < _CORNERS[size.size > 2]:
+        if np.abs(found.state / size).max() < CORNERS[size.size > 2]:
             if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
             there = ReturnSection(automaton, key, found.state, size, fewer, longest)
             again = there.fixed_point(before)
-            if again is not None and (np.abs(again.state - found.state) <= _CORNERS[0] * size).all():
+            if again is not None and (np.abs(again.state - found.state) <= CORNERS[0] * size).all():
                 return _cycle(there, again)
         return _cycle(section, found)
     if not repeats.size or _drifts(points[::-nearest]):

@@ -19,6 +19,7 @@ the mean contact torque is −k ⟨z⟩ − c Ω.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -55,12 +56,16 @@ class MeanLoad:
 def seizure_impulses(drive: RigidParameters, speed) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
-    lever = drive.mass * drive.pitch_radius - drive.screw_inertia / drive.pitch_radius
     return Impulses(
-        normal=speed * math.sin(drive.lead_angle) * lever,
+        normal=normal_impulse(speed, math.sin(drive.lead_angle), drive.mass, drive.pitch_radius, drive.screw_inertia),
         axial=speed * drive.mass * drive.pitch_radius * math.tan(drive.lead_angle),
         torque=speed * drive.screw_inertia,
     )
+
+
+def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_inertia: Any) -> Any:
+    """Return J_N [N s] of a seizure from θ′ = ``speed`` [rad/s], with ``sine`` = sin λ; numbers or arrays, SI units."""
+    return speed * sine * (mass * pitch_radius - screw_inertia / pitch_radius)
 
 
 def seizure_speeds(drive: RigidParameters, motion: Motion) -> np.ndarray:

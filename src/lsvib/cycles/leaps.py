@@ -30,7 +30,7 @@ _STALLS = 8  # most leaps in one drift that are too short: beyond, f is near its
 _HALVINGS = 80  # most halvings of an interval; its ends are neighbouring doubles before, unless one of them is zero
 _FINE = 16.0  # size of f, in units of its rounding, below which a line with a finer scale is taken,
 _FAR = 0.25  # once the drift has come this far, in scales of the line
-_FEW = 32.0  # returns within which a target counts as reached straight
+FEW = 32.0  # returns within which a target counts as reached straight
 _NEARLY = 1e-3  # part of the way that is left out before a target, because f vanishes there
 _EDGE = 0.25  # width, in returns, to which the place is found at which the events of a return change
 
@@ -100,9 +100,9 @@ def goes_straight(section: ReturnSection, target: float) -> bool:
     A target that is only a few returns away counts as reached: a motion that converges fast is that near to it.
     """
     first = section.return_from(0.0)
-    if abs(target) <= _FEW * abs(first.excess):
+    if abs(target) <= FEW * abs(first.excess):
         return True
-    nearly = target - math.copysign(_FEW * abs(section.return_from(target).excess) + _NEARLY * abs(target), target)
+    nearly = target - math.copysign(FEW * abs(section.return_from(target).excess) + _NEARLY * abs(target), target)
     return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
 
 

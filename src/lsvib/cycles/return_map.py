@@ -25,18 +25,18 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 
 ROUNDING = flow_planar.ROUNDING  # sums below it, relative to their terms, count as zero, as they do in the engine
-_SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
-_WIDER = 4.0  # factor from one interval tried around a fixed point to the next
-_WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
-_SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
+SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
+WIDER = 4.0  # factor from one interval tried around a fixed point to the next
+WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
+SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
 _THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
-_LONGEST = 1000  # events in one return
-_PATIENCE = 10  # time that the next return may take, in times of the longest return seen
+LONGEST = 1000  # events in one return
+PATIENCE = 10  # time that the next return may take, in times of the longest return seen
 _ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
 _LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
 _DOUBLINGS = 40  # of the number of terms in the sum that makes the norm: 2⁴⁰ terms, more than a slow multiplier needs
@@ -108,7 +108,7 @@ class ReturnSection:
         longest: float,
     ) -> None:
         self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
-        self._limit = _PATIENCE * longest
+        self._limit = PATIENCE * longest
         met = _surfaces(automaton, origin, size)
         if origin.size > 2:
             scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
@@ -154,7 +154,7 @@ class ReturnSection:
         motion, events, here = None, 0, state
         for _ in range(self.returns):
             try:
-                motion = follow(self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=_LONGEST)
+                motion = follow(self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST)
             except EngineError:
                 return None
             if motion.status != Status.STOP_EVENT:
@@ -186,7 +186,7 @@ class ReturnSection:
 
     def jacobian(self, place: np.ndarray) -> np.ndarray:
         """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
-        step = _SLOPE_STEP if self.dimension == 1 else _JACOBIAN_STEP
+        step = SLOPE_STEP if self.dimension == 1 else _JACOBIAN_STEP
         offsets = step * np.eye(self.dimension)
         columns = [(self.excess(place + h) - self.excess(place - h)) / (2 * step) for h in offsets]
         return np.reshape(columns, offsets.shape).T + np.eye(self.dimension)
@@ -208,7 +208,7 @@ class ReturnSection:
         """Solve by the secant method from the last two states, and enclose the solution; None without success."""
         old = np.zeros(1)
         f_older, f_old = self.excess(older), self.excess(old)
-        for _ in range(_SECANTS):
+        for _ in range(SECANTS):
             if abs(f_old) <= flow_planar.EPS or f_old == f_older:
                 break
             new = old - f_old * (old - older) / (f_old - f_older)
@@ -219,9 +219,9 @@ class ReturnSection:
             if abs(old - older) <= flow_planar.EPS:
                 break
         width = ROUNDING
-        while width < _WIDEST and not all(self._inward(old, part * width) for part in (1.0, _WIDER)):
-            width *= _WIDER
-        if width >= _WIDEST:
+        while width < WIDEST and not all(self._inward(old, part * width) for part in (1.0, WIDER)):
+            width *= WIDER
+        if width >= WIDEST:
             return None
         slope = float(self.jacobian(old)[0, 0])
         if not abs(slope) < 1:

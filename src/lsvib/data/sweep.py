@@ -1,50 +1,29 @@
 """What the rigid drive ends on over values of its parameters: attractor, amplitude, period, forces of every point.
 
 A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
-the number of processes. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
+the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
 """
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from functools import partial
-from itertools import product
-from multiprocessing import get_context
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.cycles.impulses import seizure_impulses, seizure_speeds
+from lsvib.cycles.attractors import Attractor
+from lsvib.cycles.endings import all_endings
 from lsvib.data.attributes import attributes, flags
-from lsvib.drives.coefficients import coefficients
+from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters, described, names_and_values
-from lsvib.drives.rigid import Resume, rigid_automaton
-from lsvib.errors import EngineError, InputError
+from lsvib.drives.rigid import Resume
+from lsvib.errors import InputError
 
 Progress = Callable[[int, int], None]
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
-_CHUNK = 50  # points that a process takes at a time, some 0.1 s; a thousand or so make starting it worth while
 _MOST = 10_000_000  # points, of which each has some hundred bytes
-_WITHOUT_EXTREMES = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
-
-
-class Point(NamedTuple):
-    """What a motion ends on; nan where it has no such number.
-
-    ``amplitude`` [rad], half the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest;
-    ``peak_normal_force`` [N], largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest
-    |J_N| of a seizure, 0 without one.
-    """
-
-    attractor: int
-    amplitude: float
-    period: float
-    multiplier: float
-    peak_normal_force: float
-    peak_normal_impulse: float
 
 
 _VARIABLES = {
@@ -68,9 +47,10 @@ def sweep(
     """Return the attractor and its numbers over the product of values of some parameters of the rigid drive.
 
     Arguments: ``over``, values [SI units] by name of a parameter; ``initial``, u [rad] and w [rad/s], by default next
-    to steady sliding; rule of resuming; number of processes; ``progress``, called with the numbers of points done and
-    in all. The dataset has a dimension for each parameter, in the order given, and the variables of :class:`Point`.
-    Raises ``InputError`` for values, starts or drives that are not acceptable.
+    to steady sliding; rule of resuming; number of threads (``workers``); ``progress``, called with the numbers of
+    points done and in all. The dataset has a dimension for each parameter, in the order given, and as variables the
+    numbers of :class:`lsvib.cycles.endings.Ending`. Raises ``InputError`` for values, starts or drives that
+    are not acceptable.
     """
     axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
     if not axes:
@@ -82,15 +62,11 @@ def sweep(
     if set(start) != {"u", "w"}:
         raise InputError(f"initial has the keys {', '.join(start) or 'none'}; it needs u and w.")
     state = tuple(numbers.start(f"initial {key}", start[key]) for key in ("u", "w"))
-    drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
-    found = _all(drives, partial(point, state=state, resume=resume), _processes(workers), progress)
-    sizes = tuple(map(len, axes.values()))
-    columns = {
-        name: np.array([getattr(row, name) for row in found], dtype=np.int8 if name == "attractor" else float)
-        for name in _VARIABLES
-    }
+    threads, drives, sizes = number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
+    starts = np.broadcast_to(np.array(state), (drives.size, 2))
+    found = all_endings(drives, starts, resume, threads, progress)
     return xr.Dataset(
-        {name: (tuple(axes), columns[name].reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
+        {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
         coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
         attrs={
             "title": f"What the rigid lead-screw drive ends on over {', '.join(axes)}",
@@ -104,32 +80,25 @@ def sweep(
     )
 
 
-def point(drive: RigidParameters, state: tuple[float, ...], resume: Resume) -> Point:
-    """Return what the motion of a rigid drive from a state (u [rad], w [rad/s]) ends on."""
-    automaton = rigid_automaton(drive, resume=resume)
-    found = steady_state(automaton, state)
-    if found.label in _WITHOUT_EXTREMES:
-        return Point(int(found.label), *(math.nan,) * 5)
-    if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
-        return Point(int(found.label), 0.0, math.nan, math.nan, _steady_force(drive), 0.0)
-    try:
-        amplitude = found.amplitude
-        force = max(map(abs, orbit_extremes(found.orbit, automaton.observables["normal_force"])))
-    except EngineError:  # the rates of a mode lie too far apart to find the extremes
-        amplitude = force = math.nan
-    return Point(int(found.label), amplitude, found.period, found.multiplier, force, _impulse(drive, found))
+def product_of(drive: RigidParameters, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
+    """Return the drives over the product of values of some parameters, the last one fastest.
 
-
-def _steady_force(drive: RigidParameters) -> float:
-    """|N_0| of steady sliding (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω."""
-    c, d = coefficients(drive), drive.exact()
-    return float(abs(c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)))
-
-
-def _impulse(drive: RigidParameters, found: SteadyState) -> float:
-    """Largest |J_N| of the seizures of a cycle."""
-    assert found.orbit is not None
-    return float(np.max(np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal), initial=0.0))
+    Raises ``InputError`` if one of them is not acceptable. Only the friction coefficient and the lead angle have ranges
+    that depend on each other: μ < cot λ holds for all pairs if it holds for the largest μ and the largest λ.
+    """
+    lead = axes.get("lead_angle", ())
+    for name, values in axes.items():
+        if name == "friction_coefficient":
+            beside = {"lead_angle": max(lead)} if lead else {}
+        elif name == "lead_angle":
+            friction = axes.get("friction_coefficient", ())
+            beside = {"friction_coefficient": min(friction)} if friction else {}
+        else:
+            beside = {}
+        for value in values:
+            drive.replace(**{name: value, **beside})
+    grids = np.meshgrid(*axes.values(), indexing="ij")
+    return ManyDrives(dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)})
 
 
 def evenly(name: str, text: str) -> np.ndarray:
@@ -159,25 +128,6 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def _all(
-    drives: list[RigidParameters], work: Callable[[RigidParameters], Point], workers: int, progress: Progress | None
-) -> list[Point]:
-    """The points of drives, in their order, by processes that each compute some at a time."""
-    if workers == 1 or len(drives) <= _CHUNK:
-        return _told(map(work, drives), len(drives), progress)
-    with get_context("spawn").Pool(min(workers, -(-len(drives) // _CHUNK))) as pool:
-        return _told(pool.imap(work, drives, _CHUNK), len(drives), progress)
-
-
-def _told(points: Any, total: int, progress: Progress | None) -> list[Point]:
-    found = []
-    for k, one in enumerate(points, 1):
-        found.append(one)
-        if progress is not None:
-            progress(k, total)
-    return found
-
-
 def parameter_values(name: str, given: Any) -> list[float]:
     """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
 
@@ -193,7 +143,8 @@ def parameter_values(name: str, given: Any) -> list[float]:
         raise InputError(f"over: {name} holds a value that {error}.") from None
 
 
-def _processes(given: Any) -> int:
+def number_of(given: Any) -> int:
+    """Return a number of workers; raises ``InputError`` if it is none."""
     most = 4096  # more than any machine has cores
     try:
         count = numbers.whole(given)
@@ -207,5 +158,6 @@ def _processes(given: Any) -> int:
 
 
 def coordinate(name: str) -> dict[str, Any]:
+    """Return the attributes of a parameter as a coordinate."""
     about = described(RigidParameters, name)
     return attributes(about["unit"], about["long_name"])

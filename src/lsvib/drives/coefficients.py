@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from typing import Any
 
 from lsvib.drives import friction
 from lsvib.drives.once import once
@@ -30,7 +31,11 @@ class Coefficients:
 @once
 def coefficients(drive: RigidParameters) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, to 50 digits."""
-    d = drive.exact()
+    return coefficients_of(drive.exact())
+
+
+def coefficients_of(d: Any) -> Coefficients:
+    """Return the coefficients from exact parameters, of one drive or of many (:mod:`lsvib.drives.many`)."""
     with localcontext(prec=PLACES):
         r, tan = d.pitch_radius, d.tan_lead
         xi = {s: friction.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}

@@ -160,7 +160,7 @@ class ExactParameters:
     def __init__(self, drive: RigidParameters) -> None:
         values = {key: Decimal(value) for key, value in drive.__dict__.items()}
         with localcontext(prec=PLACES + 10):
-            sine, cosine = _sine_and_cosine(values["lead_angle"])
+            sine, cosine = sine_and_cosine(values["lead_angle"])
             self.__dict__.update(values, sin_lead=sine, cos_lead=cosine, tan_lead=sine / cosine)
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -176,7 +176,7 @@ def _exact(drive: RigidParameters) -> ExactParameters:
     return ExactParameters(drive)
 
 
-def _sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
+def sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
     """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
     sums = [Decimal(0), Decimal(1)]
     term = Decimal(1)

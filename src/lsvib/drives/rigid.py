@@ -24,7 +24,7 @@ sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyon
 
 from decimal import localcontext
 from enum import IntEnum
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from lsvib.engine.automaton import (
     oscillator,
     scaled,
 )
+from lsvib.engine.exact.pair_arrays import double
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
@@ -100,8 +101,15 @@ def rigid_automaton(drive: RigidParameters, *, rest: bool = True, resume: Resume
 
 @once
 def _automaton(drive: RigidParameters, rest: bool, resume: Resume) -> Automaton:
-    c = coefficients(drive)
-    d = drive.exact()
+    return automaton_of(coefficients(drive), drive.exact(), rest, resume)
+
+
+def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automaton:
+    """Return the automaton from coefficients and exact parameters, of one drive or of many at once.
+
+    The tables of doubles of many drives have one more axis, the first. ``resume`` is contact_sign outside the Painlevé
+    region.
+    """
     with localcontext(prec=PLACES):
         terms = {
             s: (
@@ -125,7 +133,7 @@ def _automaton(drive: RigidParameters, rest: bool, resume: Resume) -> Automaton:
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=1e-13 * min(float(flow.row[columns.TIME_SCALE]) for flow in flows.values()),
+            shortest_stay=1e-13 * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
             sprag_kinds=(EventKind.SEIZURE,),
             passive=rest,
@@ -140,7 +148,7 @@ def _contracts(c: Coefficients) -> bool:
     acceleration forward is below that backward by |Q| (1/Γ₊ − 1/Γ₋) / (m r_m tan λ), so that areas are squeezed.
     """
     undamped = c.damping[1] == 0 == c.damping[-1]
-    return not c.paradox and (undamped or min(c.damping.values()) > 0)
+    return not c.paradox and (undamped or all(damping > 0 for damping in c.damping.values()))
 
 
 def _mover(c: Coefficients, d) -> int:
@@ -241,8 +249,8 @@ def _stop(stand: _Stand) -> tuple[Branch, ...]:
 def _entry(modes, flows, stand: _Stand, rest: bool):
     """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
     flow = flows[1].row
-    a0, a1, b = flow[columns.A0], flow[columns.A1], flow[columns.B]
-    q_u, q_w = float(stand.q[0]), float(stand.q[1])
+    a0, a1, b = flow[..., columns.A0], flow[..., columns.A1], flow[..., columns.B]
+    q_u, q_w = double(stand.q[0]), double(stand.q[1])
     q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
     for direction in (1, -1):
         moving = ((scaled(stand.speed, direction), Test.POSITIVE),) if rest else ()

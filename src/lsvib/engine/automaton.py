@@ -1,6 +1,7 @@
 """From a model in words – surfaces, modes, transitions – to the tables that the engine runs.
 
-Every number may be a ``Decimal``; it is rounded to double once, here.
+Every number may be a ``Decimal``; it is rounded to double once, here. It may also be a ``Pairs``, the numbers of many
+drives; then all tables of doubles have one more axis, the first, for the drives.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.engine.exact.pair_arrays import Pairs, double, doubles, exactly
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Test
 from lsvib.engine.kernels.tables import Tables
 from lsvib.errors import EngineError
 
-Row = Sequence[Decimal | float | int]
+Row = Sequence[Decimal | Pairs | np.ndarray | float | int]
 
 
 @dataclass(frozen=True)
@@ -104,11 +106,11 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
     The characteristic roots are formed in decimal arithmetic, free of cancellation.
     """
     with localcontext(prec=PLACES):
-        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        inertia, damping, stiffness, force = (exactly(x) for x in (inertia, damping, stiffness, force))
         a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
         alpha = a1 / 2
         discriminant = alpha * alpha - a0
-        row = np.zeros(columns.COUNT)
+        row: list[Any] = [0.0] * columns.COUNT
         row[columns.A0], row[columns.A1], row[columns.B], row[columns.ALPHA] = a0, a1, b, alpha
         if discriminant < 0:
             row[columns.BETA] = (-discriminant).sqrt()
@@ -117,13 +119,13 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
             row[columns.R1], row[columns.R2] = _real_rates(alpha, a0)
         row[columns.EQUILIBRIUM] = b / a0 if a0 else 0
         row[columns.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
-    return row
+        return doubles(row, (columns.COUNT,))
 
 
 def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Decimal] | None:
     """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, to 50 digits; None if it has none."""
     with localcontext(prec=PLACES):
-        inertia, damping, stiffness, force = (Decimal(x) for x in (inertia, damping, stiffness, force))
+        inertia, damping, stiffness, force = (exactly(x) for x in (inertia, damping, stiffness, force))
         alpha, square = damping / inertia / 2, stiffness / inertia
         if not stiffness or alpha * alpha <= square:
             return None
@@ -142,7 +144,7 @@ def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tupl
     if mode.exact is None:
         return 0, 0, 0
     with localcontext(prec=PLACES):
-        place, rate, constant = (guard.sign * Decimal(x) for x in surfaces[guard.surface].row)
+        place, rate, constant = (guard.sign * exactly(x) for x in surfaces[guard.surface].row)
         equilibrium, slow, fast = mode.exact
         return place * equilibrium + constant, place + rate * slow, place + rate * fast
 
@@ -153,8 +155,8 @@ def assemble(
     modes: dict[str, Mode],
     transitions: dict[str, Transition],
     observables: dict[str, dict[str, Row]],
-    shortest_stay: float,
-    stack: Callable = np.array,
+    shortest_stay: Any,
+    stack: Callable | None = None,
     **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
@@ -173,19 +175,21 @@ def assemble(
     reset_index = iter(range(len(resets)))
     n = len(states)
     tables = Tables(
-        flow=stack([mode.flow for mode in modes.values()]),
+        flow=(stack or _planar_flow)([mode.flow for mode in modes.values()]),
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=np.array(
-            [_guard_parts(mode, guard, surfaces) if n == 2 else () for mode in modes.values() for guard in mode.guards],
-            dtype=float,
-        ).reshape(len(guards), -1),
+        guard_parts=doubles(
+            [x for mode in modes.values() for guard in mode.guards for x in _guard_parts(mode, guard, surfaces)]
+            if n == 2
+            else [],
+            (len(guards), 3 if n == 2 else 0),
+        ),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
-        resets=np.array([_rows(reset, n) for reset in resets]).reshape(-1, n, n + 1),
+        resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),
         branch_mode=_integers(mode_index[branch.mode] for branch in branches),
         branch_kind=_integers(branch.kind for branch in branches),
@@ -194,7 +198,7 @@ def assemble(
         condition_row=_rows([row for row, _ in conditions], n),
         condition_test=_integers(test for _, test in conditions),
         beyond_accumulation=_integers(mode_index.get(mode.beyond_accumulation, -1) for mode in modes.values()),
-        shortest_stay=float(shortest_stay),
+        shortest_stay=double(shortest_stay),
     )
     return Automaton(
         tables=tables,
@@ -211,9 +215,16 @@ def scaled(row: Row, factor) -> tuple:
     return tuple(factor * x for x in row)
 
 
-def _rows(rows: Sequence[Row], n: int) -> np.ndarray:
-    table = np.array([[float(x) for x in row] for row in rows], dtype=float).reshape(-1, n + 1)
-    if not np.isfinite(table).all():
+def _planar_flow(rows: Sequence[np.ndarray]) -> np.ndarray:
+    """The flow table of modes with two states from their rows, some or all of which may be those of many drives."""
+    return np.stack(np.broadcast_arrays(*rows), axis=-2)
+
+
+def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    table = doubles([x for row in rows for x in row], shape or (len(rows), n + 1))
+    if (
+        table.ndim == len(shape or (0, 0)) and not np.isfinite(table).all()
+    ):  # what is unsafe among many is refused later
         raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
     return table
 

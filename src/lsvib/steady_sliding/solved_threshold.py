@@ -64,7 +64,7 @@ def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = Non
                 f"no axial_force is the threshold {name}: next to {sense * float(start.force):.9g} N, where the drive "
                 "changes what it does, its equations have no solution."
             ) from None
-        return _result(drive, name, key, [found], "The force is in closed form, and the only one.")
+        return _result(drive, name, key, [found], "The force follows from a closed form, which has one value.")
     return _by_search(drive, name, key)
 
 

@@ -1,0 +1,64 @@
+"""The command that charts what a drive does over two of its parameters."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from lsvib.command.app import app
+from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.printing import picture_files, print_chart, print_json
+from lsvib.command.terminal import Progress
+
+
+@app.command
+def chart(
+    *,
+    x: Annotated[str, Parameter(help="KEY=START:STOP:COUNT: the parameter along the columns, and its cells.")],
+    y: Annotated[str, Parameter(help="KEY=START:STOP:COUNT: the parameter along the rows.")],
+    model: Annotated[str, MODEL] = "rigid",
+    changes: Changes = None,
+    resume: Annotated[str, RESUME] = "contact_sign",
+    workers: Annotated[str, Parameter(help="Number of threads; of compliant threads, of processes.")] = "1",
+    out: Annotated[
+        Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
+    ] = None,
+    figure: Annotated[Path | None, Parameter(help="PNG file to draw the chart to; a PDF is written beside it.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Chart what a drive does over two of its parameters, with the exact curves that divide the chart.
+
+    Examples of use:
+
+        lsvib chart --x mass=1:20:400 --y axial_force=-60:60:400 --set translation_damping=300 --workers 2 --out
+        chart.nc --figure chart.png
+
+        lsvib chart --model threads --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
+        contacts.nc
+    """
+    from time import perf_counter
+
+    from lsvib.api import drive_class, rule
+    from lsvib.data.chart import chart as charted
+    from lsvib.data.chart import summary
+    from lsvib.data.writer import write_dataset
+    from lsvib.files import Outputs
+
+    pictures = picture_files(figure)
+    outputs = Outputs([*([(out, "netCDF")] if out else []), *pictures])
+    drive = drive_class(model).of(pairs(changes))
+    begin = perf_counter()
+    found = charted(drive, x, y, rule(resume), workers, Progress("motions"))
+    result = summary(found, perf_counter() - begin)
+    with outputs.writing() as parts:
+        if out:
+            write_dataset(found, parts[0], "lsvib.chart")
+        if pictures:
+            from lsvib.figures.chart.picture import draw
+            from lsvib.figures.drawing.style import save
+
+            save(draw(found), *parts[-2:])
+    if as_json:
+        print_json(result)
+        return
+    print_chart(result)

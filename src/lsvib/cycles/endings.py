@@ -1,0 +1,227 @@
+"""What the motions of rigid drives end on – attractor, size, forces – of one drive or of many at once.
+
+The tables of many drives are made at once, and a compiled search does the common cases, number by number as
+:func:`lsvib.cycles.attractors.steady_state` does, so that all results are the same to the last bit. What it leaves open
+goes to that function.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lsvib.cycles import attractors, leaps, return_map
+from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
+from lsvib.cycles.kernels import endings as kernels
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.many import Group, ManyDrives, steady_force
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
+from lsvib.engine.kernels import columns
+from lsvib.engine.motion import Motion
+from lsvib.errors import EngineError
+
+_SEARCH = kernels.Search(
+    chunk=attractors.CHUNK,
+    patience=attractors.LONG,
+    returns=attractors.PERIODS,
+    solved=attractors.SOLVED,
+    fewest=attractors.FEWEST,
+    repeats=attractors.REPEATS[0],
+    corner=attractors.CORNERS[0],
+    few=leaps.FEW,
+    patience_of_return=return_map.PATIENCE,
+    longest=return_map.LONGEST,
+    secants=return_map.SECANTS,
+    wider=return_map.WIDER,
+    widest=return_map.WIDEST,
+    slope_step=return_map.SLOPE_STEP,
+)
+
+
+SPRAGS, RESTS, REVERSES = kernels.SPRAGS, kernels.RESTS, kernels.REVERSES
+_BLOCK = 8192  # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
+_SHARE = 50  # open motions that a process takes at a time, some 0.1 s
+_WORTH = 1000  # open motions that make it worth while to start processes, which takes some seconds
+_WITHOUT_EXTREMES = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
+
+
+class Ending(NamedTuple):
+    """What a motion ends on; nan where it has no such number.
+
+    ``attractor``, an :class:`lsvib.cycles.attractors.Attractor`; ``happens``, what happens on a cycle: the sum of those
+    of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad], half
+    the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest; ``peak_normal_force`` [N],
+    largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest |J_N| of a seizure, 0 without.
+    """
+
+    attractor: int
+    happens: int
+    amplitude: float
+    period: float
+    multiplier: float
+    peak_normal_force: float
+    peak_normal_impulse: float
+
+
+class Endings(NamedTuple):
+    """What motions end on, arrays (k) of what :class:`Ending` holds."""
+
+    attractor: np.ndarray
+    happens: np.ndarray
+    amplitude: np.ndarray
+    period: np.ndarray
+    multiplier: np.ndarray
+    peak_normal_force: np.ndarray
+    peak_normal_impulse: np.ndarray
+
+    @classmethod
+    def unknown(cls, size: int) -> "Endings":
+        """Return room for so many."""
+        kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
+        return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
+
+    def put(self, places: Any, other: "Endings | Ending") -> None:
+        """Write others at some places."""
+        for mine, theirs in zip(self, other, strict=True):
+            mine[places] = theirs
+
+
+def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> Ending:
+    """Return what the motion of a rigid drive from a state (u [rad], w [rad/s]) ends on."""
+    automaton = rigid_automaton(drive, resume=resume)
+    found = steady_state(automaton, state)
+    label = int(found.label)
+    if found.label in _WITHOUT_EXTREMES:
+        return Ending(label, 0, *(math.nan,) * 5)
+    if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
+        force = float(steady_force(coefficients(drive), drive.exact()))
+        return Ending(label, 0, 0.0, math.nan, math.nan, force, 0.0)
+    try:
+        amplitude = found.amplitude
+        force = max(map(abs, orbit_extremes(found.orbit, automaton.observables["normal_force"])))
+    except EngineError:  # the rates of a mode lie too far apart to find the extremes
+        amplitude = force = math.nan
+    impulses = np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal)
+    impulse = float(np.max(impulses, initial=0.0))
+    return Ending(label, _happens(found.orbit), amplitude, found.period, found.multiplier, force, impulse)
+
+
+def _happens(orbit: Motion) -> int:
+    """What happens on a cycle, as :class:`Ending` has it."""
+    return (
+        SPRAGS * bool((orbit.kind == EventKind.SEIZURE).any())
+        + RESTS * bool((orbit.automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
+        + REVERSES * bool((orbit.kind == EventKind.CONTACT_REVERSAL).any())
+    )
+
+
+def all_endings(
+    drives: ManyDrives,
+    starts: np.ndarray,
+    resume: Resume,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> Endings:
+    """Return what the motions of rigid drives (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+
+    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of threads
+    and, if many motions are left open by the compiled search, of processes. ``progress`` is told how many of how many
+    are done.
+    """
+    found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        done += more
+        if progress is not None and more:
+            progress(done, drives.size)
+
+    size = max(1, min(_BLOCK, -(-drives.size // workers)))
+    blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+    with ThreadPoolExecutor(workers) as pool:
+        for block, left in zip(
+            blocks, pool.map(lambda block: _block_endings(drives, block, starts, resume, found), blocks), strict=True
+        ):
+            is_open[block] = left
+            tell(int((~left).sum()))
+    places = np.flatnonzero(is_open)
+    work = partial(_one, resume=resume)
+    cases = ((drives.one(k), tuple(starts[k].tolist())) for k in places)
+    if workers == 1 or places.size < _WORTH:
+        for k, one in zip(places, map(work, cases), strict=True):
+            found.put(k, one)
+            tell(1)
+        return found
+    with get_context("spawn").Pool(workers) as processes:
+        for k, one in zip(places, processes.imap(work, cases, _SHARE), strict=True):
+            found.put(k, one)
+            tell(1)
+    return found
+
+
+def _one(case: tuple[RigidParameters, tuple[float, float]], resume: Resume) -> Ending:
+    """:func:`ending` of a drive and a start, for a process of its own."""
+    return ending(*case, resume)
+
+
+def _block_endings(
+    drives: ManyDrives, block: np.ndarray, starts: np.ndarray, resume: Resume, found: Endings
+) -> np.ndarray:
+    """Write what the motions of a block of drives (j, ascending indices) end on; return which are left open (j)."""
+    is_open = np.ones(block.size, dtype=bool)
+    for group in drives.groups(resume, block):
+        closed, endings = _group_endings(drives, group, starts[group.members])
+        found.put(group.members[closed], Endings(*(column[closed] for column in endings)))
+        is_open[np.searchsorted(block, group.members[closed])] = False
+    return is_open
+
+
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Endings]:
+    """Return which motions of a group (j), from ``starts`` (j, 2), are known to end, and what all end on."""
+    automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
+    if automaton.contracts:  # steady sliding attracts all motions, but without damping
+        damped = (automaton.tables.flow[..., columns.ALPHA] > 0).any(axis=1)
+        _slides(group, group.safe & damped, found)
+        return group.safe & damped, found
+    (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
+    facts = kernels.Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL))
+    outcomes, numbers = np.zeros(size, dtype=np.int8), np.full((size, kernels.NUMBERS), np.nan)
+    kernels.endings(
+        automaton.tables,
+        np.flatnonzero(group.safe),
+        facts,
+        _SEARCH,
+        np.ascontiguousarray(starts, dtype=float),
+        automaton.observables["normal_force"],
+        drives.values["input_speed"][group.members],
+        outcomes,
+        found.happens,
+        numbers,
+    )
+    _slides(group, outcomes == kernels.SETTLED, found)
+    cycles = outcomes == kernels.CYCLE
+    happens = found.happens[cycles]
+    labels = np.where(happens & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
+    found.attractor[cycles] = np.where(happens & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
+    found.amplitude[cycles] = numbers[cycles, kernels.AMPLITUDE]
+    found.period[cycles] = numbers[cycles, kernels.PERIOD]
+    found.multiplier[cycles] = numbers[cycles, kernels.MULTIPLIER]
+    found.peak_normal_force[cycles] = numbers[cycles, kernels.FORCE]
+    members = group.members[cycles]
+    values = {name: drives.values[name][members] for name in ("mass", "pitch_radius", "screw_inertia")}
+    impulses = normal_impulse(numbers[cycles, kernels.SEIZURE_SPEED], drives.sines(members), **values)
+    found.peak_normal_impulse[cycles] = np.abs(impulses)
+    return outcomes != kernels.OPEN, found
+
+
+def _slides(group: Group, here: np.ndarray, found: Endings) -> None:
+    """Write steady sliding for some members of a group."""
+    found.attractor[here] = Attractor.STEADY_SLIDING
+    found.amplitude[here] = found.peak_normal_impulse[here] = 0.0
+    found.peak_normal_force[here] = group.steady_force[here]

@@ -1,0 +1,211 @@
+"""Charts: what a drive does over two of its parameters, cell by cell, with the exact curves that divide it.
+
+A cell depends on nothing but its own drive, so a large chart can be cut into tiles (:mod:`lsvib.data.chart_tiles`).
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.basins.grid import Axis
+from lsvib.cycles.behaviour import Behaviour, behaviours
+from lsvib.cycles.compliant_behaviour import compliant_behaviours
+from lsvib.data.attributes import attributes, flags
+from lsvib.data.parameter_origins import GIVEN, VARIED, parameter
+from lsvib.data.sweep import number_of, product_of
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import Resume
+from lsvib.errors import InputError
+from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves
+
+Progress = Callable[[int, int], None]
+_MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
+
+
+@dataclass(frozen=True)
+class ChartAxis:
+    """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
+
+    axis: Axis
+
+    @classmethod
+    def of(cls, drive: RigidParameters, where: str, given: Any) -> Self:
+        """Make an axis from text KEY=START:STOP:COUNT, or from (parameter, start, stop, count); ``InputError``."""
+        if isinstance(given, str):
+            name, equals, text = given.partition("=")
+            parts: Any = (name, *text.split(":"))
+            if not equals or len(parts) != 4:
+                raise InputError(f"{where}: {given!r} is not of the form KEY=START:STOP:COUNT.")
+        else:
+            parts = given
+            if not isinstance(parts, tuple | list) or len(parts) != 4:
+                raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
+        name = parts[0]
+        if name not in type(drive).model_fields:
+            known = ", ".join(type(drive).model_fields)
+            raise InputError(f"{where}: {numbers.shown(name)} is not a known key; the known keys are {known}.")
+        axis = Axis.over(*parts)
+        for end in (axis.start, axis.stop):
+            drive.replace(**{name: end})
+        if name in LOGARITHMIC and axis.start <= 0:
+            raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
+        return cls(axis)
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.axis.coordinate
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last value [SI unit]."""
+        return self.axis.start, self.axis.stop
+
+    def edges(self) -> np.ndarray:
+        """Return the edges of the cells (count + 1)."""
+        return self._at(np.arange(self.axis.count + 1))
+
+    def centres(self, part: slice = slice(None)) -> np.ndarray:
+        """Return the middles of some cells, each from its own index alone."""
+        return self._at(np.arange(self.axis.count)[part] + 0.5)
+
+    def _at(self, index: np.ndarray) -> np.ndarray:
+        low, high, count = self.axis.start, self.axis.stop, self.axis.count
+        if self.name in LOGARITHMIC:
+            return low * (high / low) ** (index / count)
+        return low + index * ((high - low) / count)
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The two axes of a chart of a drive, ``x`` along the columns and ``y`` along the rows."""
+
+    drive: RigidParameters
+    x: ChartAxis
+    y: ChartAxis
+
+    @classmethod
+    def of(cls, drive: RigidParameters, x: Any, y: Any) -> Self:
+        """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
+        if drive.model not in ("rigid", "threads"):
+            raise InputError(f"charts are for the models rigid and threads, not for {drive.model}.")
+        plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
+        if plane.x.name == plane.y.name:
+            raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
+        if plane.x.axis.count * plane.y.axis.count > _MOST:
+            raise InputError(f"the chart has more than {_MOST} cells; take fewer.")
+        return plane
+
+    @property
+    def dims(self) -> tuple[str, str]:
+        """Names of the rows' and the columns' parameter."""
+        return self.y.name, self.x.name
+
+    def labels(
+        self,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        resume: Resume = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+    ) -> np.ndarray:
+        """Return what the drives of some cells do (rows, columns), a ``Behaviour`` each, int8."""
+        axes = {self.y.name: self.y.centres(rows).tolist(), self.x.name: self.x.centres(columns).tolist()}
+        shape = tuple(map(len, axes.values()))
+        if isinstance(self.drive, ThreadsParameters):
+            return compliant_behaviours(self.drive, axes, workers, progress).reshape(shape)
+        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+
+    def frame(self, resume: Resume = "contact_sign") -> xr.Dataset:
+        """Return the chart without its cells: axes, the other parameters of the drive, exact curves, attributes."""
+        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+        return xr.Dataset(
+            fixed | self._curves(),
+            coords={axis.name: (axis.name, axis.centres(), _coordinate(axis)) for axis in (self.y, self.x)},
+            attrs={
+                "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
+                "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
+                "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
+                "model": self.drive.model,
+                "parameters": json.dumps({key: value for key, value in self.drive if key not in self.dims}),
+                "resume": resume,
+            },
+        )
+
+    def _curves(self) -> dict[str, tuple]:
+        """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
+        found = boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
+        lines = [(kind, line) for kind, parts in found.items() for line in parts]
+        if not lines:
+            return {}
+        sizes = [len(line) for _, line in lines]
+        points, dim = np.concatenate([line for _, line in lines]), "boundary_point"
+        kinds = np.repeat(np.array([kind for kind, _ in lines], dtype=np.int8), sizes)
+        number = np.repeat(np.arange(len(lines), dtype=np.int32), sizes)
+        return {
+            f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
+            f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
+            "boundary_name": (dim, kinds, attributes("1", "name of the exact curve", **flags(Boundary))),
+            "boundary_line": (dim, number, attributes("1", "number of the line, whose points are joined")),
+        }
+
+
+LABEL = attributes("1", "what the drive does", **flags(Behaviour))
+
+
+def chart(
+    drive: RigidParameters,
+    x: Any,
+    y: Any,
+    resume: Resume = "contact_sign",
+    workers: Any = 1,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return what a drive does over two of its parameters, as a dataset.
+
+    Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
+    (parameter, start, stop, count) with values in SI units; rule of resuming; number of ``workers``, which changes no
+    label; ``progress``, called with numbers of motions followed and in all. Variables: ``label`` (rows of y, columns of
+    x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
+    """
+    plane = Plane.of(drive, x, y)
+    labels = plane.labels(resume=resume, workers=number_of(workers), progress=progress)
+    return plane.frame(resume).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
+
+
+def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a chart for JSON: ``cells``, ``fractions`` by behaviour, ``curves`` by name, ``cells_per_second``."""
+    parts = {
+        Behaviour(int(kind)).name.lower(): float(part)
+        for kind, part in zip(found.behaviour, found.fraction, strict=True)
+    }
+    curves = sorted({int(kind) for kind in found.boundary_name.values}) if "boundary_name" in found else []
+    return {
+        "cells": int(found.label.size),
+        "fractions": {name: part for name, part in parts.items() if part},
+        "curves": [Boundary(kind).name.lower() for kind in curves],
+        "cells_per_second": found.label.size / seconds,
+    }
+
+
+def _fractions(labels: np.ndarray) -> Mapping[str, tuple]:
+    kinds = np.array([int(kind) for kind in Behaviour], dtype=np.int8)
+    values = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
+    return {
+        "behaviour": ("behaviour", kinds, LABEL),
+        "fraction": ("behaviour", values, attributes("1", "fraction of the cells")),
+    }
+
+
+def _coordinate(axis: ChartAxis) -> dict[str, Any]:
+    more = (
+        {"cell_ratio": float(axis.edges()[1] / axis.edges()[0])}
+        if axis.name in LOGARITHMIC
+        else {"cell_width": axis.axis.width}
+    )
+    return parameter(axis.name, VARIED, **more)

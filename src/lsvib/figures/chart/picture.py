@@ -1,0 +1,158 @@
+"""Draw a chart: what the drive does as colour, the exact curves on top, each with its name."""
+
+import numpy as np
+import xarray as xr
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from lsvib.figures.drawing import style
+
+# Light where nothing vibrates, so that the eye goes to what does; told apart by the colour-blind and in grey.
+COLOURS = {
+    "unresolved": style.BLACK,
+    "no vibration": "#F4F4F4",
+    "pure slip": style.YELLOW,
+    "stick slip": style.GREEN,
+    "stick slip with contact reversal": style.SKY,
+    "sprag slip": style.ORANGE,
+    "coexistence": style.PURPLE,
+    "neutral": style.BLUE,
+}
+_WORDS = {
+    "no vibration": "no vibration",
+    "pure slip": "slip cycle",
+    "stick slip": "stick–slip",
+    "stick slip with contact reversal": "stick–slip, $N$ reverses",
+    "sprag slip": "sprag–slip",
+    "coexistence": "steady sliding beside a cycle",
+    "neutral": "neutral oscillations",
+    "unresolved": "unresolved",
+}
+_CURVES = {  # words on a curve, and how it is drawn
+    "onset": (r"onset, $\tilde R = 0$", "-"),
+    "stick": ("stick", "-"),
+    "detach": ("detach", "-"),
+    "global stability": ("global stability", "-"),
+    "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
+    "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
+    "stick slip birth": ("birth of stick–slip", "-"),
+    "flutter": ("flutter", "-"),
+}
+_HALO = [patheffects.withStroke(linewidth=2.2, foreground="white")]
+# In widths of the picture:
+_SHORTEST = 0.06  # length of a line that gets its name
+_STEP = 0.004  # between points at which room for a name is looked for
+_LETTER = 0.0135  # width of a letter
+_HEIGHT = 0.02  # distance of the middle of a name from its line
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the chart with its curves, and below it the values of the drive."""
+    figure = style.new_figure(style.SINGLE * 1.5, 4.3)
+    axes = figure.add_subplot()
+    down, across = dataset.label.dims
+    x, y = dataset[across], dataset[down]
+    names = style.flag_names(dataset.label)
+    _cells(axes, dataset, names)
+    for variable, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
+        if "cell_ratio" in variable.attrs:
+            scale("log")
+    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y))
+    if "boundary_name" in dataset:
+        _curves(axes, dataset, across, down)
+    shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
+    patches = [
+        Patch(facecolor=COLOURS[name], edgecolor=style.GREY, linewidth=0.4, label=f"{_WORDS[name]}: {shares[kind]:.1%}")
+        for kind, name in names.items()
+        if shares[kind]
+    ]
+    given = [
+        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
+    ]
+    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
+    figure.legend(handles=patches, loc="outside upper center", ncols=2)
+    return figure
+
+
+def _cells(axes: Axes, dataset: xr.Dataset, names: dict[int, str]) -> None:
+    """Paint every cell in the colour of what the drive does there."""
+    kinds = sorted(names)
+    down, across = dataset.label.dims
+    axes.pcolormesh(
+        _edges(dataset[across]),
+        _edges(dataset[down]),
+        dataset.label.values,
+        cmap=ListedColormap([COLOURS[names[kind]] for kind in kinds]),
+        norm=BoundaryNorm(np.array([*kinds, kinds[-1] + 1]) - 0.5, len(kinds)),
+        rasterized=True,
+        zorder=0,
+    )
+
+
+def _edges(axis: xr.DataArray) -> np.ndarray:
+    """Edges of the cells of an axis."""
+    if "cell_ratio" in axis.attrs:
+        half = float(axis.attrs["cell_ratio"]) ** 0.5
+        return np.append(axis.values / half, axis.values[-1] * half)
+    half = 0.5 * float(axis.attrs["cell_width"])
+    return np.append(axis.values - half, axis.values[-1] + half)
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
+    """Draw the exact curves, and write its name on the longest line of each."""
+    names = style.flag_names(dataset.boundary_name)
+    axes.figure.canvas.draw()  # so that places on the picture are known
+    lines: dict[str, list[np.ndarray]] = {}
+    for number in np.unique(dataset.boundary_line.values):
+        part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
+        name = names[int(part.boundary_name[0])]
+        points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=_CURVES[name][1], path_effects=_HALO, zorder=2)
+        lines.setdefault(name, []).append(_evenly(axes.transData.transform(points) / axes.bbox.width))
+    taken: list[np.ndarray] = []
+    for name, own in lines.items():
+        others = [line for other, parts in lines.items() if other != name for line in parts]
+        _write_on(axes, max(own, key=len), _CURVES[name][0], others + taken, taken)
+
+
+def _evenly(points: np.ndarray) -> np.ndarray:
+    """Points (k, 2) along a line at equal distances of ``_STEP``."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    places = np.linspace(0, length[-1], max(2, int(length[-1] / _STEP)))
+    return np.column_stack([np.interp(places, length, points[:, i]) for i in (0, 1)])
+
+
+def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
+    """Write words along a line, on that side and at that place of it that is farthest from all other lines and words.
+
+    Lengths are in widths of the picture. A line that is too short gets no words; ``taken`` gets the place.
+    """
+    half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
+    if len(line) < _SHORTEST / _STEP:
+        return
+    left, top = axes.transAxes.transform([(0, 0), (1, 1)]) / axes.bbox.width
+    inside = _evenly(np.array([left, (top[0], left[1]), top, (left[0], top[1]), left]))
+    obstacles = np.concatenate([*others, inside])
+    best, place = -1.0, None
+    for middle in range(half // 2, len(line) - half // 2, 2):
+        ends = line[max(0, middle - half)], line[min(len(line) - 1, middle + half)]
+        along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+        along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
+        for side in (1, -1):
+            shift = side * np.array([-along[1], along[0]])
+            covered = line[middle] + shift * _HEIGHT + np.outer(np.linspace(-half, half, 9) * _STEP, along)
+            room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
+            room = min(room, 2 * _HEIGHT) - 0.1 * _HEIGHT * abs(2 * middle / len(line) - 1) + 0.01 * _HEIGHT * side
+            if room > best:
+                best, place = room, (line[middle] + shift * _HEIGHT, along, covered)
+    if place is None:
+        return
+    taken.append(place[2])
+    axes.annotate(
+        words, axes.transData.inverted().transform(place[0] * axes.bbox.width), ha="center", va="center", fontsize=6.5,
+        rotation=np.degrees(np.arctan2(place[1][1], place[1][0])), rotation_mode="anchor", path_effects=_HALO, zorder=3,
+    )  # fmt: skip

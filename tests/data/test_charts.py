@@ -1,0 +1,171 @@
+"""Charts: labels that two motions give each cell are those that the exact thresholds give, wherever no curve passes."""
+
+import json
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lsvib
+from lsvib.cycles.behaviour import Behaviour
+from lsvib.data.chart import Plane
+from lsvib.data.writer import write_dataset
+from lsvib.drives.coefficients import coefficients
+from lsvib.errors import NoThreshold
+from lsvib.steady_sliding import thresholds
+from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, comes_to_rest_again
+
+DAMPED = {"support_damping": 1e-3, "translation_damping": 300.0}
+PAIRS = {  # of parameters, with the ends of both axes and the drive
+    "mass over force": (("mass", 0.5, 14.0), ("axial_force", -60.0, 80.0), {"translation_damping": 1000.0}),
+    "friction over force": (("friction_coefficient", 0.02, 0.6), ("axial_force", -60.0, 80.0), DAMPED | {"mass": 6.0}),
+    "slide damping over force": (("translation_damping", 10.0, 1500.0), ("axial_force", -60.0, 80.0), {"mass": 4.0}),
+    "support damping over force": (("support_damping", 1e-4, 3e-3), ("axial_force", -90.0, 30.0), {"mass": 12.0}),
+    "speed over force": (("input_speed", -90.0, -5.0), ("axial_force", -60.0, 60.0), {"translation_damping": 1000.0}),
+    "mass and friction": (
+        ("mass", 0.5, 14.0), ("friction_coefficient", 0.12, 0.4), {"translation_damping": 1000.0, "axial_force": 35.0},
+    ),
+}  # fmt: skip
+
+
+@lru_cache(maxsize=100_000)
+def force(name: str, drive) -> float | str:
+    """A threshold of a drive without R, or in a word why there is none."""
+    try:
+        return getattr(thresholds, f"{name}_force")(drive)
+    except NoThreshold as reason:
+        return str(reason)
+
+
+def expected(drive) -> Behaviour | None:
+    """What the thresholds say that a drive does; None where they do not cover it. Written for Ω > 0, else mirrored."""
+    c, way = coefficients(drive), math.copysign(1.0, drive.input_speed)
+    plain, R = drive.replace(axial_force=0.0), way * drive.axial_force
+    drags = float(c.net_force) * way > 0
+    if c.paradox:
+        if drags:
+            return Behaviour.SPRAG_SLIP
+        end = force("global_stability", plain)
+        if isinstance(end, str):
+            return Behaviour.NO_VIBRATION if "globally stable under every" in end else None
+        return Behaviour.NO_VIBRATION if R < way * end else Behaviour.COEXISTENCE
+    if c.damping[1] >= 0:
+        return Behaviour.NO_VIBRATION
+    if not drags:
+        return {1.0: Behaviour.COEXISTENCE, -1.0: Behaviour.NO_VIBRATION}.get(comes_to_rest_again(drive))
+    stick, detach = force("stick", plain), force("detach", plain)
+    if isinstance(stick, str) and "no limit cycle" not in stick:
+        return None
+    if not isinstance(stick, str) and R < way * stick:
+        return Behaviour.PURE_SLIP
+    if isinstance(detach, str):
+        if "every cycle with rest reaches N = 0" in detach:
+            return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
+        return Behaviour.STICK_SLIP if "reaches N = 0 under no axial force" in detach else None
+    return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
+
+
+def compare(name: str, count: int) -> tuple[int, int, set[int]]:
+    """Numbers of cells compared and left out because a curve cuts them, and the labels seen."""
+    x, y, changes = PAIRS[name]
+    plane = Plane.of(lsvib.RigidDrive(**changes), (*x, count), (*y, count))
+    labels, edges = plane.labels(workers=2), (plane.x.edges(), plane.y.edges())
+
+    def at(places) -> np.ndarray:
+        found = [[expected(plane.drive.replace(**{x[0]: a, y[0]: b})) for a in places[0]] for b in places[1]]
+        return np.array([[-9 if one is None else int(one) for one in row] for row in found])
+
+    nodes, middles = at([axis.tolist() for axis in edges]), at([axis.centres().tolist() for axis in (plane.x, plane.y)])
+    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
+    whole = (corners == middles).all(axis=0) & (middles != -9)
+    wrong = np.argwhere(whole & (labels != middles))
+    assert not len(wrong), [
+        (Behaviour(labels[i, j]).name, Behaviour(middles[i, j]).name, plane.x.centres()[j], plane.y.centres()[i])
+        for i, j in wrong[:9]
+    ]
+    return int(whole.sum()), int((~whole).sum()), set(labels[whole].tolist())
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_labels_agree_with_the_exact_curves(name):
+    whole, cut, seen = compare(name, 12 if name == "mass and friction" else 20)
+    assert whole > 2 * cut
+    assert len(seen) >= 2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", [name for name in PAIRS if name != "mass and friction"])
+def test_labels_agree_in_large_charts(name):
+    """400 × 400 cells."""
+    whole, cut, _ = compare(name, 400)
+    assert whole > 30 * cut
+
+
+def test_points_of_curves_are_roots():
+    """Both sides of a point of a curve have different labels."""
+    drive = lsvib.RigidDrive(translation_damping=1000.0)
+    found = boundary_curves(drive, ("mass", (0.5, 14.0)), ("axial_force", (-60.0, 80.0)))
+    assert {kind.name for kind in found} == {
+        "KINEMATIC", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
+    }  # fmt: skip
+    mass = drive.thresholds()["critical_mass"].value
+    np.testing.assert_allclose(np.concatenate(found[Boundary.KINEMATIC])[:, 0], mass, rtol=1e-12)
+    for kind in (Boundary.STICK, Boundary.DETACH, Boundary.GLOBAL_STABILITY):
+        for m, R in np.concatenate(found[kind])[::9]:
+            exact = getattr(thresholds, f"{kind.name.lower()}_force")(drive.replace(mass=m))
+            assert exact == pytest.approx(R, rel=1e-10)
+
+
+def test_chart_is_a_dataset(tmp_path):
+    drive = lsvib.RigidDrive(translation_damping=1000)
+    found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")
+    assert found.label.dims == ("axial_force", "mass")
+    assert found.label.dtype == np.int8
+    assert found.label.attrs["flag_meanings"].split()[
+        int(found.label.sel(mass=2, axial_force=30, method="nearest")) + 1
+    ]
+    assert found.fraction.sum() == pytest.approx(1)
+    assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))
+    write_dataset(found, tmp_path / "chart.nc")
+    with xr.open_dataset(tmp_path / "chart.nc") as written:
+        np.testing.assert_array_equal(written.label, found.label)
+        assert written.translation_damping == 1000
+        assert "git_commit" in written.attrs
+    plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
+    np.testing.assert_array_equal(plane.labels(workers=3), found.label)
+    np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "words"),
+    [
+        ("mass=1:20", "axial_force=0:1:2", "KEY=START:STOP:COUNT"),
+        (("mass", 1, 2, 3), ("mass", 1, 2, 3), "both mass"),
+        (("mass", 0, 2, 3), ("axial_force", 1, 2, 3), "mass = 0"),
+        (("mass", 2, 1, 3), ("axial_force", 1, 2, 3), "start < stop"),
+        (("weight", 1, 2, 3), ("axial_force", 1, 2, 3), "not a known key"),
+        (("mass", 1, 2, 0), ("axial_force", 1, 2, 3), "count = 0"),
+        (3, ("axial_force", 1, 2, 3), "is not a parameter with start"),
+        (("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000), "more than"),
+        (("contact_damping", 1, 2, 3), ("axial_force", 1, 2, 3), "not a known key"),
+    ],
+)
+def test_refuses(x, y, words):
+    with pytest.raises(lsvib.InputError, match=words):
+        lsvib.RigidDrive().chart(x, y)
+
+
+def test_compliant_threads():
+    """Stiff and damped contacts below the critical mass slide; soft ones with little damping flutter."""
+    drive = lsvib.ThreadsDrive(mass=9)
+    found = drive.chart(("contact_stiffness", 1e6, 1e9, 2), ("contact_damping", 1e2, 1e8, 2))
+    least = (
+        drive.replace(contact_stiffness=float(found.contact_stiffness[0])).thresholds()["least_contact_damping"].value
+    )
+    assert found.contact_damping[0] < least < found.contact_damping[1]
+    assert (found.label[1] == Behaviour.NO_VIBRATION).all()
+    assert found.label[0, 0] not in (Behaviour.NO_VIBRATION, Behaviour.UNRESOLVED)
+    with pytest.raises(lsvib.InputError, match="rigid and threads"):
+        lsvib.NutDrive().chart(("mass", 1, 2, 3), ("axial_force", 1, 2, 3))
