@@ -330,11 +330,11 @@ class RigidDrive(_Drive):
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
         """
-        from lsvib.basins.resilience import resilience
+        from lsvib.basins.sampling import resilience_beside_samples
         from lsvib.data.resilience import samples_of, window_of
 
         part = window_of(window)
-        return resilience(self, part, *samples_of(samples, seed, part))
+        return resilience_beside_samples(self, part, *samples_of(samples, seed, part))
 
     def resilience_sweep(
         self,

@@ -118,6 +118,23 @@ def test_springy_threads_are_shown_in_motion_beside_a_springy_support():
     assert found.nominal.vibration.vibrates
 
 
+def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name():
+    """Stable with friction as at the running speed, unstable with its slope, though C_0 + S is positive."""
+    given = {
+        "load": {"mass": "190 kg", "force": "200 N"},
+        "thread": {"lead_angle": "8.5 deg", "pitch_diameter": "10 mm"},
+        "screw": {"inertia": "1.9e-5 kg*m^2", "mass": "6 kg"},
+        "coupling": {"stiffness": "40 N*m/rad"},
+        "damping": {"rotational": "3e-4 N*m*s/rad", "translational": "1500 N*s/m"},
+        "support": {"stiffness": "1e7 N/m", "damping": "100 N*s/m"},
+    }
+    level, falling = sheet(**given), sheet(**given, friction={"coefficient": 0.218, "slope": "-0.2 s/m"})
+    assert all(one.reserve[0] > 0 for one in worst(level, values_of(level)).values())
+    found = worst(falling, values_of(falling))
+    assert found["falling_friction"].reserve[0] < 0
+    assert found["mode_coupling"].reserve[0] > 0
+
+
 def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
     """Rotational damping ends negative damping where C_0 = 0; damping of the load starts it at C_0 = 0."""
     fed = sheet(load={"mass": "1 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})

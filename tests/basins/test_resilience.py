@@ -8,7 +8,7 @@ import pytest
 
 import lsvib
 from lsvib.basins.mapper import mapper
-from lsvib.basins.resilience import wilson
+from lsvib.basins.shares import wilson
 
 DRIVES = {
     "touching_motion": lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10),

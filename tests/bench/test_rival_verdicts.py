@@ -150,7 +150,7 @@ def test_effort_is_counted():
 
 def test_interval_of_a_share():
     """Wilson's interval of 0 and 10 of 100, from its formula with z = 1.96; none of none is unknown."""
-    low, high = rival_verdicts._interval(np.array([0, 10, 0]), np.array([100, 100, 0]))
+    low, high = rival_verdicts.wilson(np.array([0, 10, 0]), np.array([100, 100, 0]))
     assert low[:2] == pytest.approx([0.0, 0.0552], abs=1e-4)
     assert high[:2] == pytest.approx([0.0370, 0.1744], abs=1e-4)
     assert np.isnan(low[2])

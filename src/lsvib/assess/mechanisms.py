@@ -5,7 +5,8 @@ of both. It is 1 where nothing destabilises, 0 at the onset and negative where t
 
     kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
     negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.friction`)
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.friction`); with a support
+                           that is stable without the slope, its Hurwitz determinant with C_0 + S
     mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
     thread contact         the Hurwitz determinant of the drive with compliant threads
 
@@ -73,21 +74,14 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         "negative_damping": _larger(base, sloped),
         "falling_friction": np.where(np.real(at.slope) < 0, sloped, 1.0),
     }
-    rigid_stable = (np.real(damping + by_slope) >= 0) & (np.real(inertia) > 0)
+    helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
     if sheet.support is not None:
-        own = sheets.own_parameters(values, "support")
-        full = _full_reserve("support", {**p, **own, "support_damping": p["support_damping"] + by_slope}, law)
-        bare = _full_reserve("support", {**p, **own, **dict.fromkeys(_UNDAMPED, 0.0)}, law)
-        kinematic = np.real(inertia) <= 0
-        coupled = ~kinematic & (rigid_stable | (np.real(bare) < 0))
-        found["mode_coupling"] = np.where(coupled, full, _larger(full, 0 * full))
-        for name in ("negative_damping", "falling_friction"):
-            found[name] = np.where(kinematic, found[name], _larger(found[name], full))
+        found |= _with_support(sheet, values, p, law, found, (inertia, helped, by_slope))
     if sheet.contact is not None:
         own = sheets.own_parameters(values, "contact")
         full = _full_reserve("contact", {**p, **own}, law)
         whole = friction.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
-        own_fault = (np.real(damping + by_slope) >= 0) & (np.real(whole) > 0)
+        own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
         found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
         if sheet.support is None:
             for name in ("negative_damping", "kinematic_constraint"):
@@ -98,6 +92,31 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     found["push_needed"] = np.where(law < 0, reserve, 1.0)
     valid = np.real(p["friction_coefficient"] * tangent) < 1
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
+
+
+def _with_support(
+    sheet: Sheet, values: Mapping[str, Any], p: dict[str, Any], law: Any, rigid: dict[str, Any], terms: tuple
+) -> dict[str, Any]:
+    """Reserves that a support alters, from those of the ``rigid`` screw.
+
+    ``terms``: Γ̃_0, C_0 with the rise of friction over the speed, and S.
+    """
+    inertia, helped, by_slope = terms
+    p = {**p, **sheets.own_parameters(values, "support")}
+    level = sloped = _full_reserve("support", p, law)
+    if sheet.friction.slope is not None or sheet.friction.curve is not None:
+        sloped = _full_reserve("support", {**p, "support_damping": p["support_damping"] + by_slope}, law)
+    bare = _full_reserve("support", {**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)
+    falls, kinematic = np.real(by_slope) < 0, np.real(inertia) <= 0
+    full = np.where(falls, level, sloped)
+    coupled = ~kinematic & ((np.real(helped) >= 0) | (np.real(bare) < 0))
+    fallen = np.where(np.real(level) < 0, _larger(rigid["falling_friction"], sloped), sloped)
+    found = {
+        "negative_damping": _larger(rigid["negative_damping"], full),
+        "falling_friction": np.where(falls, fallen, rigid["falling_friction"]),
+    }
+    found = {name: np.where(kinematic, rigid[name], one) for name, one in found.items()}
+    return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
 
 
 def _balance(*terms: Any) -> Any:

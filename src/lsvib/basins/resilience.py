@@ -8,7 +8,7 @@ By its energy
 
 (of the coupling, and of screw and mass, relative to steady sliding) it is the nearest point: on an arc of the flow
 w′ = b − a₀ u − a₁ w energy is stationary where E′ = w [(k − J a₀) u − J a₁ w + J b] = 0, so again at roots of affine
-functions, and on a segment where a quadratic function is smallest. Nothing is sampled but what is called so.
+functions, and on a segment where a quadratic function is smallest.
 """
 
 import math
@@ -22,31 +22,10 @@ from numpy.typing import NDArray
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
 from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
-from lsvib.basins.mapper import mapper
-from lsvib.basins.planar_mapper import PlanarMapper
-from lsvib.cycles.attractors import Attractor
+from lsvib.basins.shares import SampledShare
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import columns
-
-_QUANTILE = 1.959964  # of the normal distribution, for an interval of 95 %
-
-
-@dataclass(frozen=True)
-class SampledShare:
-    """A share estimated from random starts: ``hits`` of ``samples`` settle, a ``share`` of them [1].
-
-    ``low`` and ``high`` end the interval of 95 % (Wilson 1927); ``unresolved`` starts lie on a boundary to rounding and
-    are not counted; ``seed`` of the random numbers.
-    """
-
-    share: float
-    low: float
-    high: float
-    hits: int
-    samples: int
-    unresolved: int
-    seed: int
 
 
 @dataclass(frozen=True)
@@ -55,7 +34,8 @@ class Resilience:
 
     ``boundary`` of its basin in words; smallest fatal push in the deflection ``angle`` [rad] alone, in the ``speed``
     [rad/s] alone, by its ``energy`` [J], which leads to ``state`` (u [rad], w [rad/s]), nan if there is none;
-    ``fraction`` [1] of the ``window`` that settles, nan without a window; ``sampled``, the same from random starts.
+    ``fraction`` [1] of the ``window`` that settles, nan without a window; ``sampled``, the same from random starts
+    (:mod:`lsvib.basins.sampling`), if they are asked for.
     """
 
     boundary: str
@@ -72,29 +52,31 @@ class Resilience:
         found = asdict(self)
         found["window"] = None if self.window is None else self.window._asdict()
         found["state"] = [_plain(x) for x in self.state]
-        return {name: _plain(value) if isinstance(value, float) else value for name, value in found.items()}
+        if self.sampled is not None:
+            found["sampled"] = {name: _plain(value) for name, value in asdict(self.sampled).items()}
+        return {name: _plain(value) for name, value in found.items()}
 
 
-def _plain(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+def _plain(value: Any) -> Any:
+    """The same, or None for a number that is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def resilience(drive: RigidParameters, window: Window | None = None, samples: int = 0, seed: int = 0) -> Resilience:
+def resilience(drive: RigidParameters, window: Window | None = None) -> Resilience:
     """Return what the steady sliding of a rigid drive survives.
 
-    Arguments: drive; a ``window`` of the phase plane; number of random starts in it (``samples``) and their ``seed``.
-    Raises ``InputError`` and ``EngineError`` where the basin is not covered (:func:`lsvib.basins.exact_basin.basin`).
+    Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
+    covered (:func:`lsvib.basins.exact_basin.basin`).
     """
-    sampled = sampled_share(drive, window, samples, seed) if window is not None and samples else None
     if rigid_automaton(drive).contracts and drive.support_damping > 0:
-        return _all(Boundary.NONE, window, sampled)  # every motion settles, however slowly: no boundary is looked for
+        return _all(Boundary.NONE, window)  # every motion settles, however slowly: no boundary is looked for
     try:
         region = basin(drive)
     except AttractsNothing:
         share = math.nan if window is None else 0.0
-        return Resilience("unstable", 0.0, 0.0, 0.0, (0.0, 0.0), share, window, sampled)
+        return Resilience("unstable", 0.0, 0.0, 0.0, (0.0, 0.0), share, window)
     if not region.curves:
-        return _all(region.boundary, window, sampled)
+        return _all(region.boundary, window)
     energy, state = least_energy(region)
     return Resilience(
         boundary=region.boundary.name.lower(),
@@ -104,14 +86,13 @@ def resilience(drive: RigidParameters, window: Window | None = None, samples: in
         state=state,
         fraction=math.nan if window is None else region.fraction(window),
         window=window,
-        sampled=sampled,
     )
 
 
-def _all(boundary: Boundary, window: Window | None, sampled: SampledShare | None) -> Resilience:
+def _all(boundary: Boundary, window: Window | None) -> Resilience:
     """Of a drive whose steady sliding is globally stable."""
     share = math.nan if window is None else 1.0
-    return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window, sampled)
+    return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window)
 
 
 def smallest_push(region: Basin, coordinate: int) -> float:
@@ -185,29 +166,3 @@ def _nearest(piece: Segment, stiffness: float, inertia: float) -> tuple[float, f
 def _pieces(region: Basin) -> Iterator[Piece]:
     for curve in region.curves:
         yield from curve
-
-
-def sampled_share(drive: RigidParameters, window: Window, samples: int, seed: int) -> SampledShare:
-    """Return the share of random starts in a window that settle, by the labels of their motions.
-
-    The labels are those of maps (:class:`lsvib.basins.planar_mapper.PlanarMapper`); the boundary plays no part.
-    """
-    mapped = mapper(drive)
-    assert isinstance(mapped, PlanarMapper)
-    rng = np.random.default_rng(seed)
-    u = rng.uniform(window.left, window.right, samples)
-    w = rng.uniform(window.bottom, window.top, samples)
-    labels = mapped.labels_of(u, w)
-    unresolved = int(np.sum(labels == Attractor.UNRESOLVED))
-    hits, count = int(np.sum(labels == Attractor.STEADY_SLIDING)), samples - unresolved
-    low, high = wilson(np.array(hits), np.array(count))
-    return SampledShare(hits / count if count else math.nan, float(low), float(high), hits, samples, unresolved, seed)
-
-
-def wilson(part: NDArray[Any], total: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return both ends of the interval of 95 % of a share, ``part`` of ``total`` (Wilson 1927); nan where that is 0."""
-    n, z = np.where(total, total, np.nan), _QUANTILE
-    share = part / n
-    middle = (share + z**2 / (2 * n)) / (1 + z**2 / n)
-    half = z / (1 + z**2 / n) * np.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
-    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)

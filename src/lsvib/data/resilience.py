@@ -11,7 +11,8 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.basins.clipping import Window
-from lsvib.basins.resilience import Resilience, resilience
+from lsvib.basins.resilience import Resilience
+from lsvib.basins.sampling import resilience_beside_samples
 from lsvib.data.attributes import attributes
 from lsvib.data.sweep import coordinate, parameter_values
 from lsvib.drives.parameters import RigidParameters, names_and_values
@@ -48,9 +49,9 @@ def resilience_sweep(
     """Return what steady sliding survives over the product of values of some parameters of the rigid drive.
 
     Arguments: ``over``, values [SI units] by name of a parameter; ``window``, ``samples`` and ``seed`` as of
-    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
-    are infinite where every push is survived, zero where none is, nan where the basin is not covered, for the reasons
-    in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    :func:`lsvib.basins.sampling.resilience_beside_samples`; ``progress``, called with the numbers of points done and
+    in all. Numbers are infinite where every push is survived, zero where none is, nan where the basin is not covered,
+    for the reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
     axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
     total = math.prod(map(len, axes.values())) if axes else 0
@@ -61,7 +62,7 @@ def resilience_sweep(
     refused: list[str] = []
     for one in drives:
         try:
-            found.append(resilience(one, window, samples, seed))
+            found.append(resilience_beside_samples(one, window, samples, seed))
         except (InputError, EngineError) as error:
             found.append(None)
             refused.append(str(error))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.resilience import wilson
+from lsvib.basins.shares import wilson
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.answers import VERDICTS, Answer
 from lsvib.bench.rivals.catalogue import METHODS, find_method
