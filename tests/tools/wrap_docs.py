@@ -24,12 +24,6 @@ def wrapped(text: str) -> str:
     return "\n".join(line for block, prose in blocks for line in (_filled(block) if prose else block))
 
 
-def too_long(text: str) -> list[str]:
-    """Return the lines that are too long and could be shorter."""
-    kept = set(wrapped(text).split("\n"))
-    return [line for line in text.split("\n") if len(line) > WIDTH and line not in kept]
-
-
 def _blocks(lines: list[str]) -> Iterator[tuple[list[str], bool]]:
     """Yield the lines in blocks, and whether a block is prose: a paragraph or a list item; other lines come singly."""
     block: list[str] = []
