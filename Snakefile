@@ -28,6 +28,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/checks.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/attraction.smk"
+include: "workflow/rules/chart.smk"
 include: "workflow/rules/assess.smk"
 
 

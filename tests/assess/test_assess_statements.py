@@ -135,6 +135,16 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
     assert found["mode_coupling"].reserve[0] > 0
 
 
+def test_a_load_without_any_force_counts_as_pushed_ever_so_little():
+    """Γ₊ < 0: a force of 1e-9 N with the motion makes steady sliding unstable, so none at all is no excuse."""
+    free, pushed = (sheet(load={"mass": "11 kg", "force": force}) for force in ("0 N", "-1e-9 N"))
+    for name, one in worst(pushed, values_of(pushed)).items():
+        assert worst(free, values_of(free))[name].reserve[0] == pytest.approx(one.reserve[0], rel=1e-12)
+    found = assess(free, samples=64)
+    assert found.mechanisms["kinematic_constraint"].occurs
+    assert found.verdict == "vibrates"
+
+
 def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
     """Rotational damping ends negative damping where C_0 = 0; damping of the load starts it at C_0 = 0."""
     fed = sheet(load={"mass": "1 kg", "force": "-60 N"}, damping={"translational": "1000 N*s/m"})

@@ -372,14 +372,14 @@ def test_lint_asks_for_nothing_but_conda(fresh):
     rules = re.findall(r"^Lints for rule (\w+)", run.stdout, re.MULTILINE)
     assert set(demands) == {"Specify a conda environment or container for each rule.:"}
     names = ["checks", "compile_engine", "dataset", "figure", "verdict"]
-    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile"]
+    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile", "chart_tile", "draw_chart", "gather_chart"]
     names += ["assess_drive", "compare_drives", "sample_drive"]
     assert sorted(rules) == sorted([*names, *attraction, "accuracy_checks", "accuracy_table", "accuracy_verdict"])
     assert "Lints for snakefile" not in run.stdout
 
 
 def test_every_figure_has_a_caption_and_a_section():
-    figures = {*default_figures(), *accuracy_figures(), "attraction"}
+    figures = {*default_figures(), *accuracy_figures(), "attraction", "chart"}
     assert {path.parent.name for path in CAPTIONS} == figures
     assert {name for name, section in CONFIG.items() if isinstance(section, dict)} == figures
 

@@ -50,6 +50,8 @@ SCRIPT_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures
 # configuration file changes the order.
 MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
 
+CHART = json.loads(json.dumps({k: v for k, v in config["chart"].items() if k != "tiles"}, sort_keys=True))
+
 
 @cache
 def import_graph():
@@ -104,6 +106,16 @@ def map_modules():
 def map_sources():
     """Return the source files of :func:`map_modules`."""
     return source_files(map_modules())
+
+
+def chart_modules():
+    """Return the modules that the chart depends on."""
+    return imports("lsvib.data.chart_tiles") | imports(model_module(CHART.get("model", "rigid")))
+
+
+def chart_sources():
+    """Return the source files of :func:`chart_modules`."""
+    return source_files(chart_modules())
 
 
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
@@ -169,7 +181,9 @@ def print_results(started, log=None):
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
             print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
-            print(f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, .html, .json")
+            print(
+                f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, .html, .json"
+            )
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
 

@@ -190,8 +190,8 @@ def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, res
     for corner in places:
         try:
             occurs |= mechanisms.certain(sheet, values, *corner)[name]
-        except InputError:  # the contact carries no force there, and so no friction
-            continue
+        except InputError:  # the contact carries no force there: no exact sign for it
+            occurs |= bool(mechanisms.reserves(sheet, values, *corner)[name] < 0)
     return occurs
 
 

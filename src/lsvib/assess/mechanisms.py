@@ -57,7 +57,8 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     tangent = np.tan(p["lead_angle"])
     lever = p["pitch_radius"] * tangent * p["translation_damping"]
     carried = p["axial_force"] - lever * p["input_speed"]  # R̃
-    law = np.where(np.real(carried) * np.real(p["input_speed"]) > 0, 1, -1)
+    # Without any force the slightest one decides, and law + is the one that destabilises.
+    law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
     by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
     factor = friction.friction_factor(p["friction_coefficient"], tangent, law)

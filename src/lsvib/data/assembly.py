@@ -61,11 +61,12 @@ def gather(
     tiles: Mapping[Path, TileWindow],
     path: str | os.PathLike[str],
     progress: Callable[[int, int], None] | None = None,
+    kinds: str = "attractor",
 ) -> None:
     """Write the map whose tiles are in the files ``tiles``, whole or not at all, in chunks and compressed.
 
     ``frame`` holds all of the map but its cells: coordinates of its rows and columns, the drive, lines, attractors.
-    The windows must cover each cell once. Added are ``cell_count`` and ``fraction`` of each label and
+    The windows must cover each cell once. Added are ``cell_count`` and ``fraction`` of each label, along ``kinds``, and
     ``content_digest`` (:func:`content_digest`). ``progress`` is told how many of how many tiles are written. Raises
     ``InputError`` if a tile is missing, damaged or of another map; ``LsvibError`` if the map cannot be written.
     """
@@ -74,7 +75,7 @@ def gather(
     missing = set().union(*(header.missing for header in headers.values()))
     chunks = tuple(map(_chunk, next(iter(tiles.values())).shape))
     with replacing(path) as part:
-        write_dataset(_with_counts(frame, variables["label"].attrs).assign_attrs(settings=_text(settings)), part)
+        write_dataset(_with_counts(frame, variables["label"].attrs, kinds).assign_attrs(settings=_text(settings)), part)
         try:
             with netCDF4.Dataset(part, "a") as file:
                 for name, variable in variables.items():
@@ -84,7 +85,7 @@ def gather(
                     cells = _read(tile, variables)
                     for name, values in cells.items():
                         file[name][place.rows, place.columns] = values
-                    counts += [np.count_nonzero(cells["label"] == value) for value in file["attractor"][:]]
+                    counts += [np.count_nonzero(cells["label"] == value) for value in file[kinds][:]]
                     if progress:
                         progress(done, len(tiles))
                 file["cell_count"][:] = counts
@@ -128,10 +129,15 @@ def overview(path: str | os.PathLike[str], most: int = 1000) -> xr.Dataset:
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise InputError(f"{path} is not a readable map: {error}.") from error
     for dim, step in steps.items():
-        width = coarse[dim].attrs["cell_width"]
+        given = coarse[dim].attrs
         between_cells = step % 2 == 0  # of an even number of cells, the one after the middle is taken
-        values = coarse[dim].values - 0.5 * width * between_cells
-        coarse = coarse.assign_coords({dim: (dim, values, {**coarse[dim].attrs, "cell_width": width * step})})
+        if "cell_ratio" in given:  # cells of equal ratio, not of equal width
+            values = coarse[dim].values * given["cell_ratio"] ** (-0.5 * between_cells)
+            more = {"cell_ratio": given["cell_ratio"] ** step}
+        else:
+            values = coarse[dim].values - 0.5 * given["cell_width"] * between_cells
+            more = {"cell_width": given["cell_width"] * step}
+        coarse = coarse.assign_coords({dim: (dim, values, {**given, **more})})
     return coarse
 
 
@@ -204,15 +210,15 @@ def _signature(header: _Header) -> dict[str, tuple]:
     return {name: (variable.dims, variable.dtype) for name, variable in header.variables.items()}
 
 
-def _with_counts(frame: xr.Dataset, labels: Mapping[str, Any]) -> xr.Dataset:
-    """Add room for the number and the fraction of the cells with each label."""
-    kinds = {key: labels[key] for key in ("flag_values", "flag_meanings")}
-    counts = np.zeros(np.size(kinds["flag_values"]), np.int64)
+def _with_counts(frame: xr.Dataset, labels: Mapping[str, Any], kinds: str) -> xr.Dataset:
+    """Add room for the number and the fraction of the cells with each label, along a dimension ``kinds``."""
+    flags = {key: labels[key] for key in ("flag_values", "flag_meanings")}
+    counts = np.zeros(np.size(flags["flag_values"]), np.int64)
     return frame.assign_coords(
-        attractor=("attractor", kinds["flag_values"], {"units": "1", "long_name": "attractor", **kinds})
+        {kinds: (kinds, flags["flag_values"], {"units": "1", "long_name": kinds, **flags})}
     ).assign(
-        cell_count=("attractor", counts, {"units": "1", "long_name": "number of the cells"}),
-        fraction=("attractor", counts + 0.0, {"units": "1", "long_name": "fraction of the cells"}),
+        cell_count=(kinds, counts, {"units": "1", "long_name": "number of the cells"}),
+        fraction=(kinds, counts + 0.0, {"units": "1", "long_name": "fraction of the cells"}),
     )
 
 

@@ -121,11 +121,9 @@ class Plane:
             return compliant_behaviours(self.drive, axes, workers, progress).reshape(shape)
         return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
-    def frame(self, resume: Resume = "contact_sign") -> xr.Dataset:
-        """Return the chart without its cells: axes, the other parameters of the drive, exact curves, attributes."""
-        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+    def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
+        """Return the axes of the chart with the global attributes."""
         return xr.Dataset(
-            fixed | self._curves(),
             coords={axis.name: (axis.name, axis.centres(), _coordinate(axis)) for axis in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
@@ -136,6 +134,11 @@ class Plane:
                 "resume": resume,
             },
         )
+
+    def frame(self, resume: Resume = "contact_sign") -> xr.Dataset:
+        """Return the chart without its cells: axes, attributes, the other parameters of the drive, exact curves."""
+        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+        return self.axes(resume).assign(fixed | self._curves())
 
     def _curves(self) -> dict[str, tuple]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""

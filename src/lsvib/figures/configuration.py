@@ -138,12 +138,13 @@ def _configuration() -> type[Section]:
         __base__=Assessments,
         __doc__="Configuration of the workflow; SI units throughout.",
         attraction=(settings_of("attraction"), ...),
+        chart=(settings_of("chart"), ...),
         **sections,
     )
 
 
 def _configuration_keys() -> tuple[str, ...]:
-    return (*Assessments.model_fields, "attraction")
+    return (*Assessments.model_fields, "attraction", "chart")
 
 
 def _checked(model: type[Section], values: Any, place: Sequence[str] = ()) -> Any:

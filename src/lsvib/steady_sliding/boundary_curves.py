@@ -7,8 +7,8 @@ Rigid drive (:mod:`lsvib.steady_sliding.thresholds` proves what each one divides
 * ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
 * ``stick``, ``detach``, ``global_stability``: R is the force of that name;
 * ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
-  end of rest comes to rest again. All rest ends in one state, so there is a stick–slip cycle if it does, and none if
-  not.
+  end of rest comes back to θ′ = 0. Orbits do not cross; so if it does, what is outside of it stays there and ends on a
+  cycle, and if not, whatever rests ends in steady sliding.
 
 Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
 """
@@ -22,8 +22,11 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.cycles.attractors import Attractor
+from lsvib.cycles.endings import all_endings
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
+from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
@@ -39,7 +42,9 @@ LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
 _NODES = 96  # along each side of the plane; a curve is missed only between two nodes
 _COSTLY_NODES = 32  # for a threshold of both parameters, some milliseconds at each node
-_TURNS = 4000  # most events of slip that neither rests nor settles: it is on a cycle, to rounding
+_ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
+_TURNS = 400  # most events of slip that neither stops nor settles: it is on a cycle, to rounding
+_STOPS = (EventKind.STICK, EventKind.REVERSAL, EventKind.ACCUMULATION)  # θ′ = 0
 _KEPT = 4096  # thresholds that are kept while a curve is traced; without R they are the same along it
 
 
@@ -73,17 +78,18 @@ def boundary_curves(drive: RigidParameters, x: Plane, y: Plane) -> dict[Boundary
     kinds = (Boundary.FLUTTER,) if isinstance(drive, ThreadsParameters) else tuple(Boundary)[: Boundary.FLUTTER]
     names, found = (x[0], y[0]), {}
     for kind in kinds:
-        costly = kind in _FOLLOWED or (kind in _FORCES and "axial_force" not in names)
+        costly = kind is Boundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, _COSTLY_NODES if costly else _NODES, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
         if kind in _SIGNS:
             values = _SIGNS[kind](_many(drive, names, nodes))
         elif kind in _FORCES and "axial_force" in names:
             values = _over_force(function, names, nodes)
+        elif kind is Boundary.STICK_SLIP_BIRTH:
+            values = _after_rest(drive, names, nodes)
         else:
-            where = _stable_but_not_damped(_many(drive, names, nodes)) if kind is Boundary.STICK_SLIP_BIRTH else None
-            values = _one_by_one(function, nodes, where)
-        lines = contour(function, *nodes, values)
+            values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
+        lines = contour(function, *nodes, values, _BISECTED if kind is Boundary.STICK_SLIP_BIRTH else _ROUNDED)
         if lines:
             found[kind] = lines
     return found
@@ -101,17 +107,22 @@ def _over_force(function: Callable[[float, float], float], names: tuple[str, str
     return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
 
 
-def _one_by_one(function: Callable[[float, float], float], nodes: list, where: np.ndarray | None) -> np.ndarray:
-    """Values at the nodes, at some of them if ``where`` is given."""
-    values = np.full((len(nodes[1]), len(nodes[0])), np.nan)
-    for j, i in np.argwhere(np.ones(values.shape, dtype=bool) if where is None else where):
-        values[j, i] = function(nodes[0][i], nodes[1][j])
+def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> np.ndarray:
+    """What :func:`stops_again` says at the nodes, by the motions of all of them from the middle of rest."""
+    v = _many(drive, names, nodes)
+    where = np.broadcast_to((v.inertia > 0) & (v.damping < 0) & (v.drag < 0), v.shape)
+    values, grids = np.full(v.shape, np.nan), dict(zip(names, np.meshgrid(*nodes), strict=True))
+    if not where.any():
+        return values
+    drives = ManyDrives(dict(drive) | {name: grid[where] for name, grid in grids.items()})
+    d = SimpleNamespace(**drives.values)
+    tangent = np.tan(d.lead_angle)
+    plus, minus = (friction_factor(d.friction_coefficient, tangent, law) for law in (1, -1))
+    damping = effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, tangent, minus)
+    middle = (damping * d.input_speed - 0.5 * d.pitch_radius * (plus - minus) * d.axial_force) / d.coupling_stiffness
+    found = all_endings(drives, np.stack([middle, -d.input_speed], axis=1), "contact_sign").attractor
+    values[where] = np.where(found == Attractor.STEADY_SLIDING, -1.0, np.where(found > 0, 1.0, 0.0))
     return values
-
-
-def _stable_but_not_damped(v: SimpleNamespace) -> np.ndarray:
-    """Where Γ₊ > 0 > C₊ and R̃ Ω < 0, in doubles."""
-    return np.broadcast_to((v.inertia > 0) & (v.damping < 0) & (v.drag < 0), v.shape)
 
 
 def _many(drive: RigidParameters, names: tuple[str, str], nodes: list) -> SimpleNamespace:
@@ -138,7 +149,6 @@ _SIGNS: dict[Boundary, Callable[[SimpleNamespace], np.ndarray]] = {
     Boundary.NEGATIVE_DAMPING: lambda v: _where(v, v.damping, (v.inertia > 0) & (v.drag > 0)),
     Boundary.ONSET: lambda v: _where(v, v.drag, (v.inertia <= 0) | (v.damping < 0)),
 }
-_FOLLOWED = (Boundary.STICK_SLIP_BIRTH, Boundary.FLUTTER)  # of which every value takes a millisecond
 _EXACT: dict[Boundary, Callable[[Coefficients], float]] = {
     Boundary.KINEMATIC: lambda c: float(c.gamma[1]),
     Boundary.NEGATIVE_DAMPING: lambda c: float(c.damping[1]),
@@ -155,7 +165,7 @@ def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) ->
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
         if kind is Boundary.STICK_SLIP_BIRTH:
-            return comes_to_rest_again(changed)
+            return stops_again(changed)
         if kind is Boundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), steady_law(changed), tangents(changed, DIGITS)[0])
             return float(min((*exact[:4], hurwitz(exact))))
@@ -178,8 +188,8 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
     return of
 
 
-def comes_to_rest_again(drive: RigidParameters) -> float:
-    """Return 1 if slip from the end of rest comes to rest again, −1 if it ends in steady sliding; else 0.
+def stops_again(drive: RigidParameters) -> float:
+    """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
 
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −.
     """
@@ -192,8 +202,7 @@ def comes_to_rest_again(drive: RigidParameters) -> float:
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
     before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
     start = (-row[2] / row[0] + before, -drive.input_speed)
-    motion = follow(automaton, start, math.inf, mode=int(rest), stop=(EventKind.STICK, -1), max_events=_TURNS)
-    if motion.status == Status.SETTLED:
-        return -1.0
-    # Without R the band of rest is a point, and the screw comes to rest by an accumulation of reversals.
-    return 1.0 if motion.status == Status.STOP_EVENT or (motion.mode == rest).any() else 0.0
+    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
+    if np.isin(motion.kind, _STOPS).any():
+        return 1.0
+    return -1.0 if motion.status == Status.SETTLED else 0.0

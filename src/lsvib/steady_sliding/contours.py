@@ -13,15 +13,18 @@ import numpy as np
 from lsvib.cycles.forward_slip import bracketed_root
 
 Function = Callable[[float, float], float]
-_TOLERANCE = 1e-13  # relative, of a place on a side of a cell
+_TOLERANCE = 1e-13  # rounding of the place
 _Key = tuple[int, int, int]  # of a side: node, and 0 along x, 1 along y
 
 
-def contour(function: Function, x: Sequence[float], y: Sequence[float], values: np.ndarray) -> list[np.ndarray]:
+def contour(
+    function: Function, x: Sequence[float], y: Sequence[float], values: np.ndarray, tolerance: float = _TOLERANCE
+) -> list[np.ndarray]:
     """Return the lines on which a function of x and y vanishes, each as points (k, 2).
 
     Arguments: ``function``, nan where it is not defined; ``x`` (n) and ``y`` (m), ascending, with its ``values``
-    (m, n). A line ends at the edge of the grid, or within a cell of where the function is not defined.
+    (m, n); relative ``tolerance`` of a place on a side of a cell. A line ends at the edge of the grid, or within a cell
+    of where the function is not defined.
     """
     sides: dict[_Key, np.ndarray] = {}
     neighbours: dict[_Key, list[_Key]] = {}
@@ -30,7 +33,7 @@ def contour(function: Function, x: Sequence[float], y: Sequence[float], values: 
             crossed = [key for key in _sides(i, j) if _changes(values, key)]
             for key in crossed:
                 if key not in sides:
-                    sides[key] = _root(function, x, y, key)
+                    sides[key] = _root(function, x, y, key, tolerance)
             for a, b in _joined(crossed, values[j, i]):
                 neighbours.setdefault(a, []).append(b)
                 neighbours.setdefault(b, []).append(a)
@@ -54,7 +57,7 @@ def _changes(values: np.ndarray, key: _Key) -> bool:
     return bool(math.isfinite(a) and math.isfinite(b) and (a > 0) != (b > 0))
 
 
-def _root(function: Function, x: Sequence[float], y: Sequence[float], key: _Key) -> np.ndarray:
+def _root(function: Function, x: Sequence[float], y: Sequence[float], key: _Key, tolerance: float) -> np.ndarray:
     """The point of a side at which the function vanishes."""
     (i, j), (k, n) = _ends(key)
     low, high = np.array([x[i], y[j]]), np.array([x[k], y[n]])
@@ -62,7 +65,7 @@ def _root(function: Function, x: Sequence[float], y: Sequence[float], key: _Key)
     def along(part: float) -> float:
         return function(*(low + part * (high - low)))
 
-    part = bracketed_root(along, 0.0, 1.0, _TOLERANCE)
+    part = bracketed_root(along, 0.0, 1.0, tolerance)
     return low + part * (high - low)
 
 

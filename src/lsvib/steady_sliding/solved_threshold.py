@@ -8,7 +8,7 @@ from typing import Any
 from lsvib.drives import parameters
 from lsvib.drives.parameters import RigidParameters, allowed_range, described
 from lsvib.drives.registry import find_model
-from lsvib.errors import InputError, NoThreshold
+from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.numbers import shown
 from lsvib.results import Quantity, SolvedThreshold, ThresholdSolution
 from lsvib.steady_sliding import sprag_thresholds, threshold_motions, thresholds
@@ -104,9 +104,18 @@ def _by_search(drive: RigidParameters, name: str, unknown: str) -> SolvedThresho
     if not found:
         raise NoThreshold(
             f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
-            "parameters held."
+            f"parameters held{_why_not(name, drive)}."
         )
     return _result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.")
+
+
+def _why_not(name: str, drive: RigidParameters) -> str:
+    """Why the drive itself has no such threshold, as the end of a sentence; nothing if it has one."""
+    try:
+        _start(name, drive)
+    except (InputError, EngineError) as error:
+        return f"; with its own value {str(error).rstrip('.')}"
+    return ""
 
 
 def _start(name: str, drive: RigidParameters) -> tuple[Any, Start]:

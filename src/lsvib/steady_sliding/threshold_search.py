@@ -2,12 +2,14 @@
 
 Such an equation is transcendental, so its roots are searched for, not isolated: its sign is sampled over twelve decades
 about the drive's own value (or a natural size, if that is zero), closer and closer towards the places at which Γ₊ and
-C₊ vanish – there a threshold begins or ends, and these places are exact –, and every change of sign is halved down.
+C₊ vanish – there a threshold begins or ends, and these places are exact –, and where a threshold begins or ends between
+two samples that place is halved down. So is every change of sign.
 What lies between two samples without a change of sign, or beyond the twelve decades, stays unseen.
 """
 
 import math
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import Any
 
 from lsvib.cycles.forward_slip import bracketed_root
@@ -18,8 +20,11 @@ from lsvib.steady_sliding.threshold_polynomials import places
 DECADES = 6  # on both sides of the middle of the search
 _EACH = 12  # samples a decade: a fifth from one to the next
 _CLOSER = tuple(0.3**k for k in range(1, 16))  # of the way to a place where a threshold begins or ends, to 1e-8
+_HALVINGS = 30  # of the step from a sample with a threshold to one without: to 1e-9 of it
 _CLOSE = 1e-11  # relative, of a root: Newton's method goes on from there
 
+Sample = tuple[float, float | None]
+"""A value of the parameter and the gap there, None where there is none."""
 Gap = Callable[[RigidParameters], float]
 """A function that vanishes at a threshold; raises ``InputError`` or ``EngineError`` for a drive that has none."""
 
@@ -37,12 +42,28 @@ def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
             return None
         return found if math.isfinite(found) else None
 
-    last: tuple[float, float] | None = None
-    for value in samples(drive, unknown):
-        here = at(value)
-        if here is not None and last is not None and (here > 0) != (last[1] > 0):
-            yield from _between(at, last[0], value)
-        last = None if here is None else (value, here)
+    known: list[Sample] = [(value, at(value)) for value in samples(drive, unknown)]
+    ordered = [known[0]]
+    for before, after in pairwise(known):
+        if (before[1] is None) != (after[1] is None):
+            ordered.append(_edge(at, before, after))
+        ordered.append(after)
+    for before, after in pairwise(ordered):
+        if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
+            yield from _between(at, before[0], after[0])
+
+
+def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:
+    """The last place at which the gap is defined between two samples of which one is not."""
+    inside, outside = (before, after) if before[1] is not None else (after, before)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside[0] + outside[0])
+        found = at(middle)
+        if found is None:
+            outside = middle, None
+        else:
+            inside = middle, found
+    return inside
 
 
 def _between(at: Callable[[float], float | None], low: float, high: float) -> Iterator[float]:

@@ -1,0 +1,80 @@
+"""A chart over two parameters, in tiles: snakemake -j2 chart. Not a figure of the chapter, so not part of `all`."""
+
+
+scattergather:
+    chart=config["chart"]["tiles"],
+
+
+rule chart:
+    """Chart what the drive does and draw it."""
+    input:
+        "results/chart/chart.nc",
+        collect("results/figures/chart.{format}", format=["png", "pdf"]),
+    message:
+        "The chart is made"
+
+
+rule chart_tile:
+    """Label the cells of one tile. The file goes when the chart that it is part of is complete."""
+    input:
+        sources=chart_sources(),
+        engine=engine(chart_modules()),
+    output:
+        temp("results/chart/tiles/{scatteritem}.nc"),
+    log:
+        "logs/chart_tile/{scatteritem}.log",
+    benchmark:
+        "benchmarks/chart_tile/{scatteritem}.tsv"
+    resources:
+        mem_mb=1000,
+    params:
+        settings=CHART,
+    message:
+        "Charting tile {wildcards.scatteritem}"
+    script:
+        "../scripts/chart_tile.py"
+
+
+rule gather_chart:
+    """Put the tiles together, one at a time, and add the exact curves."""
+    input:
+        sources=chart_sources(),
+        tiles=gather.chart("results/chart/tiles/{scatteritem}.nc"),
+    output:
+        "results/chart/chart.nc",
+    log:
+        "logs/gather_chart.log",
+    benchmark:
+        "benchmarks/gather_chart.tsv"
+    resources:
+        mem_mb=1000,
+    params:
+        settings=CHART,
+    message:
+        "Gathering the chart"
+    script:
+        "../scripts/gather_chart.py"
+
+
+rule draw_chart:
+    """Draw the chart, a large one from the middle cells of blocks of cells."""
+    input:
+        chart="results/chart/chart.nc",
+        sources=source_files(imports("lsvib.figures.chart.picture") | imports("lsvib.data.assembly")),
+    output:
+        png=report(
+            "results/figures/chart.png",
+            caption="../../src/lsvib/figures/chart/caption.rst",
+            category="Chart",
+        ),
+        pdf="results/figures/chart.pdf",
+    log:
+        "logs/draw_chart.log",
+    benchmark:
+        "benchmarks/draw_chart.tsv"
+    resources:
+        mem_mb=1000,
+    message:
+        "Drawing the chart"
+    script:
+        "../scripts/draw_chart.py"
