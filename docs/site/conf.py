@@ -41,6 +41,7 @@ sphinx_gallery_conf = {
 html_theme = "pydata_sphinx_theme"
 html_title = f"lsvib {release}"
 html_show_sourcelink = False
+html_show_search_summary = False  # a browser does not fetch them from disk
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]

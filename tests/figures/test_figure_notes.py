@@ -9,6 +9,7 @@ from reference.figure_checks import assert_states_what_is_assumed, dataset_of, d
 from lsvib.contact import existence
 from lsvib.data import phase_plane
 from lsvib.drives.parameters import RigidParameters
+from lsvib.figures.draw import caption_of
 from lsvib.figures.drawing import arrows, style
 from lsvib.figures.drawing import phase_planes as drawn
 from lsvib.figures.fig8_07 import picture as fig8_07
@@ -37,6 +38,17 @@ def test_the_line_states_what_is_printed_and_what_is_assumed():
     assert figure.get_supxlabel() == (
         "As printed: $m$ = 10 kg, $R$ = −50 N. Assumed: $m$ = 11 kg, $k_c$ = $10^{8}$ N m⁻¹. Otherwise Table 8.1."
     )
+
+
+def test_a_caption_says_the_same_values_in_plain_words():
+    figure = style.new_figure()
+    style.state_values(figure, parameters(), rest="Varied: $\\Omega$ from $2 \\times 10^{-4}$.")
+    words, values = caption_of("fig8_03", figure).rstrip().split("\n\n")
+    assert words.startswith("Stability of the steady sliding")
+    assert values.replace("\\_", "_") == (
+        "Values: As printed: m = 10 kg, R = −50 N. Assumed: m = 11 kg, k_c = 10⁸ N m⁻¹. Varied: Ω from 2 × 10⁻⁴."
+    )
+    assert "Values" not in caption_of("fig8_03", style.new_figure())
 
 
 @pytest.mark.parametrize("width", [1.6, 2.5, style.SINGLE])

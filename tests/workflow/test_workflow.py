@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-import zipfile
 
 import docutils.core
 import pytest
@@ -390,18 +389,6 @@ def test_captions_are_restructured_text_without_a_complaint(path):
     settings = {"warning_stream": complaints, "report_level": 1}
     docutils.core.publish_doctree(path.read_text(encoding="utf-8"), settings_overrides=settings)
     assert complaints.getvalue() == ""
-
-
-@pytest.mark.slow
-def test_report_shows_figures_with_captions(built):
-    run = built("--report", "report.zip")
-    assert run.returncode == 0, run.stdout
-    with zipfile.ZipFile(built.folder / "report.zip") as report:
-        names = report.namelist()
-        page = report.read("report/report.html").decode()
-    for figure in FIGURES:
-        assert any(name.endswith(f"{figure}.png") for name in names)
-    assert "node and focus meet on the black curve" in page
 
 
 def states_of(project):

@@ -129,7 +129,8 @@ def _evenly(points: np.ndarray) -> np.ndarray:
 def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
     """Write words along a line, on that side and at that place of it that is farthest from all other lines and words.
 
-    Lengths are in widths of the picture. A line that is too short gets no words; ``taken`` gets the place.
+    Words that stand out beyond the end of their line come second, and last those that reach beyond the axes, where the
+    numbers stand. Lengths are in widths of the picture. A line that is too short gets no words; ``taken`` gets the place.
     """
     half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
     if len(line) < _SHORTEST / _STEP:
@@ -137,8 +138,8 @@ def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray]
     left, top = axes.transAxes.transform([(0, 0), (1, 1)]) / axes.bbox.width
     inside = _evenly(np.array([left, (top[0], left[1]), top, (left[0], top[1]), left]))
     obstacles = np.concatenate([*others, inside])
-    best, place = -1.0, None
-    for middle in range(half // 2, len(line) - half // 2, 2):
+    best, place = -np.inf, None
+    for middle in range(0, len(line), 2):
         ends = line[max(0, middle - half)], line[min(len(line) - 1, middle + half)]
         along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
         along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
@@ -147,6 +148,9 @@ def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray]
             covered = line[middle] + shift * _HEIGHT + np.outer(np.linspace(-half, half, 9) * _STEP, along)
             room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
             room = min(room, 2 * _HEIGHT) - 0.1 * _HEIGHT * abs(2 * middle / len(line) - 1) + 0.01 * _HEIGHT * side
+            # Either outweighs all other differences of two places, and the latter the former.
+            room -= 4 * _HEIGHT * (not half // 2 <= middle < len(line) - half // 2)
+            room -= 8 * _HEIGHT * (not ((covered > left) & (covered < top)).all())
             if room > best:
                 best, place = room, (line[middle] + shift * _HEIGHT, along, covered)
     if place is None:

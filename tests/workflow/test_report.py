@@ -1,4 +1,4 @@
-"""The report of a run in a real browser: first page, pictures with captions, checks that can be filtered, a phone."""
+"""The report of a run, in its files and in a browser: first page, pictures, captions, checks that can be filtered."""
 
 import shutil
 import zipfile
@@ -7,7 +7,8 @@ import pytest
 from conftest import Project
 from reference import chromium
 
-pytestmark = [pytest.mark.workflow, pytest.mark.slow, chromium.needs_chromium]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+FIGURES = ("fig8_03", "fig8_08")
 
 
 @pytest.fixture(scope="module")
@@ -35,12 +36,21 @@ def page(report, browser):
         yield opened
 
 
+def test_the_report_has_figures_with_captions(report):
+    names = [path.name for path in report.rglob("*")]
+    page = (report / "report.html").read_text(encoding="utf-8")
+    assert all(any(name.endswith(f"{figure}.png") for name in names) for figure in FIGURES)
+    assert "node and focus meet on the black curve" in page
+
+
+@chromium.needs_chromium
 def test_the_first_page_has_the_printed_thresholds_and_a_guide(page):
     page.get_by_text("How to read this report").wait_for()
     row = page.get_by_role("row", name="Critical mass")
     assert [cell.strip() for cell in row.inner_text().split("\t")][1:] == ["10.1 kg", "10.107 kg", "0.069 %", "fig8_08"]
 
 
+@chromium.needs_chromium
 def test_a_picture_has_its_caption_with_values(page):
     page.get_by_role("link", name="Chapter 8").click()
     show, tell = page.get_by_role("row", name="fig8_08").locator("a,button").all()
@@ -50,6 +60,7 @@ def test_a_picture_has_its_caption_with_values(page):
     page.get_by_text("Values: As printed: c_x = 0 N s m⁻¹. Otherwise Table 8.1.").wait_for()
 
 
+@chromium.needs_chromium
 def test_the_report_has_the_table_of_checks(page):
     page.get_by_role("link", name="Checks").click()
     page.get_by_role("row", name="every check").locator("a,button").first.click()
@@ -58,6 +69,7 @@ def test_the_report_has_the_table_of_checks(page):
     frame.get_by_role("status").get_by_text("4 of 9 checks are shown.").wait_for()
 
 
+@chromium.needs_chromium
 @pytest.mark.parametrize("width", [1200, 390])
 def test_the_table_of_checks_can_be_filtered(finished, browser, width):
     address = (finished[0].folder / "results" / "checks.html").as_uri()
