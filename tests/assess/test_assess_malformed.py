@@ -62,6 +62,8 @@ CASES = [
     ("load.mass", {}, "a distribution has"),
     ("load.mass", {"mean": "5 kg", "std": "2 kg"}, "standard deviations"),
     ("load.mass", {"mean": "5 kg", "std": "-1 kg"}, "not above 0"),
+    ("load.orientation", {"mean": "80 deg", "std": "5 deg"}, "reaches 100 deg at four standard deviations"),
+    ("friction.coefficient", {"median": 0.2, "factor": 2}, "reaches 3.2 at four standard deviations"),
     ("load.mass", {"median": "5 kg", "factor": 0.9}, "not above 1"),
     ("load.mass", {"median": "5 kg", "factor": "2 kg"}, "factor"),
     ("load.mass", {"low": "5 kg", "mode": "4 kg", "high": "6 kg"}, "do not ascend"),

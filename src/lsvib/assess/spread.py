@@ -127,9 +127,8 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     for end in (low, high):
         problem = check(end, unit)
         if problem:
-            raise NotQuantity(
-                f"reaches {end:.4g} {unit} at four standard deviations, which is{problem.partition(' is')[2]}"
-            )
+            value, _, rest = problem.removeprefix("= ").partition(" is")
+            raise NotQuantity(f"reaches {value} at four standard deviations, which is{rest}")
     return low, high
 
 

@@ -130,7 +130,7 @@ def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray]
     """Write words along a line, on that side and at that place of it that is farthest from all other lines and words.
 
     Words that stand out beyond the end of their line come second, and last those that reach beyond the axes, where the
-    numbers stand. Lengths are in widths of the picture. A line that is too short gets no words; ``taken`` gets the place.
+    numbers stand. Lengths are in widths of the picture. A line that is too short gets none; ``taken`` gets the place.
     """
     half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
     if len(line) < _SHORTEST / _STEP:
