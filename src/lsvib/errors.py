@@ -17,5 +17,9 @@ class EngineError(LsvibError, RuntimeError):
     """The engine stopped for a reason that the caller must know; the sentence names it and a remedy."""
 
 
+class WorkSpentError(EngineError):
+    """A run needs more work than its caller allows."""
+
+
 class DivergenceError(EngineError):
     """The motion grows without bound."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
 
+from lsvib.basins import exact_basin
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, state_on
 from lsvib.basins.exact_basin import Boundary, basin
@@ -193,6 +194,28 @@ def test_area_is_that_of_a_grid_to_first_order():
             for b in centres
         )
         assert abs(settled - exact * n**2) <= 0.5 * cut
+
+
+def little_damped(part: float, support_damping: float) -> RigidParameters:
+    return RigidParameters.of(
+        mass=10, support_damping=part * support_damping, translation_damping=part * 430, axial_force=-0.56 * part
+    )
+
+
+def test_turns_that_hardly_grow_are_leapt_over():
+    """Dampings and force are a small part of those of the repelling cycle of slip; its size is in proportion to it."""
+    sizes = [basin(little_damped(part, 2.8e-5)).area() / part**2 for part in (1e-4, 1e-6)]
+    assert sizes[1] == pytest.approx(sizes[0], rel=1e-7)
+    found = basin(little_damped(1e-6, 2.8e-5))
+    ends = [steady_state(rigid_automaton(found.drive), found.curves[0][0].start * x).label for x in (0.99, 1.01)]
+    assert ends[0] == Attractor.STEADY_SLIDING != ends[1]
+    assert basin(little_damped(1e-6, 1.5e-4)).boundary == Boundary.NONE
+
+
+def test_a_boundary_that_is_not_found_in_bounded_work_is_refused(monkeypatch):
+    monkeypatch.setattr(exact_basin, "_LEAPS", 0)
+    with pytest.raises(InputError, match="change a motion so little in a turn"):
+        basin(drive_of("repelling cycle of slip"))
 
 
 def test_area_in_a_window_is_the_sum_over_its_parts():

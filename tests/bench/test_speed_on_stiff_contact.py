@@ -29,7 +29,7 @@ def compiled_time(automaton, start, duration) -> float:
         motion.time, motion.kind, motion.sign, motion.mode, motion.before, motion.after)]  # fmt: skip
     best = np.inf
     for _ in range(_AT_ONCE):
-        here, scale, clock = state.copy(), np.abs(state), np.zeros(3)
+        here, scale, clock = state.copy(), np.abs(state), np.array([0.0, 0.0, 0.0, np.inf])
         begun = process_time()
         *_, count = event_loop.run(automaton.tables, mode, here, scale, clock, duration, -1, -1, tuple(events))
         best = min(best, process_time() - begun)

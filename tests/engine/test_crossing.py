@@ -149,7 +149,7 @@ def bouncer(stiffness, force, restitution, beyond=None):
 
 def bounce(automaton, state, t_end, room=2000):
     events = (np.empty(room), *(np.empty(room, t) for t in (np.int8, np.int8, np.int64)), *np.empty((2, room, 2)))
-    state, clock = np.array(state, float), np.zeros(3)
+    state, clock = np.array(state, float), np.array([0.0, 0.0, 0.0, INF])
     status, mode, count = event_loop.run(automaton.tables, 0, state, np.abs(state), clock, t_end, -1, -1, events)
     return Status(status), mode, state, events[0][:count], events[1][:count]
 

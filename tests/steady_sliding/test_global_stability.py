@@ -20,6 +20,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
+from lsvib.steady_sliding import global_stability
 from lsvib.steady_sliding.global_stability import widest_return
 from lsvib.steady_sliding.summary import threshold_table
 from lsvib.steady_sliding.thresholds import NoThreshold, global_stability_force
@@ -160,3 +161,11 @@ def test_table_of_thresholds_has_it():
     assert math.isclose(
         threshold_table({"support_damping": 2e-3})["global_stability_force"]["value"], -18.3754629688612
     )
+
+
+def test_newtons_method_that_does_not_end_is_said(monkeypatch):
+    drive = PARADOX.replace(support_damping=1e-5, translation_damping=3000.0)
+    assert global_stability_force(drive) == pytest.approx(48.04723255928559, rel=1e-12)
+    monkeypatch.setattr(global_stability, "_NEWTON", 1)
+    with pytest.raises(NoThreshold, match="Newton's method has not come to its end"):
+        global_stability_force(drive)

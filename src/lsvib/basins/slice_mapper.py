@@ -27,12 +27,12 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion
 from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
-_EVENTS = 300_000  # beyond the rounds; about a second
+_EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
@@ -113,14 +113,15 @@ class StateMapper:
 
     def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
         """Return label, time [s], number of sprags and first event of the motion from a state (n)."""
-        mode, time, sprags, first = None, 0.0, 0, None
+        mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(self._events)
         if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
             return Attractor.STEADY_SLIDING, 0.0, 0, -1
         for _ in range(self._rounds):
             try:
-                motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK)
+                motion = attractors.followed(self.automaton, state, mode, _CHUNK, budget)
             except EngineError as error:
-                label = Attractor.UNBOUNDED if isinstance(error, DivergenceError) else Attractor.UNRESOLVED
+                unbounded = isinstance(error, DivergenceError) and not self.automaton.passive
+                label = Attractor.UNBOUNDED if unbounded else Attractor.UNRESOLVED
                 return label, np.inf, sprags, -1 if first is None else first
             if first is None:
                 first = int(motion.kind[0]) if motion.time.size else -1

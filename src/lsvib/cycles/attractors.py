@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import drifts, leaps
-from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, section_key
+from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, conserves, section_key
+from lsvib.cycles.settling import settles_after
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Motion, enter, follow
-from lsvib.errors import DivergenceError, EngineError
+from lsvib.engine.motion import Budget, Motion, enter, follow
+from lsvib.errors import DivergenceError, EngineError, WorkSpentError
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
@@ -31,13 +32,17 @@ _MORE_PATIENCE = 1000.0  # time that a return after a leap may take, in times of
 REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
 _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
-_BLOCK_EVENTS = 5000  # most events of a motion with modes in blocks; each takes ten to a hundred times as long
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
+_APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
+_SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 CORNERS = (1e-9, 1e-5)
+
+
+_TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
 class Attractor(IntEnum):
@@ -48,7 +53,7 @@ class Attractor(IntEnum):
     STICK_SLIP_CYCLE = 1
     SPRAG_SLIP_CYCLE = 2
     OTHER_CYCLE = 3  # a cycle of pure slip
-    UNBOUNDED = 4  # never the label of a drive, into which energy enters as the work of constant forces only
+    UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
     REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
     RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
@@ -140,7 +145,9 @@ def steady_state(
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
-    ``patience`` is the number of events after which returns that hardly move are leapt over, with two states.
+    ``max_events`` bounds the work: it is a number of events with two states, and with more the budget in units of one
+    ordinary event (:class:`lsvib.engine.motion.Budget`), which may be spent twice. ``patience`` is the number of events
+    after which returns that hardly move are leapt over, with two states.
 
     The search ends in one of the following ways.
 
@@ -150,8 +157,9 @@ def steady_state(
     * The motion settles (:func:`settled`): steady sliding, rest, neutral oscillations, or unbounded.
     * The section state repeats after 1 to 64 returns, or the map of 1 to 8 returns has an attracting fixed point. The
       cycle is called sprag–slip if it sprags, stick–slip if it rests, and other cycle if it does neither; a fixed point
-      at the origin is steady sliding.
-    * A motion of a part of a drive, such as slip without rest, leaves the range of numbers: unbounded.
+      at the origin is steady sliding. With more than two states a cycle that nothing damps is one of a neutral family.
+    * A motion of compliant threads, or of a part of a drive, such as slip without rest, leaves the range of numbers:
+      unbounded.
     * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions without
       an attracting cycle – chaotic and quasi-periodic ones, above all where nothing damps – and to motions whose cycle
       attracts slowly, if it has a multiplier within 1e-6 of the unit circle or more than 8 returns, or if the return
@@ -168,9 +176,9 @@ def _steady_state(
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     if mode is None and _at_equilibrium(automaton, state):
         return SteadyState(Attractor.STEADY_SLIDING, state)
-    if isinstance(automaton.tables.flow, BlockFlow):
-        max_events = min(max_events, _BLOCK_EVENTS)
-    used, chunk, size_of_state = 0, min(CHUNK, patience), state.size
+    if state.size > 2:
+        return _of_more_states(automaton, state, mode, Budget(max_events))
+    used, chunk = 0, min(CHUNK, patience)
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -183,8 +191,6 @@ def _steady_state(
         if automaton.contracts or _only_touches(motion):
             return _neutral(automaton, motion)
         used += motion.time.size
-        if used >= patience and size_of_state > 2:
-            return _pursued(automaton, motion, max_events - used)
         if used >= patience:
             patience *= _LONGER
             slow = _slow_end(automaton, motion, max_events - used, twice)
@@ -205,26 +211,58 @@ def _at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
     return not automaton.tables.flow.field[enter(automaton, state)[0], :, -1].any()
 
 
-def _pursued(automaton: Automaton, motion: Motion, left: int) -> SteadyState:
-    """Find the end of a motion with more than two states from a first part of it, within the work ``left``.
+def _of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
+    """Find the attractor of a motion with more than two states; the budget may be spent twice."""
 
-    If leaps were made, the motion from some events later on must end alike, with as much work.
-    """
+    def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
+        if part.status == Status.SETTLED:
+            return settled(automaton, part)
+        return _recurrence(automaton, part, budget, apart)
 
-    def ended(part: Motion) -> SteadyState | None:
-        return settled(automaton, part) if part.status == Status.SETTLED else _recurrence(automaton, part)
-
+    found: SteadyState | drifts.Recurrence | None = None
+    used, chunk = 0, CHUNK
     try:
-        found, leapt = drifts.pursue(motion, left, ended)
-        if leapt and found is not None:  # a leap loses the phase of fast oscillations
-            later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=_LATER)
-            again, _ = drifts.pursue(later, left, ended)
-            found = found if _name(again) == _name(found) else None
+        while found is None and used < LONG:
+            motion = followed(automaton, state, mode, chunk, budget)
+            found, state, mode = ended(motion, math.inf), motion.end_state, motion.end_mode
+            used, chunk = used + motion.time.size, 2 * chunk
+        if found is None:
+            again = Budget(budget.left)
+            found, leapt = drifts.pursue(motion, budget, ended)
+            if leapt and found is not None:  # a leap loses the phase of fast oscillations
+                budget = again
+                later = follow(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
+                second, _ = drifts.pursue(later, budget, ended)
+                found = found if _name(second) == _name(found) else None
+    except DivergenceError:
+        return SteadyState(Attractor.UNRESOLVED if automaton.passive else Attractor.UNBOUNDED, state)
     except EngineError:
-        found = None
+        return SteadyState(Attractor.UNRESOLVED, state)
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
-    return found or SteadyState(Attractor.UNRESOLVED, motion.end_state)
+    return found or SteadyState(Attractor.UNRESOLVED, state)
+
+
+def followed(automaton: Automaton, state: np.ndarray, mode: int | None, events: int, budget: Budget) -> Motion:
+    """Follow a motion over some events; one carried in blocks settles also if its rates show that it does.
+
+    Raises what ``follow`` raises, and ``WorkSpentError`` where the search for one event has no end in sight.
+    """
+    if not isinstance(automaton.tables.flow, BlockFlow):
+        return follow(automaton, state, math.inf, mode=mode, max_events=events, budget=budget)
+    part = Budget(min(budget.left, _SEARCH))
+    before = part.left
+    motion = follow(automaton, state, math.inf, mode=mode, max_events=events, budget=part)
+    budget.spend(before - part.left)
+    if motion.status != Status.WORK_SPENT:
+        return motion
+    time = settles_after(automaton, motion.end_mode, motion.end_state)
+    if time is None:
+        raise WorkSpentError("the search for the next event takes more work than is allowed.")
+    last = follow(automaton, motion.end_state, time, mode=motion.end_mode, max_events=1, budget=budget)
+    if last.status == Status.TIME_REACHED:
+        return replace(motion, status=Status.SETTLED)
+    return last
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
@@ -355,7 +393,9 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, residual, math.nan, 1.0)
 
 
-def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
+def _recurrence(
+    automaton: Automaton, motion: Motion, budget: Budget | None = None, apart: float = math.inf
+) -> SteadyState | None:
     """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = _watched(motion)
     if seen is None:
@@ -366,13 +406,15 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if len(points) < FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
-    section = ReturnSection(automaton, key, points[-1], size, nearest, longest)
+    if changes[nearest - 1].max() > apart:
+        return None
+    section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         return _cycle(section, section.repeated())
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
     for returns in divisors:  # a slow cycle may seem to have a multiple of its returns
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
-        section = ReturnSection(automaton, key, points[-1], size, returns, longest)
+        section = ReturnSection(automaton, key, points[-1], size, returns, longest, budget)
         found = section.fixed_point(before) if len(before) else None
         if found is None:
             continue
@@ -385,7 +427,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
-            there = ReturnSection(automaton, key, found.state, size, fewer, longest)
+            there = ReturnSection(automaton, key, found.state, size, fewer, longest, budget)
             again = there.fixed_point(before)
             if again is not None and (np.abs(again.state - found.state) <= CORNERS[0] * size).all():
                 return _cycle(there, again)
@@ -393,7 +435,7 @@ def _recurrence(automaton: Automaton, motion: Motion) -> SteadyState | None:
     if not repeats.size or _drifts(points[::-nearest]):
         return None
     found = section.repeated()
-    return None if abs(found.multiplier) >= 1 - MARGIN else _cycle(section, found)
+    return None if abs(found.multiplier) >= 1 - MARGIN and not found.neutral else _cycle(section, found)
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
@@ -421,11 +463,19 @@ def _cycle(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
         return None
     automaton = orbit.automaton
     modes = automaton.codes[orbit.arcs()[0]]
+    rests = np.isin(modes, automaton.rest_codes).any()
     if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
         label = Attractor.SPRAG_SLIP_CYCLE
-    elif np.isin(modes, automaton.rest_codes).any():
-        label = Attractor.STICK_SLIP_CYCLE
+    elif found.neutral or (rests and conserves(automaton) and _only_touches_rest(orbit)):
+        label = Attractor.NEUTRAL_FAMILY
     else:
-        label = Attractor.OTHER_CYCLE
+        label = Attractor.STICK_SLIP_CYCLE if rests else Attractor.OTHER_CYCLE
     residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
     return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)
+
+
+def _only_touches_rest(motion: Motion) -> bool:
+    """Whether a motion rests for no longer than the largest of a neutral family seems to, where it touches θ′ = 0."""
+    modes, _, _, durations = motion.arcs()
+    resting = np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)
+    return bool(durations[resting].sum() <= _TOUCH * durations.sum())

@@ -26,14 +26,14 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import ModalFlow
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion, follow
 
-_CALL = 10  # events that take as long as one call of the engine from Python
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
 _LONGEST = 4000  # most events in a return
 _CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
-_PART = 0.3  # change of the logarithm of an amplitude that one leap may make
+_PART = 0.7  # change of the logarithm of an amplitude that one leap may make
+_MORE_TRUST = 4.0  # factor by which leaps may get longer if the trend after a leap is that before it
 _WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
 # A leap has 2^doublings returns, each one doubling more than the last: so many before the first, and at least. One leap
@@ -64,36 +64,34 @@ Ended = TypeVar("Ended")
 
 
 def pursue(
-    motion: Motion, work: int, ended: Callable[[Motion], Ended | None]
+    motion: Motion, budget: Budget, ended: Callable[[Motion], Ended | None]
 ) -> tuple[Ended | Recurrence | None, bool]:
     """Follow and extrapolate a motion until ``ended`` names its end; returns that end and whether leaps were made.
 
-    Arguments: a part of the motion, from whose end it goes on; ``work`` in events, where a call of the engine counts
-    for some; ``ended``, which is asked about parts of the motion. The end is None if ``work`` does not suffice. Raises
-    ``EngineError`` where the engine does.
+    Arguments: a part of the motion, from whose end it goes on; the work that it may take; ``ended``, which is asked
+    about parts of the motion. The end is None if the budget does not suffice. Raises ``EngineError`` where the engine
+    does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    while work > 0:
+    before, trust = None, 1.0
+    while budget.left > 0:
         found = ended(motion)
         if found is not None:
             return found, leapt
-        leap = _by_returns(motion)
-        work -= leap.work
+        leap = _by_returns(motion, budget)
         leapt |= leap.moved
         if leap.moved:
-            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN)
-            work -= _BETWEEN
+            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget)
             continue
-        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window)
-        work -= window + _CALL
+        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget)
         trend = _trend(motion) if motion.time.size == window else None
         if trend is None:
             window = min(2 * window, _LAST_WINDOW)
         elif trend.consistent:
-            state, mode = _extrapolated(automaton, motion, trend)
-            leapt = True
-            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window), 0
-            work -= window + _CALL
+            trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
+            state, mode = _extrapolated(automaton, motion, trend, trust)
+            leapt, before = True, trend
+            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window, budget=budget), 0
         elif trend.none and window == _LAST_WINDOW:
             blank += 1
             if blank == _BLANKS:
@@ -104,26 +102,24 @@ def pursue(
 
 
 class _Leap(NamedTuple):
-    """The result of leaps by returns: state (n) and mode, whether the motion has moved, and the work."""
+    """The result of leaps by returns: state (n) and mode, and whether the motion has moved."""
 
     state: np.ndarray
     mode: int
     moved: bool
-    work: int
 
 
-def _by_returns(motion: Motion) -> _Leap:
+def _by_returns(motion: Motion, budget: Budget) -> _Leap:
     """Leap along the section of a motion's rarest events as far as that goes."""
     key = section_key(motion)
-    here, mode, work, moved, last, doublings = motion.end_state, motion.end_mode, 0, False, None, _FIRST_DOUBLINGS
+    here, mode, moved, last, doublings = motion.end_state, motion.end_mode, False, None, _FIRST_DOUBLINGS
     if key is None:
-        return _Leap(here, mode, moved, work)
+        return _Leap(here, mode, moved)
     seen = (motion.kind == key[0]) & (motion.mode == key[1])
     place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
     size, pattern = np.zeros_like(place), None
     for _ in range(_MOST_LEAPS):
-        states, patterns, sizes, events = _returns(motion.automaton, key, place)
-        work += events
+        states, patterns, sizes = _returns(motion.automaton, key, place, budget)
         alike = len(states) > _RETURNS and all(one == (pattern or patterns[-1]) for one in patterns[-_ALIKE:])
         if not (alike and (last is None or last.foresaw(states, doublings))):
             doublings -= _FEWER
@@ -134,14 +130,13 @@ def _by_returns(motion: Motion) -> _Leap:
         here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
         size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
         scale = np.where(size == 0, 1.0, size)  # a coordinate that is zero at every event may have any scale
-        section = ReturnSection(motion.automaton, key, here, scale, 1, longest)
-        work += 2 * section.dimension * (events // _RETURNS)
+        section = ReturnSection(motion.automaton, key, here, scale, 1, longest, budget)
         last = _Linear.at(section, states)
         doublings = last.most(doublings + 1)
         if doublings < _LEAST_DOUBLINGS:
             break
         place = last.after(doublings)
-    return _Leap(here, mode, moved, work)
+    return _Leap(here, mode, moved)
 
 
 class _Linear(NamedTuple):
@@ -157,7 +152,7 @@ class _Linear(NamedTuple):
     @classmethod
     def at(cls, section: ReturnSection, states: list[np.ndarray]) -> "_Linear":
         """Linearise at the last state, the origin of ``section``."""
-        slopes = section.jacobian(np.zeros(section.dimension))
+        slopes, _ = section.slopes(np.zeros(section.dimension))
         if not np.isfinite(slopes).all():
             slopes = np.eye(section.dimension)
         return cls(section, slopes, slopes @ -section.place(states[-2]))
@@ -204,18 +199,17 @@ class _Linear(NamedTuple):
         return self._length(np.abs(vectors * parts).sum(axis=1)) <= _CHANGE * self._length(way)
 
 
-def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray):
-    """Follow some returns; return the states (n) at them, modes and sizes (n) of each return, and the work."""
-    states, patterns, sizes, work = [state], [], [], 0
+def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budget: Budget):
+    """Follow some returns; return the states (n) at them, and modes and sizes (n) of each return."""
+    states, patterns, sizes = [state], [], []
     for _ in range(_RETURNS):
-        motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST)
-        work += motion.time.size + _CALL
+        motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget)
         if motion.status != Status.STOP_EVENT:
             break
         states.append(motion.end_state)
         patterns.append(motion.mode.tobytes())
         sizes.append(np.abs(motion.after).max(axis=0))
-    return states, patterns, sizes, work
+    return states, patterns, sizes
 
 
 class _Trend(NamedTuple):
@@ -226,6 +220,13 @@ class _Trend(NamedTuple):
     bend: np.ndarray
     consistent: bool
     none: bool
+
+    def continues(self, before: "_Trend | None") -> bool:
+        """Whether it is that before a leap, in windows of any length."""
+        if before is None or before.mode != self.mode:
+            return False
+        one, other = (t.step / np.abs(t.step).max() for t in (before, self))
+        return bool(np.abs(one - other).max() <= _STEADY)
 
 
 def _trend(motion: Motion) -> _Trend | None:
@@ -249,25 +250,34 @@ def _trend(motion: Motion) -> _Trend | None:
     quarters = np.array([np.log(part).mean(axis=0) / 2 for part in np.array_split(squares, _QUARTERS)])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    leading = int(np.argmax(np.abs(step)))
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
     steady = spread <= _STEADY * np.abs(step)
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
     none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
-    return _Trend(home, full, bend, bool(steady[leading]) and not none, none)
+    # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
+    consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
+    return _Trend(home, full, bend, consistent and not none, none)
 
 
-def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend) -> tuple[np.ndarray, int | None]:
-    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short."""
+def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:
+    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short.
+
+    ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
+    """
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
-    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), _CHANGE * (sizes / (bends + _STILL)).min())
+    leap = min(
+        _PART / sizes.min(), _PART / max(trend.step.max(), _STILL), trust * _CHANGE * (sizes / (bends + _STILL)).min()
+    )
     if leap <= _QUARTERS:
         return motion.end_state, motion.end_mode
     flow, home = automaton.tables.flow, trend.mode
     modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
-    factors = np.exp(np.clip(leap * trend.step + 0.5 * leap * (leap + 1) * trend.bend, _LEAST, _PART))
+    change = leap * trend.step
+    if trust == 1.0:
+        change = change + 0.5 * leap * (leap + 1) * trend.bend
+    factors = np.exp(np.clip(change, _LEAST, _PART))
     modal[: 2 * factors.size] *= np.repeat(factors, 2)
     return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1], None

@@ -45,6 +45,7 @@ class End(IntEnum):
     CLOSES = 0  # a zero of f, where a cycle passes
     LEAVES = 1  # a place beyond which the events of a return change
     SHRINKS = 2  # the returns are so short that a line with a finer scale is needed
+    GROWS = 3  # as far away as was asked for
 
 
 class Drift(NamedTuple):
@@ -55,16 +56,19 @@ class Drift(NamedTuple):
     end: End
 
 
-def drift(section: ReturnSection, place: float) -> Drift | None:
+def drift(section: ReturnSection, place: float, farthest: float = math.inf) -> Drift | None:
     """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if that is impossible.
 
-    It is impossible if f is zero to rounding, or if its zeros and turning points lie too close for ``_LEAPS`` leaps.
+    It is followed up to |y| = ``farthest``. It is impossible if f is zero to rounding, or if its zeros and turning
+    points lie too close for ``_LEAPS`` leaps.
     """
     first = section.return_from(place)
     if first.events is None or abs(first.excess) <= _rounding(section, place):
         return None
     way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
     for _ in range(_LEAPS):
+        if abs(here) > farthest:
+            return Drift(here, here, End.GROWS)
         step = abs(section.return_from(here).excess)
         length = min(length, max(_NEARER * section.distance(here), _FIRST * step))
         there = here + way * length

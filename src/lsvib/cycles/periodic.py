@@ -20,7 +20,7 @@ from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes
 from lsvib.cycles.energy import Work, means, work
 from lsvib.cycles.impulses import Impulses, event_impulses
 from lsvib.cycles.return_map import ReturnSection, section_key
-from lsvib.cycles.variational import Derivative, derivative
+from lsvib.cycles.variational import Derivative, derivative, eigenvalues
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
@@ -237,18 +237,6 @@ def multipliers(section: ReturnSection, orbit: Motion, residual: float) -> tuple
     error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
     padded = np.concatenate([values, np.zeros(count - len(values))])
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
-
-
-def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
-    if len(matrix) == 1:
-        return matrix[0].astype(complex), 1.0
-    values, right = np.linalg.eig(matrix)
-    try:
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:
-        return values.astype(complex), math.inf
-    return values.astype(complex), float(np.max(np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)))
 
 
 def _least(matrix: np.ndarray) -> float:

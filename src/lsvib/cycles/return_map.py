@@ -5,24 +5,28 @@ rest. The states there form an affine *section*; d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
   its right, so a fixed point lies between.
-* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section. So slow
-  multipliers – real, negative or complex – do not make the search long. The evidence is the residual P(y) − y, and that
-  the motion comes closer with each of its returns, in the norm in which P′ contracts.
+* d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section, and where
+  that fails with the exact product of :mod:`lsvib.cycles.variational`. So slow multipliers, real, negative or complex,
+  do not make the search long. The evidence is the residual P(y) − y, and that the motion comes closer with each of its
+  returns, in the norm in which P′ contracts.
 
-A fixed point counts only if its multipliers, the eigenvalues of P′, lie inside the unit circle.
+A fixed point counts only if its multipliers, the eigenvalues of P′, lie inside the unit circle; or on it, where the
+modes of a cycle preserve volumes, because nothing damps: then it is one of a neutral family.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
-from lsvib.engine.motion import Motion, follow
-from lsvib.errors import EngineError
+from lsvib.engine.motion import Budget, Motion, follow
+from lsvib.errors import EngineError, WorkSpentError
 
 ROUNDING = flow_planar.ROUNDING  # sums below it, relative to their terms, count as zero, as they do in the engine
 SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
@@ -34,11 +38,16 @@ _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a sect
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
+_FINER = 1e-12  # the same where P′ is an exact product: beyond its rounding over some hundred events
+_NEUTRAL = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
+_FEW_EVENTS = 64  # in a return whose derivative is an exact product, each factor of which costs
+_FACTOR = 60.0  # so much, in units of a budget: some hundred microseconds
 _THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
 LONGEST = 1000  # events in one return
 PATIENCE = 10  # time that the next return may take, in times of the longest return seen
 _ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
 _LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
+_MADE = 30.0  # cost of a section, in units of a budget: some hundred microseconds
 _DOUBLINGS = 40  # of the number of terms in the sum that makes the norm: 2⁴⁰ terms, more than a slow multiplier needs
 
 
@@ -48,11 +57,13 @@ class FixedPoint:
 
     ``multiplier`` [1] is the eigenvalue of P′ of the largest magnitude, or its magnitude if it is complex.
     ``enclosure`` [1] is the relative half width of the interval that is proved to hold the point; nan where d > 1.
+    ``neutral``: the multiplier lies on the unit circle, so that points nearby stay nearby and are not attracted.
     """
 
     state: np.ndarray
     multiplier: float
     enclosure: float
+    neutral: bool = False
 
 
 class Return(NamedTuple):
@@ -95,7 +106,8 @@ class ReturnSection:
 
     A state is ``origin`` + ``directions`` (n, d) · y. With two states y is measured in scales of the motion, ``size``
     (n); with more, in the origin's own coordinates, because an unloaded contact is far from its peak. One return of the
-    map is made of ``returns`` returns to the section; ``longest`` [s] is the longest of them that was seen.
+    map is made of ``returns`` returns to the section; ``longest`` [s] is the longest of them that was seen. Motions
+    draw on a ``budget``, if there is one.
     """
 
     def __init__(
@@ -106,9 +118,12 @@ class ReturnSection:
         size: np.ndarray,
         returns: int,
         longest: float,
+        budget: Budget | None = None,
     ) -> None:
         self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
-        self._limit = PATIENCE * longest
+        self._limit, self.budget = PATIENCE * longest, budget
+        if budget is not None:
+            budget.spend(_MADE)
         met = _surfaces(automaton, origin, size)
         if origin.size > 2:
             scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
@@ -154,14 +169,19 @@ class ReturnSection:
         motion, events, here = None, 0, state
         for _ in range(self.returns):
             try:
-                motion = follow(self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST)
+                motion = follow(
+                    self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST,
+                    budget=self.budget,
+                )  # fmt: skip
+            except WorkSpentError:
+                raise
             except EngineError:
                 return None
             if motion.status != Status.STOP_EVENT:
                 return None
             here, events = motion.end_state, events + motion.time.size
         if self.returns > 1:
-            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
+            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events, budget=self.budget)
         return motion
 
     def excess(self, place: np.ndarray) -> np.ndarray:
@@ -191,6 +211,19 @@ class ReturnSection:
         columns = [(self.excess(place + h) - self.excess(place - h)) / (2 * step) for h in offsets]
         return np.reshape(columns, offsets.shape).T + np.eye(self.dimension)
 
+    def slopes(self, place: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return P′ (d, d) at y = ``place`` (d), and by how much its eigenvalues are uncertain [1]; nan as above."""
+        motion = self.come_back(self.state(place))
+        if motion is not None and 0 < motion.time.size <= _FEW_EVENTS:
+            if self.budget is not None:
+                self.budget.spend(_FACTOR * motion.time.size)
+            exact = derivative(motion)
+            found = self._axes @ exact.matrix @ self.directions
+            if np.isfinite(found).all():
+                lost = np.abs(self._axes) @ exact.rounding @ np.abs(self.directions) * self.automaton.condition
+                return found, min(max(eigenvalues(found)[1] * float(np.linalg.norm(lost)), _FINER), MARGIN)
+        return self.jacobian(place), MARGIN
+
     def fixed_point(self, earlier: np.ndarray) -> FixedPoint | None:
         """Return the fixed point that attracts the origin, or None; ``earlier`` (k, n) are the states before it."""
         if self.dimension == 0:
@@ -201,8 +234,17 @@ class ReturnSection:
 
     def repeated(self) -> FixedPoint:
         """Return the origin as a fixed point, for a motion that has come back to it."""
-        exact = 0.0 if self.origin.size == 2 else math.nan
-        return FixedPoint(self.origin, largest(self.jacobian(np.zeros(self.dimension))), exact)
+        here = np.zeros(self.dimension)
+        if self.origin.size == 2:
+            return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
+        leading, neutral = largest(self.jacobian(here)), self._is_neutral(*self.slopes(here))
+        return FixedPoint(self.origin, leading, math.nan, neutral)
+
+    def _is_neutral(self, slopes: np.ndarray, margin: float) -> bool:
+        """Whether a fixed point with these P′ (d, d) neither attracts nor repels, because nothing damps."""
+        if not conserves(self.automaton) or not np.isfinite(slopes).all():
+            return False
+        return bool(abs(abs(largest(slopes)) - 1) <= max(margin, _NEUTRAL))
 
     def _enclosed(self, older: np.ndarray) -> FixedPoint | None:
         """Solve by the secant method from the last two states, and enclose the solution; None without success."""
@@ -234,10 +276,19 @@ class ReturnSection:
         return bool(left > 0 > right) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
-        """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution."""
+        """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution.
+
+        Differences come first: they look to both sides of a surface that is only touched.
+        """
+        found = self._newton(earlier, lambda place: (self.jacobian(place), MARGIN))
+        return found or self._newton(earlier, self.slopes)
+
+    def _newton(
+        self, earlier: np.ndarray, slopes_at: Callable[[np.ndarray], tuple[np.ndarray, float]]
+    ) -> FixedPoint | None:
         place, length = np.zeros(self.dimension), math.inf
         for _ in range(_NEWTONS):
-            slopes, gap = self.jacobian(place), self.excess(place)
+            (slopes, margin), gap = slopes_at(place), self.excess(place)
             if not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
                 return None
             step = np.linalg.lstsq(np.eye(self.dimension) - slopes, gap, rcond=None)[0]
@@ -248,17 +299,30 @@ class ReturnSection:
                 return None
         else:
             return None
-        leading = largest(slopes)
-        if not abs(leading) < 1 - MARGIN:
+        # The fixed point may touch a surface that the motion crosses on its way: its own multipliers count.
+        own, own_margin = self.slopes(place)
+        leading, neutral = largest(slopes), self._is_neutral(own, own_margin)
+        if not (neutral or (abs(leading) < 1 - margin and abs(largest(own)) < 1 - own_margin)):
             return None
         if np.abs(place).max() > _THERE:
+            if self._is_neutral(slopes, margin):
+                return None  # the motion is another member of the family
             away = np.vstack([earlier, np.zeros(self.dimension)]) - place
             distances = np.einsum("ki,ij,kj->k", away, _contracting(slopes), away)
             if len(earlier) < _WATCHED or not np.isfinite(distances).all():
                 return None
             if (np.diff(distances)[distances[1:] > _THERE**2] >= 0).any():
                 return None
-        return FixedPoint(self.state(place), leading, math.nan)
+        return FixedPoint(self.state(place), largest(own) if neutral else leading, math.nan, neutral)
+
+
+def conserves(automaton: Automaton) -> bool:
+    """Whether all modes in motion of a model with more than two states preserve volumes: nothing damps them."""
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        return False
+    moving = ~np.isin(automaton.codes, automaton.rest_codes)
+    return not np.trace(flow.field[moving][:, :, :-1], axis1=1, axis2=2).any()
 
 
 def largest(slopes: np.ndarray) -> float:

@@ -140,6 +140,18 @@ def event_derivative(automaton: Automaton, mode: int, kind: int, after: int, bef
     return Derivative(back @ matrix, np.abs(back) @ lost)
 
 
+def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
+    if len(matrix) == 1:
+        return matrix[0].astype(complex), 1.0
+    values, right = np.linalg.eig(matrix)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return values.astype(complex), math.inf
+    return values.astype(complex), float(np.max(np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)))
+
+
 def then(first: Derivative, second: Derivative) -> Derivative:
     """Return the derivative of ``second`` after ``first``."""
     size = np.abs(second.matrix) @ np.abs(first.matrix)

@@ -111,7 +111,6 @@ def threads_automaton(drive: ThreadsParameters) -> Automaton:
             stack=flow_of,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if coefficients(drive).paradox else (),
-            passive=True,
         )
 
 

@@ -29,7 +29,7 @@ def start(forward: ForwardDrive) -> Start:
     """Return the threshold with its equations; its force is infinite if there is none below R_on.
 
     Requires Γ₊ ≤ 0 and C₋ > 0. Raises ``NoThreshold`` for the drives with q_w < 0 for which cycles without rest cannot
-    be excluded.
+    be excluded, and where Newton's method does not come to its end.
     """
     if forward.outward <= 0:
         return _NONE  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
@@ -47,7 +47,8 @@ def start(forward: ForwardDrive) -> Start:
 def rest_goes_on_from(forward: ForwardDrive) -> Start:
     """Smallest R < R_on [N] at which slip from the end of rest seizes; infinite if there is none.
 
-    For R ≤ 0 rest ends at u = C₋ Ω / k; for R > 0 it ends farther left, by r (ξ₊ − ξ₋) R / k.
+    For R ≤ 0 rest ends at u = C₋ Ω / k; for R > 0 it ends farther left, by r (ξ₊ − ξ₋) R / k. Raises ``NoThreshold`` if
+    Newton's method does not find it.
     """
     slip, inertia = forward.slip(-1), forward.inertia[-1]
     first = forward.damping[-1] * forward.speed / forward.stiffness
@@ -69,8 +70,11 @@ def rest_goes_on_from(forward: ForwardDrive) -> Start:
         step = (found[0] - inertia * (forward.onset - force)) / slope
         force -= step
         if abs(step) <= _EXACT * forward.onset:
-            break
-    return Start("rest seizes with the motion", force, (found[1],))
+            return Start("rest seizes with the motion", force, (found[1],))
+    raise NoThreshold(
+        "the force from which slip from the end of rest seizes is not known: Newton's method has not come to its end; "
+        "please report it."
+    )
 
 
 def widest_return(forward: ForwardDrive):

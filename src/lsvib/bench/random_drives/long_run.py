@@ -8,6 +8,8 @@ It shares nothing with the engine: Newton's laws are those of the references, th
   sliding where all parts die away, and a neutral family where one goes on for ever;
 * *cycles* if the same events have come back many times, with states that repeat to rounding, or that come closer to
   each other by the same factor from turn to turn, so that the rest of the way is small;
+* is *unbounded* if the same events have come back many times and it has grown in the end by the same factor from turn
+  to turn to a size beside which no constant of the drive counts;
 * else it is *unknown*: a motion that drifts slowly, is chaotic, or was followed for too short a time.
 """
 
@@ -32,6 +34,7 @@ _PERIODS = 64  # events in the longest pattern
 _TIMES = 12  # times that a pattern must have come back
 _REPEATS = 1e-12  # relative distance of states that are the same again
 _FASTER = 0.97  # largest ratio of the steps of successive turns from which the end of a slow motion is told
+_HUGE = 1e30  # growth after which a motion is in proportion to itself: constants are below the last of 32 digits' half
 _NEAR = 1e-2  # longest way that may be left to that end, relative to the size of the motion
 
 
@@ -56,6 +59,8 @@ def fate(wide: WideDrive, k: int, c: Ladders, longest: float) -> Fate:
     status, count, mode = strides.follow(
         c, wide.starts[k], longest, _STRIDES, times, before, after, fired, states, end, size
     )
+    if _grows(after[:count], fired[:count], states[:count]):
+        return Fate("unbounded", "the same factor from turn to turn")
     if status == AMBIGUOUS:
         return Fate("unknown", "a condition that cannot be told")
     settled = _settled(c, mode, end) if status in (TIME_REACHED, LATE) else None
@@ -116,6 +121,18 @@ def _recurring(wide: WideDrive, c: Ladders, after: np.ndarray, fired: np.ndarray
     elif np.abs((turns[0] - turns[-1]) / size).max() > _TIMES / 2 * max(steps[0], np.finfo(float).eps):
         return Fate("unknown", "a slow drift")
     return Fate(_name(wide, c, after[-period:], fired[-period:]), "a pattern that repeats")
+
+
+def _grows(after: np.ndarray, fired: np.ndarray, states: np.ndarray) -> bool:
+    """Whether a motion grows by one factor from turn to turn, far beyond the constants of the drive."""
+    period = _pattern(after, fired)
+    if period is None:
+        return False
+    turns = np.abs(states[::-1][: period * _TIMES : period])
+    size = turns.max(axis=1)
+    factors = turns[:-1].max(axis=1) / size[1:]
+    huge = size[0] > _HUGE * np.abs(states[0]).max()
+    return bool(huge and factors.min() > 1 and np.ptp(factors) <= _REPEATS * factors.max())
 
 
 def _pattern(after: np.ndarray, fired: np.ndarray) -> int | None:

@@ -107,6 +107,7 @@ def _put(room, u, w):
     room.state[0], room.state[1] = u, w
     room.scale[0], room.scale[1] = abs(u), abs(w)
     room.clock[0] = room.clock[1] = room.clock[2] = 0.0
+    room.clock[3] = math.inf
 
 
 @allocating_kernel
@@ -414,7 +415,7 @@ def endings(many, members, facts, search, starts, force, speed, outcomes, bits, 
         np.empty((size, 2)),
         np.empty(2),
         np.empty(2),
-        np.empty(3),
+        np.empty(4),
         np.empty(size, dtype=np.int8),
         np.empty(size, dtype=np.int64),
     )

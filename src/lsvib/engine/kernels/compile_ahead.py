@@ -56,7 +56,9 @@ def _bounce(tables: Tables) -> None:
         np.zeros(shape, dtype)
         for shape, dtype in ((8, float), (8, np.int8), (8, np.int8), (8, np.int64), ((8, 2), float), ((8, 2), float))
     )
-    _, _, count = event_loop.run(tables, 0, state, np.abs(state), np.zeros(3), 10.0, -1, -1, events)
+    _, _, count = event_loop.run(
+        tables, 0, state, np.abs(state), np.array([0.0, 0.0, 0.0, np.inf]), 10.0, -1, -1, events
+    )
     if count != 2:
         raise AssertionError(f"the compiled engine bounced {count} times instead of 2")
     event_loop.choose_branch(tables, 0, state, np.abs(state))

@@ -36,6 +36,41 @@ def _no_workspace(flow, guards):
     return np.empty(0)
 
 
+@allocating_kernel
+def _steps_alone(flow, guards):
+    return np.full(1, math.inf)
+
+
+@kernel
+def _planar_allow(flow, work, steps):
+    pass  # the search for roots of two states has no steps
+
+
+@kernel
+def _modal_allow(flow, work, steps):
+    work.steps[0] = steps
+
+
+@kernel
+def _block_allow(flow, work, steps):
+    work[0] = steps
+
+
+@kernel
+def _planar_steps_left(flow, work):
+    return math.inf
+
+
+@kernel
+def _modal_steps_left(flow, work):
+    return work.steps[0]
+
+
+@kernel
+def _block_steps_left(flow, work):
+    return work[0]
+
+
 @kernel
 def _planar_search(flow, mode, state, guards, on_surface, limit, work):
     found, first, when = _NONE, -1, limit
@@ -48,7 +83,7 @@ def _planar_search(flow, mode, state, guards, on_surface, limit, work):
 
 @allocating_kernel
 def _block_search(flow, mode, state, guards, on_surface, limit, work):
-    return search_blocks.search(flow, mode, state, guards, on_surface, limit)
+    return search_blocks.search(flow, mode, state, guards, on_surface, limit, work)
 
 
 @kernel
@@ -94,7 +129,9 @@ def _by_kind(planar_kernel, modal_kernel, block_kernel):
 
 advance = _by_kind(flow_planar.advance, flow_modal.advance, flow_blocks.advance)
 travel = _by_kind(_planar_travel, _modal_travel, _block_travel)
-workspace = _by_kind(_no_workspace, guard_sums.room_for, _no_workspace)
+workspace = _by_kind(_no_workspace, guard_sums.room_for, _steps_alone)
+allow = _by_kind(_planar_allow, _modal_allow, _block_allow)
+steps_left = _by_kind(_planar_steps_left, _modal_steps_left, _block_steps_left)
 slopes_at = _by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_modal.slopes_at)
 is_still = _by_kind(_planar_is_still, flow_modal.is_still, flow_modal.is_still)
 search = _by_kind(_planar_search, search_modal.search, _block_search)

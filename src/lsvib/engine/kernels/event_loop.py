@@ -157,11 +157,11 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
     Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (3): time [s], its compensation, and the number of stays below ``shortest_stay`` so far in a
-    row, replaced; t_end, which may be infinite; stop_kind and stop_mode: the run ends after an event of that kind that
-    enters that mode (mode −1: any mode; kind −1: never); events: tuple of arrays (time, kind, sign, mode after, state
-    before, state after), filled from index 0. If a run ends because these are full, a second run with the replaced
-    arguments goes on as if the first had never ended.
+    from, replaced; clock (4): time [s], its compensation, the number of stays below ``shortest_stay`` so far in a row,
+    and the number of steps that searches may still take, replaced; t_end, which may be infinite; stop_kind and
+    stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any mode; kind −1: never);
+    events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0. If a run
+    ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
     Returns (``Status``, mode, number of events).
     """
     times, kinds, signs, modes, before, after = events
@@ -170,12 +170,15 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
+    dispatch.allow(tables.flow, work, clock[3])
     count = 0
     while True:
+        clock[3] = dispatch.steps_left(tables.flow, work)
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
         if found == _LOST:
-            return Status.UNDECIDED, mode, count
+            clock[3] = dispatch.steps_left(tables.flow, work)
+            return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count

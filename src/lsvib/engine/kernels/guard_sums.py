@@ -46,11 +46,12 @@ class Sums(NamedTuple):
     pair_nodes: np.ndarray  # (3, p, 6) responses of each pair at a time
     single_nodes: np.ndarray  # (3, s, 2) the growth of each single and its integral at a time
     values: np.ndarray  # (3, g, 6) a guard and its first two derivatives at a time, and the same for its pairs alone
+    steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
 
 
 @allocating_kernel
 def room_for(flow, guards):
-    """Return uninitialised ``Sums`` for so many guards."""
+    """Return uninitialised ``Sums`` for so many guards, with steps without end."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
     size = flow.to_modal.shape[1]
     return Sums(
@@ -64,6 +65,7 @@ def room_for(flow, guards):
         np.empty((3, pairs, 6)),
         np.empty((3, singles, 2)),
         np.empty((3, guards, 6)),
+        np.full(1, math.inf),
     )
 
 

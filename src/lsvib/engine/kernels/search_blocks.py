@@ -43,11 +43,12 @@ _LARGEST = 1e200  # beyond it a coordinate is about to overflow, and the search 
 
 
 @allocating_kernel
-def search(flow, mode, state, guards, on_surface, limit):
+def search(flow, mode, state, guards, on_surface, limit, steps):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten. Returns (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten; ``steps`` (1), how many the search may still take, counted down:
+    without any left it is undecided. Returns (``Found``, index of the guard, time [s]).
     The loop is one long function because all of its parts would share its twelve scratch arrays.
     """
     matrix = flow.matrix[mode]
@@ -72,6 +73,9 @@ def search(flow, mode, state, guards, on_surface, limit):
     for i in range(size):
         there[i] = start[i]
     for _ in range(_STEPS):
+        steps[0] -= 1.0
+        if steps[0] < 0.0:
+            return _LOST, -1, limit
         if a >= limit or (limit == math.inf and _never(flow, mode, there, weights, constants, sizes, moved)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step

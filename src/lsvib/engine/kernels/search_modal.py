@@ -49,8 +49,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten; ``work``, the ``Sums`` of the search, overwritten. Returns
-    (``Found``, index of the guard, time [s]).
+    – zero and not falling; that array is overwritten; ``work``, the ``Sums`` of the search, overwritten; the steps that
+    it leaves are counted down, and without any left the search is undecided. Returns (``Found``, index of the guard,
+    time [s]).
     """
     count = guards.shape[0]
     guard_sums.prepare(flow, mode, state, guards, work)
@@ -62,6 +63,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     rate = _fastest(flow, mode)
     steps, a, step = 0, 0.0, min(limit, longest, _first_step(flow, mode, work, count))
     for _ in range(_STEPS):
+        work.steps[0] -= 1.0
+        if work.steps[0] < 0.0:
+            return _LOST, -1, limit
         here, there = steps % 2, 1 - steps % 2
         if a >= limit or (limit == math.inf and _never(flow, mode, work, count, here, a)):
             return _NONE, -1, limit

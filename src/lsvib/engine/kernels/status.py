@@ -12,8 +12,9 @@ class Status(IntEnum):
     EVENTS_FULL = 3  # the caller's event list is full; the run can go on from its last state
     DIVERGED = 4  # the state left the range of numbers
     ACCUMULATED = 5  # infinitely many events in finite time, and the model names no mode beyond them
-    UNDECIDED = 7  # the search for the next event did not come to an end
     NO_BRANCH = 6  # a transition whose conditions exclude each other: the model is incomplete
+    UNDECIDED = 7  # the search for the next event did not come to an end
+    WORK_SPENT = 8  # the search for the next event took all steps that it was allowed
 
 
 class Found(IntEnum):
