@@ -98,6 +98,8 @@ with xr.open_dataset("slope.nc") as motion:
     found["unit"] = motion.slope_mismatch.units
 drive = drive_class("slope")(weight=3)
 found["drive"] = [repr(drive), drive.stability().kind]
+drives = [drive_class(model)(contact_damping=5e4) for model in ("slope", "threads")]
+found["flutter"] = [drive.threshold("flutter").value for drive in drives]
 found["schema"] = schema()["properties"]["attraction"]["properties"]["model"]["enum"]
 found["coordinates"] = dict(COORDINATES)
 try:
@@ -138,6 +140,7 @@ def test_its_stability_is_decided_by_its_polynomial_and_damper(found):
     assert slope["conditions"] == {key: threads["conditions"][key] for key in ("divergence", "flutter")}
     assert found["thresholds"] == found["thresholds of threads"]
     assert found["thresholds"]["least_contact_damping"]["value"] > 5e4
+    assert found["flutter"][0] == found["flutter"][1] > 0
 
 
 def test_its_motion_is_that_of_the_equations_in_its_file(found):

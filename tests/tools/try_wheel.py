@@ -33,11 +33,15 @@ COMMANDS = (
 )
 
 
-def run(*command: str, folder: Path) -> str:
-    """Run a program in a folder without what this process has on its path; what it says on failure is raised."""
+def clean(folder: Path) -> dict[str, str]:
+    """Return an environment without what this process has on its path, with the caches of programs in the folder."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    environment["XDG_CACHE_HOME"] = str(folder / "cache")
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    return environment | {"XDG_CACHE_HOME": str(folder / "cache")}
+
+
+def run(*command: str, folder: Path) -> str:
+    """Run a program in a folder; what it says on failure is raised."""
+    done = subprocess.run(command, cwd=folder, env=clean(folder), capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -46,7 +50,7 @@ def run(*command: str, folder: Path) -> str:
 def explore(python: Path, folder: Path) -> None:
     """Open the page of the explorer; its script must come."""
     command = [str(python), "-m", "lsvib", "explore", "--no-show", "--port", "0"]
-    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, cwd=folder, env=clean(folder), stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:
             address = re.search(r"http://localhost:\d+/", process.stdout.readline())

@@ -20,17 +20,12 @@ _STARTS = re.compile(r"[>|]|([*+-]|#+|=+|\d+[.)])$")  # a word that would begin 
 
 def wrapped(text: str) -> str:
     """Return the text with all paragraphs and list items filled that have a line too long."""
-    return "\n".join(line for block in _blocks(text.split("\n")) for line in _filled(block))
+    blocks = _blocks(text.split("\n"))
+    return "\n".join(line for block, prose in blocks for line in (_filled(block) if prose else block))
 
 
-def too_long(text: str) -> list[str]:
-    """Return the lines that are too long and could be shorter."""
-    kept = set(wrapped(text).split("\n"))
-    return [line for line in text.split("\n") if len(line) > WIDTH and line not in kept]
-
-
-def _blocks(lines: list[str]) -> Iterator[list[str]]:
-    """Yield the lines in blocks: a paragraph, a list item, or a single line that stays as it is."""
+def _blocks(lines: list[str]) -> Iterator[tuple[list[str], bool]]:
+    """Yield the lines in blocks, and whether a block is prose: a paragraph or a list item; other lines come singly."""
     block: list[str] = []
     fenced = False
     for line in lines:
@@ -38,20 +33,20 @@ def _blocks(lines: list[str]) -> Iterator[list[str]]:
         alone = fenced or fence or not line.strip() or bool(_FIXED.match(line))
         alone = alone or (not block and line.startswith("    "))  # code by indentation
         if block and (alone or _ITEM.match(line)):
-            yield block
+            yield block, True
             block = []
         if alone:
-            yield [line]
+            yield [line], False
         else:
             block.append(line)
         fenced ^= fence
     if block:
-        yield block
+        yield block, True
 
 
 def _filled(block: list[str]) -> list[str]:
     breaks = any(line.endswith(("  ", "\\")) for line in block[:-1])
-    if max(map(len, block)) <= WIDTH or breaks or (len(block) == 1 and _FIXED.match(block[0])):
+    if max(map(len, block)) <= WIDTH or breaks:
         return block
     item = _ITEM.match(block[0])
     first = item.group(0) if item else ""

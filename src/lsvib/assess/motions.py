@@ -42,7 +42,6 @@ def motions(assessment: Assessment) -> list[Html]:
 
 
 def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
-    moved, (push, sentence) = motion.vibration, motion.push
     start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
     parts = [
         page.heading(title, 3),
@@ -56,39 +55,60 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
             f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
         )
         parts.append(page.paragraph(f"The values of this case: {values}."))
+    return [
+        *parts,
+        _what_it_does(motion, start),
+        *_push_survived(motion, assessment),
+        *_picture_and_scene(title, motion),
+    ]
+
+
+def _what_it_does(motion: Motion, start: str) -> Html:
+    """Say what becomes of the motion, whose ``start`` is given in words; of a vibration how large and fast it is."""
+    moved = motion.vibration
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
     if moved.reason is not None:
-        parts.append(page.paragraph(f"Of the motion {start} this is known: {moved.reason}"))
-    elif not moved.vibrates:
+        return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
+    if not moved.vibrates:
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
-        parts.append(page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}."))
-    else:
-        (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
-        heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
-        rows = [
-            ("What it is", ends),
-            ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-            ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
-            ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
-            ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
-            ("Largest contact force of the threads", shown(moved.peak_force, "N")),
-        ]
-        if moved.impulse:
-            rows.append(
-                ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
-            )
-        parts.append(page.table(["", start[0].upper() + start[1:]], rows))
+        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}.")
+    (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
+    heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
+    rows = [
+        ("What it is", ends),
+        ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
+        ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
+        ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
+        ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
+        ("Largest contact force of the threads", shown(moved.peak_force, "N")),
+    ]
+    if moved.impulse:
+        rows.append(
+            ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
+        )
+    return page.table(["", start[0].upper() + start[1:]], rows)
+
+
+def _push_survived(motion: Motion, assessment: Assessment) -> list[Html]:
+    """Say which sudden change of speed steady running survives, if that is known."""
+    push, sentence = motion.push
     lead = motion.values["lead"] / (2 * math.pi)
     if push is not None and math.isfinite(push) and push > 0:
-        parts.append(
+        return [
             page.paragraph(
                 f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
                 f"is {shown(lead * push, 'm/s')} at the load{'' if rigid(assessment) else ', with stiff threads'}. "
                 f"{sentence}"
             )
-        )
-    elif push is not None and math.isinf(push) and rigid(assessment):
-        parts.append(page.paragraph(sentence))
+        ]
+    if push is not None and math.isinf(push) and rigid(assessment):
+        return [page.paragraph(sentence)]
+    return []
+
+
+def _picture_and_scene(title: str, motion: Motion) -> list[Html]:
+    """Draw the motion, and tell how to run it, as far as it was computed."""
+    moved, parts = motion.vibration, []
     if moved.time.size:
         caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
         parts.append(

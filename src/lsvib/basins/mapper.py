@@ -18,6 +18,6 @@ def mapper(
     """
     kind = find_model(model)
     physics = (*kind.terms, *kind.options) if physics is None else tuple(physics)
-    if model == "rigid":
+    if len(kind.states) == 2:
         return PlanarMapper(drive, model, physics, resume)
     return StateMapper(drive, model, physics, resume)

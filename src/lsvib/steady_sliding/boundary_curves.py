@@ -158,7 +158,10 @@ _EXACT: dict[Boundary, Callable[[Coefficients], float]] = {
 
 def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) -> Callable[[float, float], float]:
     """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
-    force = _kept(_FORCES[kind]) if kind in _FORCES else None
+    force = _FORCES.get(kind)
+    if kind is Boundary.STICK and "axial_force" not in names:
+        force = _stick_or_onset
+    force = _kept(force) if force is not None else None
 
     def function(first: float, second: float) -> float:
         changed = drive.replace(**{names[0]: float(first), names[1]: float(second)})
@@ -186,6 +189,21 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
             return math.nan
 
     return of
+
+
+def _stick_or_onset(drive: RigidParameters) -> float:
+    """The force of ``stick``; that of the onset, to which it tends, where slip without rest has no cycle.
+
+    Beyond the onset motions then come to rest at once. Where R is an axis that is no other curve than the onset.
+    """
+    try:
+        return thresholds.stick_force(drive)
+    except NoThreshold:
+        try:
+            thresholds.stick_start(drive)
+        except NoThreshold:
+            return thresholds.onset_force(drive)
+        raise
 
 
 def stops_again(drive: RigidParameters) -> float:

@@ -6,14 +6,8 @@ from functools import partial
 from typing import Any
 
 from lsvib.drives import parameters
-from lsvib.drives.parameters import (
-    NutParameters,
-    RigidParameters,
-    SupportParameters,
-    ThreadsParameters,
-    allowed_range,
-    described,
-)
+from lsvib.drives.parameters import RigidParameters, allowed_range, described
+from lsvib.drives.registry import find_model
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.numbers import shown
 from lsvib.results import Quantity, SolvedThreshold, ThresholdSolution
@@ -23,9 +17,6 @@ from lsvib.steady_sliding.threshold_polynomials import Place, places
 from lsvib.steady_sliding.threshold_search import DECADES, changes
 from lsvib.steady_sliding.threshold_solver import Root, Singular, solved
 
-_KINDS: dict[str, type[RigidParameters]] = {
-    kind.model: kind for kind in (RigidParameters, ThreadsParameters, SupportParameters, NutParameters)
-}
 _FORCES: dict[str, Callable[[RigidParameters], Start]] = {
     "stick": thresholds.stick_start,
     "detach": thresholds.detach_start,
@@ -34,38 +25,34 @@ _FORCES: dict[str, Callable[[RigidParameters], Start]] = {
     "cycle_birth": sprag_thresholds.cycle_birth_start,
 }
 """Thresholds that are forces in closed form, for drives mirrored to Ω > 0."""
-_POLYNOMIAL = {
-    "rigid": ("onset", "kinematic", "negative_damping"),
-    "threads": ("onset", "kinematic", "flutter"),
-    "support": ("onset", "kinematic", "flutter"),
-    "nut": ("onset", "kinematic", "flutter"),
-}
-NAMES = {
-    model: (*names, *((*_FORCES, "rest_loss") if model == "rigid" else ())) for model, names in _POLYNOMIAL.items()
-}
-"""The thresholds of each model."""
+# The thresholds at which a polynomial of the parameters vanishes: of the rigid drive, and of every other model.
+_OF_RIGID, _OF_OTHERS = ("onset", "kinematic", "negative_damping"), ("onset", "kinematic", "flutter")
 _USUAL = {"kinematic": "mass", "negative_damping": "support_damping", "flutter": "mass", "rest_loss": "support_damping"}
+
+
+def names(model: str) -> tuple[str, ...]:
+    """Return the names of the thresholds of a model."""
+    return (*_OF_RIGID, *_FORCES, "rest_loss") if model == "rigid" else _OF_OTHERS
 
 
 def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = None) -> SolvedThreshold:
     """Solve a threshold of a drive for one of its parameters, all others held.
 
-    Arguments: drive of any model; name of a threshold of its model (:data:`NAMES`); name of the parameter, by default
+    Arguments: drive of any model; name of a threshold (:func:`names`); name of the parameter, by default
     the usual one: ``axial_force``, of ``kinematic`` and ``flutter`` ``mass``, of ``negative_damping`` and ``rest_loss``
     ``support_damping``. The drive's own value of that parameter counts only as the middle of a search. Raises
     ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
     """
-    drive = _KINDS[drive.model](**drive.model_dump())
-    if not isinstance(name, str) or name not in NAMES[drive.model]:
-        raise InputError(
-            f"threshold = {shown(name)} is not one of those of model {drive.model}: {', '.join(NAMES[drive.model])}."
-        )
+    drive = find_model(drive.model).drive(**drive.model_dump())
+    known = names(drive.model)
+    if not isinstance(name, str) or name not in known:
+        raise InputError(f"threshold = {shown(name)} is not one of those of model {drive.model}: {', '.join(known)}.")
     key = _USUAL.get(name, "axial_force") if unknown is None else unknown
     if not isinstance(key, str) or key not in type(drive).model_fields:
         raise InputError(
             f"unknown = {shown(key)} is not a parameter of model {drive.model}: {', '.join(type(drive).model_fields)}."
         )
-    if name in _POLYNOMIAL[drive.model]:
+    if name in (*_OF_RIGID, *_OF_OTHERS):
         return _by_polynomials(drive, name, key)
     if name in _FORCES and key == "axial_force":
         start = _FORCES[name](drive)

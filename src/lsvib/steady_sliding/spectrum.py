@@ -122,7 +122,7 @@ def _quadratic(p: Polynomial) -> list[mpmath.mpc]:
 
 
 def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tuple[Decimal, Decimal]]:
-    """Real and imaginary parts of the roots of a s² + b s + c in decimals; a part that is zero is exactly so."""
+    """Real and imaginary parts of the roots of a s² + b s + c in decimals; a part that is zero is exactly zero."""
     root = abs(discriminant).sqrt()
     if discriminant < 0:
         real, half = -b / (2 * a), root / abs(2 * a)

@@ -102,7 +102,7 @@ def undamped(drive: RigidParameters, unknown: str) -> bool:
 def conditions(drive: RigidParameters, name: str, unknown: str) -> list[Condition]:
     """Return the conditions one of which holds at a threshold, by its name."""
     model, neutral = drive.model, undamped(drive, unknown)
-    kinematic = Condition(_KINEMATIC[model], _leading)
+    kinematic = Condition(_KINEMATIC.get(model, "det M = 0"), _leading)
     if name == "kinematic":
         return [kinematic]
     if name == "negative_damping":

@@ -17,11 +17,11 @@ from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.cycles.attractors import Attractor
 from lsvib.engine.kernels import columns
 
-_HORIZON = 1.0  # [s] after which a rival's motion is unresolved
-_BUDGET = 100_000  # events of a motion
-_TOLERANCE = 1e-6  # of the general solver
-_LIMIT = 30.0  # [s] of one motion of the general solver
-_STEP_CAP = 2e-4  # [s] from which it looks for a guard that falls within its first step
+_HORIZON = 1.0  # [s] after which the motion of a rival is unresolved: some hundred swings of the drive
+_BUDGET = 100_000  # events after which a motion is unresolved
+_TOLERANCE = 1e-6  # relative tolerance of the general solver: enough for a label
+_LIMIT = 30.0  # [s] of processor time for one motion of the general solver
+_STEP_CAP = 2e-4  # [s] from which a solver looks for a guard that falls within its first step
 
 Label = Callable[[np.ndarray, np.ndarray, np.ndarray], None]  # (x, y, labels), filled
 

@@ -23,9 +23,9 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
 
-_SAMPLES = 400  # of a piece of the boundary, for its length
-_LONG = 1.0  # [s] of a method on a box, after which it is not repeated
-_ENOUGH = 10  # wrong cells from which on their number on a grid tells their share
+_SAMPLES = 400  # points of a piece of the boundary from which its length is summed
+_LONG = 1.0  # [s] A method that takes longer on a box is not repeated.
+_ENOUGH = 10  # With so many wrong cells on a grid their number tells their share.
 
 
 @dataclass(frozen=True)

@@ -37,11 +37,11 @@ from lsvib.bench.random_drives.judges import (
 )
 from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
 
-STARTS = 4  # of each drive, unless told otherwise
-MOST_UNRESOLVED = 1e-3  # of the questions of a kind
-_PATIENCE = 60  # times the limit, on the clock, after which a process that waits for something is stopped
-_WARM = 600.0  # [s] at least, since a process may compile before its first answer
-_SHARES = 20  # reports of progress in a run
+STARTS = 4  # starts of each drive by default
+MOST_UNRESOLVED = 1e-3  # share of the questions of one kind that may stay unresolved
+_PATIENCE = 60  # A process that waits for something is stopped after so many times the limit of CPU time.
+_WARM = 600.0  # [s] that every process may take at least, because it may compile before its first answer
+_SHARES = 20  # reports of progress in one run
 
 Line = dict[str, Any]
 

@@ -47,15 +47,22 @@ GOOD = RIGHT, CORNER, BEYOND_INPUT = tuple(v.words for v in (Verdict.RIGHT, Verd
 BAD = WRONG, CRASHED, LATE = tuple(v.words for v in (Verdict.WRONG, Verdict.CRASHED, Verdict.LATE))
 REFUSED, UNRESOLVED, UNDECIDED = (v.words for v in (Verdict.REFUSED, Verdict.UNRESOLVED, Verdict.UNDECIDED))
 QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
-_EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # names of the orbit that touches θ′ = 0
-_EIGENVALUES = 1e-12  # relative
-_TURNS = (0.3, 3.0)  # of the slow oscillation
+_EDGE = (
+    "neutral_family",
+    "stick_slip_cycle",
+    "other_cycle",
+)  # names that are all right for the orbit that touches θ′ = 0
+_EIGENVALUES = 1e-12  # relative error of an eigenvalue that is right
+_TURNS = (0.3, 3.0)  # shortest and longest motion, in turns of the slow oscillation
 _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
-_IN_BLOCKS = {"threads": (11, 3), "support": (11, 49)}  # seed and number of drives with modes in blocks
-_CONFIRMING = 12  # events that the reference must have as well
-_INSTANT = 1e-7  # of the duration
-_BESIDE = (1 - 1e-10, 1 + 1e-10)  # of a start: motions themselves agree to 7e-11
-_AT_ONCE = 1e-6  # of the duration; N turns twice within it where an undamped contact touches N = 0
+_IN_BLOCKS = {
+    "threads": (11, 3),
+    "support": (11, 49),
+}  # seed and index of drives whose modes are in blocks, which are compiled ahead
+_CONFIRMING = 12  # leading events that the reference must confirm
+_INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
+_BESIDE = (1 - 1e-10, 1 + 1e-10)  # factors for starts beside a start; the motions themselves agree to 7e-11
+_AT_ONCE = 1e-6  # relative to the duration; where an undamped contact touches N = 0, N changes its sign twice within it
 
 
 class Finding(NamedTuple):

@@ -24,18 +24,18 @@ from lsvib.bench.second_opinions.fate import Fate
 from lsvib.bench.second_opinions.stride_constants import ABSENT, Ladders, ladders
 from lsvib.bench.sweeps.wide_drives import WideDrive
 
-_EVENTS, _STRIDES = 20_000, 200_000  # of a run
-_LONG = 1000.0  # of the slowest time near steady sliding, in which a damped motion dies away
-_LONGEST = 1e13  # of the fastest time: as many rungs of the ladder as fit a double
-_DIGITS = 60  # of the rates of a mode: enough that a double rate still has 30
-_NONE = 1e-25  # of the largest rate: a real part below it is the rounding of pairs of doubles
-_GONE = 1e-14  # of the sum of its terms: a part that is rounding
+_EVENTS, _STRIDES = 20_000, 200_000  # most events and most strides of one run
+_LONG = 1000.0  # slowest times near steady sliding, within which a damped motion dies away
+_LONGEST = 1e13  # longest run in fastest times: the ladder has as many rungs as a double allows
+_DIGITS = 60  # digits of the rates of a mode, so that a double rate still has 30 of them
+_NONE = 1e-25  # A real part below this share of the largest rate is the rounding of pairs of doubles.
+_GONE = 1e-14  # A value below this share of the sum of its terms is rounding.
 _PERIODS = 64  # events in the longest pattern
-_TIMES = 12  # it must have come back
-_REPEATS = 1e-12  # of the size of the motion
-_FASTER = 0.97  # by which factor, at most, a slow motion comes closer in one turn
-_HUGE = 1e30  # growth after which a motion is in proportion to itself: constants are below the last of 32 digits' half
-_NEAR = 1e-2  # of the size of the motion: the way that is left
+_TIMES = 12  # times that a pattern must have come back
+_REPEATS = 1e-12  # relative distance of states that are the same again
+_FASTER = 0.97  # largest ratio of the steps of successive turns from which the end of a slow motion is told
+_HUGE = 1e30  # growth after which a motion is in proportion to itself: constants lie below half its last of 32 digits
+_NEAR = 1e-2  # longest way that may be left to that end, relative to the size of the motion
 
 
 def constants_of(wide: WideDrive) -> tuple[Ladders, float]:

@@ -24,12 +24,12 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 
 NAMES = ("onset_force", "stick_force", "detach_force", "global_stability_force")
-_NEAR = 1e-6  # of the size of the motion: where motions start that leave or reach the equilibrium
-_ASIDE = 1e-3  # of |R̃| or, at the onset, of |R|: the distance from the threshold at which both sides are asked
-_STARTS = 24  # that come to steady sliding where it is globally stable
-_POINTS = 150  # on each side of the end of rest, where motions start that might go on for ever
+_NEAR = 1e-6  # distance from the equilibrium, relative to the motion, at which motions start that leave or reach it
+_ASIDE = 1e-3  # distance from the threshold on both sides, relative to |R̃| or, at the onset, to |R|
+_STARTS = 24  # starts that must all come to steady sliding where it is globally stable
+_POINTS = 150  # starts on each side of the end of rest whose motions might go on for ever
 _FAINT = 1e-10  # damping ratio below which a return moves by no more than a few thousand of its own roundings
-_FORCES = np.logspace(-4, 4, 9)  # of the scale of the force, where all are asked
+_FORCES = np.logspace(-4, 4, 9)  # forces, relative to the scale of the force, at which every drive is asked
 
 
 def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:

@@ -1,7 +1,8 @@
 """How another method's run is compared with the true motion.
 
-A method is held to no more than it was asked for: an error of ``GENEROSITY`` times its tolerance is right, events
-within that part of the duration may come in any order, and so near to the start and the end they may be missing.
+A method is judged by its own tolerance. An error of up to ``GENEROSITY`` times the tolerance is right, events that are
+closer together than that part of the duration may come in any order, and events that are as close to the start or the
+end may be missing.
 """
 
 import math
@@ -11,7 +12,7 @@ from typing import NamedTuple
 from lsvib.bench.record import Record, Verdict, distance
 from lsvib.bench.sweeps.paths import same_but_corners, without_clusters
 
-GENEROSITY = 1000.0  # times the tolerance that a method was asked for is still right
+GENEROSITY = 1000.0  # An error of so many times a method's own tolerance is still right.
 
 
 # What may become of a method on a case; INACCURATE: the right events, an error above what it was asked for.

@@ -18,9 +18,9 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
 
-ROUNDING = 1e-12  # of the terms of a sum: less is zero
-RETRIES = 8  # with steps a quarter as long each, where a solver steps over the root next to its start
-MOST_STEPS = 20_000  # of a solver, from one event to the next
+ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.
+RETRIES = 8  # repetitions, each with steps a quarter as long, where a solver steps over a root next to its start
+MOST_STEPS = 20_000  # steps of a solver from one event to the next
 _POSITIVE, _ZERO = int(Test.POSITIVE), int(Test.ZERO)  # plain integers compare several times faster than an IntEnum
 
 
@@ -54,7 +54,7 @@ class Clock:
             raise GaveUp(failure)
 
     def over(self) -> str:
-        """Say that the processor time is over, or nothing."""
+        """Return words if the processor time is over, else nothing."""
         return f"over {self.limit:g} s" if time.process_time() > self.end else ""
 
 

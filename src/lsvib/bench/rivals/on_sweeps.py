@@ -26,12 +26,12 @@ from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 
-MOST_EVALUATIONS = 50_000  # of the field, by a general solver that calls Python for each, some 0.1 s
-MOST_STEPS = 1_000_000  # of a method whose steps are compiled, some 0.1 to 0.5 s
-_STEPS_PER_TURN = 1000  # of the fastest oscillation that the motion has
-_FEWEST_STEPS = 100  # of a motion that is shorter than a turn
+MOST_EVALUATIONS = 50_000  # evaluations of the field by a solver that calls Python for each of them: some 0.1 s
+MOST_STEPS = 1_000_000  # steps of a method whose steps are compiled: some 0.1 to 0.5 s
+_STEPS_PER_TURN = 1000  # steps in a turn of the fastest oscillation of the motion
+_FEWEST_STEPS = 100  # steps of a motion that is shorter than a turn
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
-_SPARE_EVENTS = 50  # beyond twice the true number, after which a chain of events counts as endless
+_SPARE_EVENTS = 50  # A chain of events is endless if it has so many more than twice the true number.
 _STIFF = "too stiff"
 
 

@@ -22,8 +22,8 @@ from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene, scene
 from lsvib.bench.rivals.truth import reference
 
-_TURN = 3e-3  # [s], at least, of an entry in a round
-_WARM_UP = 0.01  # of the duration, discarded: loads, compiles and fills caches
+_TURN = 3e-3  # [s] for which a quick entry is repeated in a round, so that the clock is fine enough
+_WARM_UP = 0.01  # part of the duration that is run and discarded first, which loads, compiles and fills caches
 
 
 @dataclass(frozen=True)

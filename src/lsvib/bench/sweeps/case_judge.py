@@ -33,16 +33,16 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
 
-TOLERANCE = 1e-9  # of the size of each coordinate, and of the duration
-ENERGY_TOLERANCE = 1e-10  # of the largest energy or work in the balance, beyond what rounding may do
-ENERGY_PLACES = 4  # times what rounding makes of it by one last place of the clock and of each term
-_AT_ONCE = 1e-6  # of the duration; events so close together may be the end of infinitely many
-_LAST_PLACES = 16  # of a parameter: the size below which the engine takes a sum for zero
-_PERTURBED = 4  # inputs moved at random, each a run of the reference
+TOLERANCE = 1e-9  # largest error that is right, relative to the size of each coordinate and to the duration
+ENERGY_TOLERANCE = 1e-10  # residual that passes beside that of rounding, relative to the largest energy or work
+ENERGY_PLACES = 4  # Rounding may change the clock and each term by so many last places.
+_AT_ONCE = 1e-6  # Events that are closer, relative to the duration, may be the end of infinitely many.
+_LAST_PLACES = 16  # The engine takes a sum for zero if it is smaller than so many last places.
+_PERTURBED = 4  # inputs moved at random; each of them costs a run of the reference
 _EPS = float(np.finfo(float).eps)
 
 
-# What may become of a case.
+# The verdicts that a case may get.
 VERDICTS = (
     Verdict.RIGHT,
     Verdict.REFUSED,
@@ -56,7 +56,7 @@ _GOOD = (Verdict.RIGHT, Verdict.CORNER)
 
 
 class Judge(IntEnum):
-    """Who decided."""
+    """Which of the judges decided."""
 
     NONE = 0
     STEPPER = 1
@@ -93,20 +93,21 @@ def judge(
     by_reference: bool = False,
     truth: Truth = exact_path,
 ) -> CaseOutcome:
-    """Follow a case and compare; ``by_reference``: ask it in any case; ``thorough``: and for its sensitivity.
+    """Follow a case and compare it with what a judge finds.
 
-    ``truth``: what stands for the reference, called as :func:`lsvib.bench.sweeps.paths.exact_path` is.
+    ``by_reference``: ask the reference even where the stepper agrees; ``thorough``: ask it for the sensitivity, too;
+    ``truth``: the function that stands for the reference, called as :func:`lsvib.bench.sweeps.paths.exact_path` is.
     """
     outcome = _judge(case, rng, thorough, by_reference, truth)
     balanced = outcome.energy
-    # A balance that could not be drawn (nan) does not condemn; the dataset counts those.
+    # A balance that could not be computed (nan) changes no verdict; the dataset counts such cases.
     if balanced and outcome.verdict in _GOOD and balanced.residual > allowed_residual(balanced.rounding):
         outcome.verdict = Verdict.UNBALANCED
     return outcome
 
 
 def allowed_residual(rounding):
-    """Residual of an energy balance that passes, from what rounding may make of it; floats or arrays [1]."""
+    """Return the largest residual of an energy balance that passes, from its rounding [1]; floats or arrays."""
     return ENERGY_TOLERANCE + ENERGY_PLACES * rounding
 
 
@@ -147,7 +148,7 @@ def agree(path: Record, other: Record, case: Case) -> bool:
 
 
 def _compare(outcome: CaseOutcome, path: Record, other: Record, case: Case) -> Verdict:
-    """Errors of a path against another, written to ``outcome``, and the verdict on it."""
+    """Write the errors of a path against another one to ``outcome`` and return the verdict on it."""
     outcome.state_error = outcome.time_error = math.nan
     if path.kinds != other.kinds or path.complete != other.complete:
         return Verdict.WRONG
@@ -159,7 +160,7 @@ def _compare(outcome: CaseOutcome, path: Record, other: Record, case: Case) -> V
 
 
 def agree_but_corners(path: Record, other: Record, case: Case) -> bool:
-    """Whether two motions agree if events that follow each other at once count as one, and in the final state."""
+    """Whether two motions agree in the final state and, with simultaneous events counted as one, in their events."""
     if not (path.complete and other.complete):
         return False
     tokens = [without_clusters(x.kinds, x.times, _AT_ONCE * case.duration) for x in (path, other)]
@@ -174,12 +175,15 @@ def same_end(path: Record, other: Record) -> bool:
 def _weigh(
     outcome: CaseOutcome, path: Record, exact: Record, case: Case, rng: np.random.Generator, truth: Truth
 ) -> None:
-    """Ask the reference what an input moved in its last places would do; it may excuse the engine."""
+    """Move the input in its last places and ask the reference again.
+
+    If the reference's own answer changes as much as the engine's is wrong, the verdict becomes BEYOND_INPUT.
+    """
     known, moved = len(path.kinds) + 1, 0.0
     for _ in range(_PERTURBED):
         try:
             other = truth(case, *_moved(case, rng))
-        except InputError:  # moved out of the domain
+        except InputError:  # the moved input is outside the allowed ranges
             continue
         if other is None:
             continue
@@ -195,7 +199,7 @@ def _weigh(
 
 
 def _common(left: list[str], right: list[str]) -> int:
-    """Number of leading events that two motions share; all, and one more, if they are the same."""
+    """Number of leading events that two motions share; one more than all if they are the same."""
     if left == right:
         return len(left) + 1
     return next((k for k, pair in enumerate(zip(left, right, strict=False)) if pair[0] != pair[1]),

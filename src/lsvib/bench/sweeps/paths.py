@@ -25,14 +25,14 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 
-MOST_EVENTS = 60  # of a motion: with 40 digits it is compared in a fraction of a second
+MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
-_MOST_STEPS = 100_000  # of the stepper; stiffer motions go to the reference
-INSTANT = 1e-12  # of the duration; events before it belong to the start on a guard
+_MOST_STEPS = 100_000  # steps of the stepper; motions that need more go to the reference
+INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _CORNER = "corner"
-_LEAST = 1e-3  # of what steady sliding is resolved to: a motion that stays smaller is measured by it
+_LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
 _CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
 _SECONDS = {1: "_forward", -1: "_backward", 0: "_held"}

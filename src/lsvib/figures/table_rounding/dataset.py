@@ -61,7 +61,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
             "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
-            "parameter": ("parameter", np.array(Parameter, np.int8), attributes("1", "value", **flags(Parameter))),
+            "parameter": (
+                "parameter",
+                np.array(Parameter, np.int8),
+                attributes("1", "parameter of Table 8.1", **flags(Parameter)),
+            ),
             **_printed_and_computed(computed),
             **drive_parameters(
                 list(drives.values()),
