@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.basins.mapper import mapper
 from lsvib.bench.random_drives.judges import BAD, stages
 from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
@@ -112,6 +113,13 @@ def test_a_motion_in_blocks_settles_by_its_rates(index, start):
     assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
     wide = wide_drive("threads", 71, index, 4)
     assert fate(wide, start, *constants_of(wide)).name in ("steady_sliding", "unknown")
+
+
+@pytest.mark.parametrize(("index", "start"), [(13, 2), (17, 0)])
+def test_each_event_in_blocks_has_work_of_its_own(index, start):
+    wide = wide_drive("threads", 74, index, 4)
+    found = mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[start])[0]
+    assert found.name.lower() == fate(wide, start, *constants_of(wide)).name
 
 
 def test_threads_may_grow_without_bound():

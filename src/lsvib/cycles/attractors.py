@@ -35,6 +35,7 @@ _UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
+_EACH = 100.0  # work of an event in blocks, at most as a rule
 _SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
@@ -250,13 +251,15 @@ def followed(automaton: Automaton, state: np.ndarray, mode: int | None, events: 
     """
     if not isinstance(automaton.tables.flow, BlockFlow):
         return follow(automaton, state, math.inf, mode=mode, max_events=events, budget=budget)
-    part = Budget(min(budget.left, _SEARCH))
+    part = Budget(min(budget.left, _SEARCH + _EACH * events))
     before = part.left
     motion = follow(automaton, state, math.inf, mode=mode, max_events=events, budget=part)
     budget.spend(before - part.left)
     if motion.status != Status.WORK_SPENT:
         return motion
     time = settles_after(automaton, motion.end_mode, motion.end_state)
+    if time is None and motion.time.size:
+        return motion  # the next call looks at the last event alone
     if time is None:
         raise WorkSpentError("the search for the next event takes more work than is allowed.")
     last = follow(automaton, motion.end_state, time, mode=motion.end_mode, max_events=1, budget=budget)
