@@ -38,7 +38,7 @@ def compiled_time(automaton, start, duration) -> float:
     return best
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_compiled_run_is_hundreds_of_times_faster():
     """Measured 530 to 550 times at the loosest tolerance; half of that is asked of any machine."""
     pytest.importorskip("sksundae", reason="scikit-sundae is not installed; requirements-dev.txt has it")

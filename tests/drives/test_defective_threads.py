@@ -71,7 +71,7 @@ def test_motion(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("start", [BACKWARD, WOUND_UP])
+@pytest.mark.parametrize("start", [BACKWARD, pytest.param(WOUND_UP, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", DRIVES)
 def test_longer_motion(name, start):
     assert compare(drive_of(name), start, 0.05, simulate).faults(name) == []

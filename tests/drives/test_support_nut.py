@@ -233,7 +233,7 @@ def check_random_motions(seed, count):
 
 @pytest.mark.slow
 def test_random_motions_against_the_reference():
-    visited = check_random_motions(1, 60)
+    visited = check_random_motions(1, 40)
     for model in MODELS:
         rests = {(0, side, a) for side in ((1, -1) if model == "support" else (0,)) for a in (None, 1, -1)}
         slips = {(d, q, a) for d in (1, -1) for q in (1, -1) for a in (None, 1, -1)}

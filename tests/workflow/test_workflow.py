@@ -398,7 +398,12 @@ def states_of(project):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "moment", [{"fig8_08.nc"}, {"fig8_03.nc", "fig8_08.nc"}, {"fig8_08.png"}], ids=["one", "both", "picture"]
+    "moment",
+    [
+        pytest.param({"fig8_08.nc"}, id="one", marks=pytest.mark.long),
+        pytest.param({"fig8_03.nc", "fig8_08.nc"}, id="both", marks=pytest.mark.long),
+        pytest.param({"fig8_08.png"}, id="picture"),
+    ],
 )
 def test_a_killed_run_is_completed_by_the_next(fresh, finished, moment):
     """SIGKILL to Snakemake and all its jobs as soon as some results are there, and before the verdict is."""

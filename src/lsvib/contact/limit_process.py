@@ -38,7 +38,7 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
 _SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
-_EVENTS = 1000  # within which the cycle of a compliant motion must be found
+_WORK = 30_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
 
 
 class BranchFamily(IntEnum):
@@ -189,7 +189,7 @@ def deviations(branch: LimitBranch, drive: ThreadsParameters) -> dict[str, Any]:
     """
     automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
-        motion = steady_state(automaton, seated, max_events=_EVENTS).orbit
+        motion = steady_state(automaton, seated, max_events=_WORK).orbit
     else:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:
