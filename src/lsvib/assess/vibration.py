@@ -29,7 +29,8 @@ _GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is sh
 _DOUBLINGS = 6  # of the time shown; slower growth is shown in part
 _SAMPLES = 1200
 _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
-_EVENTS = 4_000  # after which a motion counts as unresolved: a second of work or two
+# Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more.
+_MOST_WORK = {"rigid": 4_000, "support": 200_000, "contact": 200_000}
 _LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
 _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
 _MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
@@ -89,7 +90,7 @@ def vibration(
         options = tuple(kind.options) + tuple(term for term in kind.terms if getattr(drive, term) != 0)
         automaton = kind.build(drive, options, "contact_sign")
         state = kind.initial_state(drive, start)
-        end = steady_state(automaton, state, max_events=_EVENTS)
+        end = steady_state(automaton, state, max_events=_MOST_WORK[part])
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
     words = end.label.name.lower().replace("_", " ")
