@@ -142,7 +142,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 def steady_state(
-    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 200_000, patience: int = LONG
+    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 300_000, patience: int = LONG
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
