@@ -146,6 +146,14 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
     assert judges._at_corner(path, other, loaded) == ""
 
 
+@pytest.mark.parametrize(("index", "start"), [(8279, 17), (11789, 6)])
+def test_a_start_on_zero_to_rounding_is_moved_to_both_sides(index, start):
+    """Q is zero to rounding, and passes zero by less: digits decide whether and when, which not all moves show."""
+    wide = wide_drive("rigid", 9501, index, 32)
+    found = judges._motion(wide, start, watch.constants(dict(wide.drive)), rigid_automaton(wide.drive))
+    assert found.verdict == judges.BEYOND_INPUT
+
+
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
 def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
     """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""
@@ -217,7 +225,7 @@ def test_runs_are_added_up_and_what_is_not_right_is_named(tmp_path, capsys):
     assert command.main(["--summary", *map(str, files)]) == 0
     said = capsys.readouterr().out
     assert "| label | 5003 | 5000 | 3 |" in said
-    assert "| label | unresolved | 3 | unresolved / cycle (# N) |" in said
+    assert "| label | unresolved | 3 | 3 | unresolved / cycle (# N) |" in said
     assert command.main(["--summary", str(files[2])]) == 1
     with pytest.raises(SystemExit):
         command.main(["--summary", str(tmp_path / "rigid-3.jsonl")])

@@ -41,14 +41,18 @@ def summary(records: Iterable[Line]) -> dict[str, Counter[str]]:
     return table
 
 
-def kinds(records: Iterable[Line]) -> Counter[tuple[str, str, str]]:
-    """Count what is not right by stage, verdict, and both sides' words without their numbers."""
-    found: Counter[tuple[str, str, str]] = Counter()
-    for record in records:
+def kinds(records: Iterable[Line]) -> list[tuple[str, str, int, int, str]]:
+    """Count what is not right by stage, verdict, and both sides' words without their numbers, the most frequent first.
+
+    Returns (stage, verdict, number of answers, number of drives, words).
+    """
+    found: dict[tuple[str, str, str], list[int]] = {}
+    for drive, record in enumerate(records):
         for entry in record["notable"]:
             words = " / ".join(filter(None, (entry["said"], entry["truth"])))
-            found[entry["stage"], entry["verdict"], _NUMBER.sub("#", words)] += 1
-    return found
+            found.setdefault((entry["stage"], entry["verdict"], _NUMBER.sub("#", words)), []).append(drive)
+    rows = [(stage, verdict, len(at), len(set(at)), words) for (stage, verdict, words), at in found.items()]
+    return sorted(rows, key=lambda row: -row[2])
 
 
 def passed(table: dict[str, Counter[str]]) -> bool:
@@ -70,10 +74,8 @@ def _report(records: list[Line]) -> str:
         lines.append(f"| {stage} | {counts.total()} | {row} |")
     lines += ["", f"drives: {len(records)}; longest question: {max((r['longest'] for r in records), default=0)} s"]
     if unclear := kinds(records):
-        lines += ["", "| question | verdict | number | program / judge |", "|---|---|---|---|"]
-        lines += [
-            f"| {stage} | {verdict} | {count} | {words} |" for (stage, verdict, words), count in unclear.most_common()
-        ]
+        lines += ["", "| question | verdict | answers | drives | program / judge |", "|---" * 5 + "|"]
+        lines += ["| " + " | ".join(map(str, row)) + " |" for row in unclear]
     return "\n".join(lines)
 
 
