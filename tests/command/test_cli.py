@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from reference.command_line import DRIVE, GRID, MOTION, refused
 
 import lsvib
-from lsvib.command.app import main
 from lsvib.data.writer import read_dataset
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
@@ -20,11 +20,6 @@ from lsvib.errors import InputError
 from lsvib.figures.compute import compute_figure
 from lsvib.figures.configuration import check
 
-# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
-DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
-GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
-MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
     "time": "s",
@@ -42,38 +37,6 @@ UNITS = {
     "event_velocity_deviation_before": "rad s-1",
     "event_velocity_deviation_after": "rad s-1",
 }
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the command in an empty folder; returns exit code, standard output, error output."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code or 0
-        out, error = capsys.readouterr()
-        # Whether the engine was compiled before depends on the tests before.
-        said = [line for line in error.splitlines(keepends=True) if not line.startswith("lsvib: compiling ")]
-        return code, out, "".join(said)
-
-    return call
-
-
-def refused(run, *arguments: str) -> str:
-    """Assert that a command ends with code 2, one sentence, nothing on standard output and no file; the sentence."""
-    before = sorted(Path().rglob("*"))
-    code, out, error = run(*arguments)
-    assert (code, out) == (2, "")
-    assert error.startswith("lsvib: ")
-    assert error.count("\n") == 1
-    assert error.endswith(".\n")
-    assert sorted(Path().rglob("*")) == before
-    return error
 
 
 def test_thresholds_json(run):

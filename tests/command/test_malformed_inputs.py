@@ -11,9 +11,6 @@ from reference.malformed import ARGUMENTS, FIGURES, PYTHON, SCENES, SECTIONS, SE
 import lsvib
 from lsvib.command.app import main
 
-# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
-
 
 def test_the_list_is_long():
     assert len(ARGUMENTS) + len(SCENES) + len(SECTIONS) + len(FIGURES) + len(PYTHON) >= 300

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_cli import MOTION, run  # noqa: F401
+from reference.command_line import MOTION
 
 import lsvib
 from lsvib.basins.grid import Axis
@@ -25,10 +25,9 @@ SLOW = {
     "fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "attraction_limit", "contact_stability",
     "nut_stability",
 }  # fmt: skip
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
-def test_links_are_followed_and_old_results_replaced(run, tmp_path):  # noqa: F811
+def test_links_are_followed_and_old_results_replaced(run, tmp_path):
     (tmp_path / "deep").mkdir()
     (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet
     (tmp_path / "deep" / "empty.nc").touch()
@@ -98,7 +97,7 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
     assert (closed.returncode, closed.stderr) == (0, "")
 
 
-def test_figures_away_from_the_repository(run):  # noqa: F811
+def test_figures_away_from_the_repository(run):
     code, out, _ = run("figure", "8.3", "--out", "built")
     assert code == 0
     assert Path("built/fig8_03.nc").is_file()

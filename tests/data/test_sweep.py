@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from test_cli import refused, run  # noqa: F401
+from reference.command_line import refused
 
 import lsvib
 from lsvib import api
@@ -19,7 +19,6 @@ from lsvib.engine.motion import follow
 
 BASE = lsvib.RigidDrive(translation_damping=1000)
 START = {"u": 1e-3, "w": 0.0}
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
 def test_points_are_those_of_single_drives():
@@ -83,7 +82,7 @@ def test_any_parameter_can_be_swept():
             assert found.attractor[k] == lsvib.RigidDrive(**{name: changed}).steady_state(START).label
 
 
-def test_command(run):  # noqa: F811
+def test_command(run):
     arguments = ["sweep", "--set", "translation_damping=1000", "--over", "axial_force=1:60:30"]
     code, out, _ = run(*arguments, "--over", "mass=1:2:2", "--out", "s.nc", "--json")
     result = json.loads(out)
@@ -116,7 +115,7 @@ def test_command(run):  # noqa: F811
         (["--set", "contact_damping=1", "--over", "mass=1:2:3"], "contact_damping is not a known key"),
     ],
 )
-def test_command_refuses(run, arguments, words):  # noqa: F811
+def test_command_refuses(run, arguments, words):
     assert words in refused(run, "sweep", *arguments, "--out", "x.nc")
 
 
