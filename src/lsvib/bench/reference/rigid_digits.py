@@ -41,7 +41,7 @@ from itertools import chain
 
 from mpmath import mp, mpf
 
-FORWARD, BACKWARD = 1, -1
+FORWARD, BACKWARD = 1, -1  # signs of theta_dot
 REST = (0, 0)  # a mode is (direction of theta_dot, sign of Q); rest is (0, 0)
 NAMES = {
     REST: "rest",
