@@ -24,11 +24,11 @@ def is_numeric(value: ast.expr) -> bool:
 
 def without_reason(text: str) -> Iterator[int]:
     """Yield the lines of constants without a comment; one comment holds for the lines right below it."""
-    lines, told = text.splitlines(), 0
+    lines, told = text.splitlines(), -1
     for node in ast.parse(text).body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
-        above = lines[node.lineno - 2].startswith("#") or told == node.lineno - 1
+        above = (node.lineno > 1 and lines[node.lineno - 2].startswith("#")) or told == node.lineno - 1
         if above:
             told = node.end_lineno or node.lineno
         if is_numeric(node.value) and not above and not any("#" in x for x in lines[node.lineno - 1 : node.end_lineno]):
