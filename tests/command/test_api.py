@@ -94,7 +94,7 @@ for line in LINES:
 
 def test_commands_that_need_no_engine_load_none(tmp_path):
     """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
-    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\ninitial: {u: 0, w: 0}\nt_end: 1\n", encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\nstart: {u: 0, w: 0}\nduration: 1\n", encoding="utf-8")
     lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
     program = f"LINES = {lines!r}\n{COMMANDS}"
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -234,10 +234,10 @@ def test_simulate_is_that_of_the_function(kind):
     drive = api.drive_class(kind)(mass=9.0, contact_damping=1e4) if kind == "threads" else api.drive_class(kind)()
     motion = drive.simulate(START, 0.02, samples=11, outputs=["screw_speed"])
     for form in (drive, {"drive": drive}, {"drive": drive.model_dump(), "model": kind}):
-        other = lsvib.simulate(form, model=kind, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+        other = lsvib.simulate(form, model=kind, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
         xr.testing.assert_identical(motion, other)
     xr.testing.assert_identical(
-        motion, lsvib.simulate(drive, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+        motion, lsvib.simulate(drive, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
     )
     found = drive.steady_state(START)
     assert (

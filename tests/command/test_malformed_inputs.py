@@ -80,7 +80,7 @@ def test_scene(refused, text, word):
     rest = "".join(line + "\n" for line in START.splitlines() if line.split(":")[0] not in keys)
     whole = (
         text + rest
-        if text.startswith(("drive: {", "initial:", "t_end", "samples", "physics", "outputs", "resume"))
+        if text.startswith(("drive: {", "start:", "duration", "samples", "physics", "outputs", "resume"))
         else text
     )
     Path("scene.in").write_text(whole)

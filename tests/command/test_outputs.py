@@ -149,7 +149,7 @@ def numbers_of(dataset):
 
 
 def test_drives_and_dictionaries_are_accepted_alike():
-    values, start = {"mass": 11.0, "axial_force": -10.0}, {"initial": {"u": 0.1, "w": 0.0}, "t_end": 0.1}
+    values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
     drive = RigidParameters.of(values)
     assert lsvib.stability(drive) == lsvib.stability(values)
     assert lsvib.thresholds(drive, model="threads") == lsvib.thresholds(values, model="threads")

@@ -378,7 +378,7 @@ def test_friction_of_size_zero_changes_nothing(model):
     own = STIFF if model == "support" else {}
     common = {"support_damping", "translation_damping", "axial_force"}
     common.add("nut_damping" if model == "nut" else "axial_support_damping")
-    scene = {"model": model, "initial": {"u": 0.1, "w": 0.0}, "t_end": 0.05, **LOADED, **own}
+    scene = {"model": model, "start": {"u": 0.1, "w": 0.0}, "duration": 0.05, **LOADED, **own}
     absent = lsvib.simulate(**scene, physics=sorted(common))
     listed = lsvib.simulate(**scene, physics=sorted(common | {"slide_friction", "bearing_friction"}))
     assert absent.sizes["event"] >= 10
@@ -408,7 +408,7 @@ def test_vanishing_friction_is_no_friction(model):
 )
 def test_what_is_not_determined_is_refused(model, parameters, message):
     with pytest.raises(InputError, match=message):
-        lsvib.simulate(model=model, initial={"u": 0.1, "w": 0}, t_end=0.1, **parameters)
+        lsvib.simulate(model=model, start={"u": 0.1, "w": 0}, duration=0.1, **parameters)
 
 
 @pytest.mark.parametrize(
@@ -417,7 +417,7 @@ def test_what_is_not_determined_is_refused(model, parameters, message):
 )
 def test_scene_starts_and_reports_the_other_coordinate(model, extra):
     outputs = ["normal_force", "axial_contact_force", "coupling_torque", "screw_speed", "nut_speed"]
-    motion = lsvib.simulate(model=model, initial={"u": 0.1, "w": 5.0, **extra}, t_end=0.02, outputs=outputs)
+    motion = lsvib.simulate(model=model, start={"u": 0.1, "w": 5.0, **extra}, duration=0.02, outputs=outputs)
     for name, value in extra.items():
         assert motion[name].values[0] == pytest.approx(value, rel=1e-12)
     mode = motion["mode"].values

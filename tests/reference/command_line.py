@@ -4,7 +4,7 @@ from pathlib import Path
 
 DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
 GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
-MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
+MOTION = [*DRIVE, "--start", "u=0.1", "w=0", "--duration", "0.1"]
 
 
 def refused(run, *arguments: str) -> str:

@@ -98,7 +98,7 @@ def vibration(
         start, span, times, states = _shown(drive, kind, automaton, start, end)
     except EngineError as error:
         return Vibration(model, words, reason=str(error))
-    scene = {"model": model, "drive": drive.model_dump(), "initial": start, "t_end": span, "samples": _SAMPLES + 1}
+    scene = {"model": model, "drive": drive.model_dump(), "start": start, "duration": span, "samples": _SAMPLES + 1}
     row = _load_row(drive, automaton.states)
     shown = {
         "scene": scene,

@@ -116,8 +116,8 @@ def _words(name: str, text: str, meanings) -> tuple:
 
 def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
     """The dataset of the stick–slip scene with no outputs beyond the state, and with all."""
-    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "initial": {"u": 1e-3, "w": 0.0},
-             "t_end": settings["duration"]}  # fmt: skip
+    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "start": {"u": 1e-3, "w": 0.0},
+             "duration": settings["duration"]}  # fmt: skip
     sets = [simulate({**scene, "outputs": outputs}) for outputs in ((), find_model("rigid").outputs)]
     return {
         "variables": ("outputs", [len(x.variables) for x in sets], {
