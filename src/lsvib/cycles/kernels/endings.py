@@ -403,7 +403,7 @@ def endings(many, members, facts, search, starts, force, speed, outcomes, bits, 
 
     Arguments: tables whose doubles have a first axis (k) for drives; the drives that are wanted (j); ``starts`` (k, 2);
     ``force`` (k, modes, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers`` (k, NUMBERS) are filled for the
-    drives that are wanted.
+    drives that are wanted. Long because compiled code names every field of the tables and arrays that it hands on.
     """
     size = max(search.longest, 2 * search.patience)
     room = Room(
