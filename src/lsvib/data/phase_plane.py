@@ -6,14 +6,13 @@ motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
-from enum import IntEnum
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import event_impulses
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, quantity
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -29,11 +28,6 @@ AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 _ARC = 17  # samples of an arc between two events, if there is room
-
-
-def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
-    """Return the attributes of an int8 variable that holds members of ``kinds``."""
-    return attributes("1", long_name, **flags(kinds))
 
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:

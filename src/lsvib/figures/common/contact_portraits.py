@@ -14,7 +14,7 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.data import spans
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag
 from lsvib.data.parameter_origins import Variables, drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
@@ -285,7 +285,7 @@ def _by_newton(drives: Sequence[ThreadsParameters]) -> Variables:
 
 
 def _outcomes(long_name: str) -> dict[str, Any]:
-    return attributes("1", long_name, **flags(ForceOutcome))
+    return flag(long_name, ForceOutcome)
 
 
 def _force(long_name: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import xarray as xr
 from lsvib.basins.clipping import Window
 from lsvib.bench.maps.map_methods import METHODS, Rule
 from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
 from lsvib.data.provenance import processor
@@ -48,7 +48,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "decision_rule": (
                 "method",
                 np.array([METHODS[name].rule for name in cells], np.int8),
-                attributes("1", "when a motion need not be followed further", **flags(Rule)),
+                flag("when a motion need not be followed further", Rule),
             ),
             "window_angle": (
                 ("box", "edge"),
