@@ -19,7 +19,7 @@ from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag, flags, yes_no
 from lsvib.data.checks import Check
 
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
@@ -89,17 +89,16 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "method_verdict": (("case", "method"), verdict, attributes("1", "verdict on the method") | _verdicts()),
             "error": (("case", "method"), _errors(rows), attributes("1",
                 "error of final state and event times, relative to the motion, where its events are right")),
-            "engine_verdict": ("case", engine, attributes("1", "verdict on the engine") | flags(case_judge.VERDICTS)),
-            "case_family": ("case", family, attributes("1", "family of the case") | flags(CaseFamily)),
-            "group": ("case", np.array([row.case.group for row in rows], np.int8), attributes("1", "edge of the case")
-                      | flags(Group)),
+            "engine_verdict": ("case", engine, flag("verdict on the engine", case_judge.VERDICTS)),
+            "case_family": ("case", family, flag("family of the case", CaseFamily)),
+            "group": ("case", np.array([row.case.group for row in rows], np.int8), flag("edge of the case", Group)),
             "level": ("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), attributes("1",
                 "decimal logarithm of the parameter or of its distance from the edge")),
-            "shared": ("case", shared.astype(np.int8), attributes("1", "whether every method is asked") | {
-                "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+            "shared": ("case", shared.astype(np.int8), yes_no("whether every method is asked")),
             "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
-                attributes("1", "whether 40 digits have the engine's events, asked where half of the methods have others",
-                           flag_values=np.array([-1, 0, 1], dtype=np.int8), flag_meanings="not_asked no yes")),
+                attributes(
+                    "1", "whether 40 digits have the engine's events, asked where half of the methods have others",
+                    flag_values=np.array([-1, 0, 1], dtype=np.int8), flag_meanings="not_asked no yes")),
             "decay": ("case", _of_question(rows, "stiffness"), attributes("1",
                 "fastest rate of decay, integrated over the motion")),
             "shortest_stay": ("case", _of_question(rows, "shortest_stay"), attributes("1",
@@ -134,11 +133,11 @@ def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[Ca
     return {
         "case": ("case", np.arange(cases), attributes("1", "index of the case")),
         "edge_family": ("edge_family", np.array(families, np.int8),
-                        attributes("1", "what is driven to the edge") | flags(CaseFamily)),
+                        flag("what is driven to the edge", CaseFamily)),
         "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
-                           attributes("1", "verdict on a method") | flags(VERDICTS)),
+                           flag("verdict on a method", VERDICTS)),
         "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
-                           attributes("1", "verdict on the engine") | flags(case_judge.VERDICTS)),
+                           flag("verdict on the engine", case_judge.VERDICTS)),
         "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
     }  # fmt: skip
 
