@@ -1,7 +1,7 @@
 """One large dataset over rows and columns from the files of its tiles, one tile at a time.
 
-A tile is a dataset of its own, written whole or not at all, in any order and by any number of processes. The size of
-the whole is no matter of memory: nothing here holds more than a tile, or one row of its compressed blocks.
+A tile is a dataset of its own, written whole or not at all, in any order and by any number of processes. The
+whole may be larger than memory, because nothing here holds more than a tile, or one row of its compressed blocks.
 """
 
 import hashlib
