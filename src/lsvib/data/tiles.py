@@ -1,4 +1,4 @@
-"""A region of attraction that is mapped in tiles: which cells each tile holds, one tile, and the whole from its tiles."""
+"""A region of attraction mapped in tiles: which cells each tile holds, one tile, and the whole from its tiles."""
 
 import math
 import os
