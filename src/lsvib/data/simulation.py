@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values, parameters_of
 from lsvib.drives.scene import Scene, in_present_words, read_yaml
@@ -59,7 +59,7 @@ def as_scene(
         values = read_yaml(scene)
     else:
         values = names_and_values("scene", scene)
-    values = in_present_words(values) | changes
+    values = {**in_present_words(values), **changes}
     if drive:
         given = parameters_of(values.get("drive"))
         if drive.keys() & {"lead_angle", "lead_angle_deg"}:
@@ -125,7 +125,7 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
     return dataset.assign_coords(parameters).assign(
-        attractor=((), np.int8(steady.label), phase_plane.flag(phase_plane.ATTRACTOR, Attractor)),
+        attractor=((), np.int8(steady.label), flag(phase_plane.ATTRACTOR, Attractor)),
         amplitude=((), steady.amplitude, attributes("rad", phase_plane.AMPLITUDE)),
         period=((), steady.period, attributes("s", phase_plane.PERIOD, "$T$")),
     )
