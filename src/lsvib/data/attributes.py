@@ -1,6 +1,6 @@
 """Attributes of the variables that datasets share: names, units, symbols, flags."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -54,6 +54,12 @@ def yes_no(long_name: str) -> dict[str, Any]:
 def flag(long_name: str, kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return the attributes of an int8 variable that holds members of ``kinds``."""
     return attributes("1", long_name, **flags(kinds))
+
+
+def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> tuple[str, np.ndarray, dict[str, Any]]:
+    """Return the coordinate along ``dim`` of things that have names: their index, whose flags are the names."""
+    index = np.arange(len(words), dtype=np.int8)
+    return dim, index, attributes("1", long_name, flag_values=index, flag_meanings=" ".join(words), **more)
 
 
 CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")

@@ -12,7 +12,7 @@ import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import event_impulses
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, named_index, quantity
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -44,14 +44,7 @@ def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
 
 def rule_coordinate() -> Variables:
     """Return the coordinate of the rules by which a motion resumes after a seizure."""
-    values = np.arange(len(RULES), dtype=np.int8)
-    return {
-        "rule": (
-            "rule",
-            values,
-            attributes("1", "rule of resuming after a seizure", flag_values=values, flag_meanings=" ".join(RULES)),
-        )
-    }
+    return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
 def portraits(

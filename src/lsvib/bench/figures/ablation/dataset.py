@@ -10,7 +10,7 @@ import xarray as xr
 
 from lsvib.bench.ablation import leaving_out
 from lsvib.bench.ablation.cost_of_starting import compilation, imports
-from lsvib.data.attributes import attributes, yes_no
+from lsvib.data.attributes import attributes, named_index, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.simulation import simulate
 from lsvib.drives.registry import find_model
@@ -57,12 +57,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         variables,
         coords={
-            "scene": _words("scene", "scene", list(scenes)),
-            "model": _words("model", "extent of the model", _MODELS),
-            "outputs": _words("outputs", "outputs of the dataset", ("needed", "all")),
-            "workflow_rule": _words("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
-            "package": _words("package", "package", _PACKAGES),
-            "compiled": _words("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
+            "scene": named_index("scene", "scene", list(scenes)),
+            "model": named_index("model", "extent of the model", _MODELS),
+            "outputs": named_index("outputs", "outputs of the dataset", ("needed", "all")),
+            "workflow_rule": named_index("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
+            "package": named_index("package", "package", _PACKAGES),
+            "compiled": named_index("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
         },
         attrs={
             "title": "Nothing that a scene does not need",
@@ -107,11 +107,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             ),
         ),
     ]
-
-
-def _words(name: str, text: str, meanings) -> tuple:
-    values = np.arange(len(meanings), dtype=np.int8)
-    return (name, values, attributes("1", text, flag_values=values, flag_meanings=" ".join(meanings)))
 
 
 def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:

@@ -19,7 +19,7 @@ from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
-from lsvib.data.attributes import attributes, flag, flags, yes_no
+from lsvib.data.attributes import attributes, flag, flags, named_index, yes_no
 from lsvib.data.checks import Check
 
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
@@ -138,7 +138,12 @@ def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[Ca
                            flag("verdict on a method", VERDICTS)),
         "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
                            flag("verdict on the engine", case_judge.VERDICTS)),
-        "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
+        "method": named_index(
+            "method",
+            "method",
+            [f"{name}_{value:.0e}" for name, value in entries],
+            labels="; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
+        ),
     }  # fmt: skip
 
 
@@ -180,15 +185,6 @@ def _verdicts() -> dict[str, Any]:
     return {
         "flag_values": np.concatenate([[np.int8(NOT_ASKED)], known["flag_values"]]),
         "flag_meanings": f"not_asked {known['flag_meanings']}",
-    }
-
-
-def _methods(entries: list[tuple[str, float]]) -> dict[str, Any]:
-    """Each method at each tolerance is one entry."""
-    return attributes("1", "method") | {
-        "flag_values": np.arange(len(entries), dtype=np.int8),
-        "flag_meanings": " ".join(f"{name}_{value:.0e}" for name, value in entries),
-        "labels": "; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
     }
 
 

@@ -15,7 +15,7 @@ from lsvib.bench.rivals import race_scenes
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
 from lsvib.bench.rivals.race import Budget, Entry, contest
 from lsvib.bench.rivals.time_at_equal_error import fastest
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flags, named_index
 from lsvib.data.checks import Check
 from lsvib.data.provenance import processor
 
@@ -178,8 +178,8 @@ class _Table:
         titles = [race_scenes.scene(name).title for name in self.scenes]
         labels = [find_method(name).label for name in self.names]
         return {
-            "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
-            "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
+            "scene": named_index("scene", "scene", self.scenes, labels="; ".join(titles)),
+            "method": named_index("method", "method", self.names, labels="; ".join(labels)),
             "setting": (
                 "setting",
                 np.arange(self.verdict.shape[2]),
@@ -277,16 +277,6 @@ def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
     right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
-
-
-def _words(kind: str, names: list[str], labels: list[str]) -> dict[str, Any]:
-    return attributes(
-        "1",
-        kind,
-        flag_values=np.arange(len(names), dtype=np.int8),
-        flag_meanings=" ".join(names),
-        labels="; ".join(labels),
-    )
 
 
 def _versions() -> dict[str, str]:
