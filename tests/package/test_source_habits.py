@@ -1,6 +1,7 @@
-"""Every numeric constant of a module has its reason: a comment on its line, or above it."""
+"""Habits of the sources: a reason beside every numeric constant, and for every function above sixty lines."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -53,5 +54,17 @@ def test_numeric_constants_have_their_reason():
         f"{path.relative_to(SOURCE)}:{line}"
         for path in sorted(SOURCE.rglob("*.py"))
         for line in without_reason(path.read_text(encoding="utf-8"))
+    ]
+    assert not found, found
+
+
+def test_long_functions_say_why():
+    """A function above sixty lines says in its docstring why it is one loop, or long."""
+    found = [
+        f"{path.relative_to(SOURCE)}: {node.name}"
+        for path in sorted(SOURCE.rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and (node.end_lineno or 0) - node.lineno >= 60
+        if not re.search(r"\b(loop|long)\b", ast.get_docstring(node) or "", re.IGNORECASE)
     ]
     assert not found, found
