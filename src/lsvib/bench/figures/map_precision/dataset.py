@@ -40,7 +40,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
-    lengths = [length for _, length in found]
+    lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)
     floors = [box["ratio_floor"] for box in settings["boxes"].values()]
     return xr.Dataset(
         _measured(rows, distances, lengths)
@@ -64,9 +64,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         coords={
             **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
-            "method": named_index(
-                "method", "method", list(cells), labels="; ".join(METHODS[name].label for name in cells)
-            ),
+            "method": named_index("method", "method", list(cells), labels=labels),
             "box": named_index("box", "box", list(settings["boxes"]), labels="; ".join(map(_title, boxes))),
             "boundary_distance": (
                 "boundary_distance",
