@@ -241,6 +241,32 @@ class _Drive(RigidParameters):
 
         return chart(self, x, y, rule(resume), workers, progress)
 
+    def sweep(
+        self,
+        *,
+        start: Mapping[str, float] | None = None,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+        **over: Sequence[float],
+    ) -> "xr.Dataset":
+        """Return what the drive ends on over values of some of its parameters, as a dataset.
+
+        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``start``,
+        u [rad], w [rad/s] and what else the model has, by default next to steady sliding; ``resume`` as of
+        :meth:`automaton`; number of ``workers``, threads or processes, which changes no number; ``progress``, called
+        with the numbers of points done and in all. Variables: attractor, amplitude [rad], period [s], multiplier [1],
+        peak_normal_force [N], peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
+        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
+        """
+        from lsvib.data.sweep import sweep
+
+        return sweep(self, over, start, rule(resume), workers, progress)
+
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
 
@@ -362,32 +388,6 @@ class RigidDrive(_Drive):
 
         part = window_of(window)
         return resilience_sweep(self, over, part, *samples_of(samples, seed, part), progress)
-
-    def sweep(
-        self,
-        *,
-        initial: Mapping[str, float] | None = None,
-        resume: str = "contact_sign",
-        workers: int = 1,
-        progress: Progress | None = None,
-        **over: Sequence[float],
-    ) -> "xr.Dataset":
-        """Return what the drive ends on over values of some of its parameters, as a dataset.
-
-        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``initial``,
-        u [rad] and w [rad/s], by default next to steady sliding; ``resume`` as of :meth:`automaton`; number of
-        threads (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
-        all. Variables: attractor, amplitude [rad], period [s], multiplier [1], peak_normal_force [N],
-        peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
-        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
-        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
-        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
-        """
-        from lsvib.data.sweep import sweep
-
-        return sweep(self, over, initial, rule(resume), workers, progress)
 
 
 class ThreadsDrive(_Drive, parameters.ThreadsParameters):
