@@ -3,8 +3,8 @@
 Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of
 ``two_bodies_laws.py``, here in mpmath numbers; the closed form of the motion and the search for roots are those of
 ``exponential_sums.py``. Speeds that a mode ties are eliminated from its field, so that the rates left over are the
-modal ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if its
-first derivative along the mode's own flow that is not zero is positive.
+modal ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if
+its first derivative along the mode's own flow that is not zero is positive.
 """
 
 from dataclasses import dataclass
