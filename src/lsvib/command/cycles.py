@@ -19,7 +19,7 @@ def cycles(
     resume: Annotated[str, RESUME] = "contact_sign",
     as_json: AsJson = False,
 ) -> None:
-    """Find the cycles of a drive: period, multipliers, amplitude, work; of the rigid drive the repelling ones as well.
+    """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
 
@@ -33,8 +33,9 @@ def cycles(
     if as_json:
         print_json(found)
         return
-    if found["proved"]:
-        print(found["proved"])
+    for sentence in (found["proved"], found["searched"]):
+        if sentence:
+            print(sentence)
     if not found["cycles"]:
         print("no cycle found")
     for cycle in found["cycles"]:
