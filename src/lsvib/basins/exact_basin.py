@@ -27,7 +27,8 @@ from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.cycles import leaps
 from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton

@@ -21,7 +21,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status

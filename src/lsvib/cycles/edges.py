@@ -17,7 +17,8 @@ import numpy as np
 
 from lsvib.cycles.attractors import CORNERS, Attractor, SteadyState, steady_state
 from lsvib.cycles.periodic import Cycle, cycle_on
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND

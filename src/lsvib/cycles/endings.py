@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.cycles import attractors, leaps, return_map
+from lsvib.cycles import attractors, leaps, return_map, return_section
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings as kernels
@@ -35,12 +35,12 @@ _SEARCH = kernels.Search(
     repeats=attractors.REPEATS[0],
     corner=attractors.CORNERS[0],
     few=leaps.FEW,
-    patience_of_return=return_map.PATIENCE,
-    longest=return_map.LONGEST,
+    patience_of_return=return_section.PATIENCE,
+    longest=return_section.LONGEST,
     secants=return_map.SECANTS,
     wider=return_map.WIDER,
     widest=return_map.WIDEST,
-    slope_step=return_map.SLOPE_STEP,
+    slope_step=return_section.SLOPE_STEP,
 )
 
 

@@ -16,7 +16,8 @@ from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes
 from lsvib.cycles.energy import Work, means, work
 from lsvib.cycles.impulses import Impulses, event_impulses
 from lsvib.cycles.multipliers import AT_REST, multipliers, section_derivative
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton

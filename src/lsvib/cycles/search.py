@@ -36,6 +36,7 @@ _CLOSER = np.append(
     0.7 ** np.arange(1, 40), 0.0
 )  # Close to an end return maps bend, so samples go down to a millionth.
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
+_MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another could not be told to its end
 _SWINGS = 200.0  # turns of the slowest oscillator that a return may take
 
 
@@ -86,8 +87,11 @@ def search(
     families: list[SteadyState] = []
     for seed in seeds:
         _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
-    endings = [(state, steady_state(automaton, state)) for state in states]
-    for _, steady in endings:
+    endings: list[tuple[np.ndarray, SteadyState]] = []
+    for state in states:
+        lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+        steady = steady_state(automaton, state, max_events=_LESS if lost else _MOST)
+        endings.append((state, steady))
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
         _add(found, cycle_of(drive, steady))

@@ -1,0 +1,55 @@
+"""Repelling cycles of drives with four states: on the edges of basins, and on branches past their folds."""
+
+import numpy as np
+import pytest
+
+import lsvib
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.periodic import section_derivative
+
+SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
+THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
+SUPPORT = lsvib.SupportDrive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NEAR_FOLD = lsvib.ThreadsDrive(
+    mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8
+)
+
+
+def across(cycle):
+    """States beside a cycle on both sides, along the direction in which it repels."""
+    values, vectors = np.linalg.eig(section_derivative(cycle.section, cycle.orbit).matrix)
+    direction = vectors[:, np.argmax(np.abs(values))].real
+    place = cycle.section.place(cycle.state)
+    return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]
+
+
+@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NEAR_FOLD], ids=["threads", "support", "near a fold"])
+def test_the_cycle_on_the_edge_parts_the_basins(drive):
+    """It repels along one direction; on one side of it motions end in steady sliding, on the other in the cycle."""
+    found = drive.cycles()
+    attracting, repelling = found.cycles
+    assert attracting.attracting
+    assert repelling.repelling
+    assert repelling.found_by == "edge of a basin"
+    assert repelling.residual < 1e-12
+    assert np.sum(np.abs(repelling.multipliers) > 1) == 1
+    assert "1 edges between basins, on 1 of which a cycle was found" in found.searched
+    mode = repelling.section.key[1]
+    ends = [steady_state(drive.automaton(), state, mode=mode) for state in across(repelling)]
+    assert {end.label for end in ends} == {Attractor.STEADY_SLIDING, attracting.label}
+    assert abs(repelling.work.balance) < 1e-10
+
+
+@pytest.mark.slow
+def test_compliant_branch_turns_at_a_fold():
+    """The attracting cycle of compliant threads is followed through the fold, back to the one on the edge."""
+    attracting, repelling = NEAR_FOLD.cycles().cycles
+    branch = NEAR_FOLD.follow(attracting, "axial_force", (-18.38, -18.3695), points=20)
+    (fold,) = branch.folds
+    sides = [point.cycle.attracting for point in branch.points]
+    assert sides == sorted(sides)
+    assert {True, False} == set(sides)
+    assert max(point.cycle.residual for point in branch.points) < 1e-12
+    assert fold < -18.37
+    periods = [point.cycle.period for point in branch.points]
+    assert min(periods) < attracting.period < repelling.period < max(periods)
