@@ -33,7 +33,7 @@ def second_body(model, rng):
             "axial_support_damping": stiffness * power(rng, -5, -3),
         }
     return {
-        "nut_inertia": power(rng, -4, -1),
+        "nut_inertia": power(rng, -3, -1),
         "nut_stiffness": power(rng, 2, 5),
         "nut_damping": power(rng, -2, 1),
     }
@@ -42,9 +42,9 @@ def second_body(model, rng):
 def on_an_edge(model, rng):
     """A drive of which slip that repels may bound the basin of steady sliding."""
     return KINDS[model](
-        mass=float(rng.uniform(8.0, 9.9)),
-        translation_damping=power(rng, 2.7, 3.2),
-        axial_force=float(rng.uniform(3, 20)),
+        mass=float(rng.uniform(9.5, 9.95)),
+        translation_damping=power(rng, 2.9, 3.1),
+        axial_force=float(rng.uniform(6, 14)),
         **second_body(model, rng),
     )
 

@@ -10,6 +10,7 @@ from lsvib.cycles.periodic import section_derivative
 SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
 THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
 SUPPORT = lsvib.SupportDrive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NUT = lsvib.NutDrive(**SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
 NEAR_FOLD = lsvib.ThreadsDrive(
     mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8
 )
@@ -23,7 +24,7 @@ def across(cycle):
     return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]
 
 
-@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NEAR_FOLD], ids=["threads", "support", "near a fold"])
+@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NUT, NEAR_FOLD], ids=["threads", "support", "nut", "near a fold"])
 def test_the_cycle_on_the_edge_parts_the_basins(drive):
     """It repels along one direction; on one side of it motions end in steady sliding, on the other in the cycle."""
     found = drive.cycles()

@@ -81,15 +81,18 @@ def _cycle_between(
     size = np.maximum(np.abs(low), np.abs(high))
     for _ in range(_ROUNDS):
         low, high = _closer(low, high, size, lambda state, mode=mode: on_first_side(state, mode))
+        finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
-        if both is None:
+        if both is None and finest:
             return None
+        if both is None:
+            continue
         motion, gaps, others = both
         for section in _sections(motion):
             cycle = cycle_on(drive, section, "edge of a basin")
             if cycle is not None and not cycle.attracting and not _vanishes(cycle):
                 return cycle
-        if _distance(low, high, size) <= _FINEST:
+        if finest:
             later = int(np.searchsorted(gaps, _LATER))
             if later in (0, len(gaps)):
                 return None
