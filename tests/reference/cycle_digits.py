@@ -114,7 +114,7 @@ class CycleDigits:
             for _ in range(12):
                 step = guard(t) / guard(t, 1)
                 t -= step
-                if abs(step) <= mpf(10) ** -(DIGITS - 15) * abs(t):
+                if abs(step) <= mpf(10) ** -(DIGITS - 30) * abs(t):
                     break
             else:
                 raise ArithmeticError("Newton's method does not find an event")
