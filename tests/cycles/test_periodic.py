@@ -164,6 +164,26 @@ def test_every_attractor_of_random_starts_is_listed(seed):
     assert starts(drive)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(8))
+def test_at_most_one_cycle_of_pure_slip(seed):
+    """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
+    rng, seen = np.random.default_rng(seed), 0
+    for _ in range(15):
+        drive = lsvib.RigidDrive(
+            mass=float(rng.uniform(0.5, 9.95)),
+            translation_damping=float(10 ** rng.uniform(2, 3.5)),
+            support_damping=float(10 ** rng.uniform(-6, -3)),
+            axial_force=float(rng.uniform(0, 60)),
+        )
+        kinds = [({kind for kind, _ in cycle.itinerary}, cycle) for cycle in drive.cycles().cycles]
+        slip = [cycle for events, cycle in kinds if events == {"contact_reversal"}]
+        seen += len(slip)
+        assert len(slip) <= 1
+        assert all(cycle.attracting or cycle.repelling for cycle in slip)
+    assert seen > 0
+
+
 def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
     """How far the multiplier of slip is from that of the rigid drive, with k_c = c_c."""
     (limit,) = [cycle for cycle in rigid.cycles().cycles if cycle.attracting]
