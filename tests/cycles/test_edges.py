@@ -34,7 +34,7 @@ def test_the_cycle_on_the_edge_parts_the_basins(drive):
     assert repelling.found_by == "edge of a basin"
     assert repelling.residual < 1e-12
     assert np.sum(np.abs(repelling.multipliers) > 1) == 1
-    assert "1 edges between basins, on 1 of which a cycle was found" in found.searched
+    assert "the edge between their two basins, with a cycle on it" in found.searched
     mode = repelling.section.key[1]
     ends = [steady_state(drive.automaton(), state, mode=mode) for state in across(repelling)]
     assert {end.label for end in ends} == {Attractor.STEADY_SLIDING, attracting.label}

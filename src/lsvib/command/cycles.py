@@ -111,6 +111,6 @@ def _print_cycle(cycle: dict[str, Any]) -> None:
     print(f"  period {cycle['period']:.12g} s, amplitude {cycle['amplitude']:.12g} rad")
     print(f"  multipliers {numbers} (± {cycle['multiplier_error']:.1g}), residual {cycle['residual']:.1g}")
     print(
-        f"  work per cycle [J]: motor {work['motor']:.6g}, load {work['load']:.6g}, friction {-work['friction']:.6g}, "
-        f"damping {-work['damping']:.6g}, impacts {-work['impacts']:.6g}"
+        f"  work per cycle [J]: motor {work['motor']:.6g}, load {work['load']:.6g}, friction {0 - work['friction']:.6g}, "
+        f"damping {0 - work['damping']:.6g}, impacts {0 - work['impacts']:.6g}"
     )

@@ -103,7 +103,7 @@ def search(
         for cycle in edges:
             _add(found, cycle)
         hits = sum(cycle is not None for cycle in edges)
-        searched += f"; {len(edges)} edges between basins, on {hits} of which a cycle was found"
+        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was followed")
     elif not automaton.contracts:
         lines = _lines(automaton)
         for key, line in lines:
@@ -113,6 +113,12 @@ def search(
     return Search(
         tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched
     )
+
+
+def _edges(count: int, hits: int) -> str:
+    if count == 1:
+        return f"the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
+    return f"{count} edges between their basins, {hits} of them with a cycle on it"
 
 
 def _add(found: list[Cycle], cycle: Cycle | None) -> None:
