@@ -103,7 +103,7 @@ def follow(
 
 def _print_cycle(cycle: dict[str, Any]) -> None:
     """Print a cycle in a few lines."""
-    work = cycle["work"]
+    put_in, taken = cycle["work"], {name: 0 - value for name, value in cycle["work"].items()}
     numbers = ", ".join(
         f"{m:.9g}" if isinstance(m, float) else f"{m[0]:.9g} {m[1]:+.9g}i" for m in cycle["multipliers"]
     )
@@ -111,6 +111,6 @@ def _print_cycle(cycle: dict[str, Any]) -> None:
     print(f"  period {cycle['period']:.12g} s, amplitude {cycle['amplitude']:.12g} rad")
     print(f"  multipliers {numbers} (± {cycle['multiplier_error']:.1g}), residual {cycle['residual']:.1g}")
     print(
-        f"  work per cycle [J]: motor {work['motor']:.6g}, load {work['load']:.6g}, friction {0 - work['friction']:.6g}, "
-        f"damping {0 - work['damping']:.6g}, impacts {0 - work['impacts']:.6g}"
+        f"  work per cycle [J]: motor {put_in['motor']:.6g}, load {put_in['load']:.6g}, "
+        f"friction {taken['friction']:.6g}, damping {taken['damping']:.6g}, impacts {taken['impacts']:.6g}"
     )
