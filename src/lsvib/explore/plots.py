@@ -14,6 +14,7 @@ from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
     ColumnDataSource,
+    DataRange1d,
     LinearScale,
     LogScale,
     LogTicker,
@@ -35,6 +36,7 @@ _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
 _SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+_NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _COLUMNS = {  # of the sources
     "map": "image x y dw dh",
     "scene": "motion_u motion_w cycle_u cycle_w line_u line_w stop_u stop_w start_u start_w time force",
@@ -60,7 +62,7 @@ class Plots:
 
     def _plane(self) -> figure:
         made = figure(
-            width=620, height=470, tools=_TOOLS, title="Phase plane: click where a motion shall start",
+            width=620, height=470, **_NARROW, tools=_TOOLS, title="Phase plane: click where a motion shall start",
             x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
@@ -79,12 +81,13 @@ class Plots:
         made.scatter([0], [0], marker="cross", size=10, color=style.BLACK)
         made.legend.background_fill_alpha = 0.6
         made.legend.location = "top_right"
+        made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
         return made
 
     def _curve(self) -> figure:
         made = figure(
-            width=470, height=270, tools=_TOOLS, title="Amplitude of the steady vibration",
-            x_range=Range1d(0, 1), y_axis_label="amplitude [rad]", name="curve",
+            width=470, height=270, **_NARROW, tools=_TOOLS, title="Amplitude of the steady vibration",
+            x_range=Range1d(0, 1), y_range=DataRange1d(default_span=0.02), y_axis_label="amplitude [rad]", name="curve",
             html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
         )  # fmt: skip
         made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
@@ -104,7 +107,7 @@ class Plots:
 
     def _force(self) -> figure:
         made = figure(
-            width=470, height=210, tools=_TOOLS, title="Normal force of the threads (without impulses)",
+            width=470, height=210, **_NARROW, tools=_TOOLS, title="Normal force of the threads (without impulses)",
             x_axis_label="time [s]", y_axis_label="N [N]", name="force",
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
@@ -115,8 +118,9 @@ class Plots:
 
     def _contact(self) -> figure:
         made = figure(
-            width=470, height=190, tools="", title="Contact", x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
-            name="contact", html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
+            width=470, height=190, **_NARROW, tools="", title="Contact", name="contact",
+            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
+            html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
         )  # fmt: skip
         made.axis.visible = made.grid.visible = False
         made.toolbar_location = None
@@ -199,7 +203,7 @@ class Plots:
         self.curve.x_scale = LogScale() if decades else LinearScale()
         self.curve.xaxis.ticker = LogTicker() if decades else BasicTicker()
         self.curve.xaxis.formatter = LogTickFormatter() if decades else BasicTickFormatter()
-        self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} [{about['unit']}]"
+        self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
         self.curve.x_range.update(start=view.low, end=view.high)
         self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
