@@ -282,10 +282,9 @@ class Page:
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        self.plots.draw_moment(self.view.drive, shown, k)
-        kind = find_model(self.view.drive.model)
-        mode = _name(kind.modes(int(shown.mode[k])))
-        self.plots.contact.title.text = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+        mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
+        words = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+        self.plots.draw_moment(self.view.drive, shown, k, words)
 
     def _play(self, playing: bool) -> None:
         if self._frames is not None:

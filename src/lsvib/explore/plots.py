@@ -40,7 +40,7 @@ _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks 
 _COLUMNS = {  # of the sources
     "map": "image x y dw dh",
     "scene": "motion_u motion_w cycle_u cycle_w line_u line_w stop_u stop_w start_u start_w time force",
-    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip",
+    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip words",
     "curve": "x y colour",
     "near": "x y colour",
     "marks": "x name",
@@ -118,7 +118,7 @@ class Plots:
 
     def _contact(self) -> figure:
         made = figure(
-            width=470, height=190, **_NARROW, tools="", title="Contact", name="contact",
+            width=470, height=190, **_NARROW, tools="", title="Contact of screw and nut", name="contact",
             x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
             html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
         )  # fmt: skip
@@ -133,6 +133,8 @@ class Plots:
         made.patches("tooth_x", "tooth_y", source=source, color=style.SKY, line_color=style.BLUE)
         made.segment(0, "foot", 0, "tip", source=source, color=style.VERMILION, line_width=3)
         made.scatter(0, "tip", source=source, color=style.VERMILION, size=8)
+        # A title would have to be laid out anew with the whole page when it changes, which takes longer than all else.
+        made.text(-1.95, 0.6, "words", source=source, text_font_size="12px")
         return made
 
     def set_window(self, window: Window) -> None:
@@ -169,8 +171,8 @@ class Plots:
             "force": [shown.force],
         }
 
-    def draw_moment(self, drive: RigidParameters, shown: Followed, k: int) -> None:
-        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut.
+    def draw_moment(self, drive: RigidParameters, shown: Followed, k: int, words: str) -> None:
+        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut, with ``words``.
 
         N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.
         """
@@ -194,6 +196,7 @@ class Plots:
             "marks_y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel()],
             "foot": [side * 0.25],
             "tip": [side * (0.25 - 0.42 * abs(force) / most)],
+            "words": [words],
         }
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
