@@ -59,6 +59,8 @@ class Plots:
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
+        for follows in (self.curve.y_range, self.force.x_range, self.force.y_range):
+            follows.syncable = False  # they follow their data in the browser, and the server need not hear of it
 
     def _plane(self) -> figure:
         made = figure(
