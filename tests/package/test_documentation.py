@@ -45,6 +45,18 @@ def test_every_link_within_the_repository_leads_somewhere(page):
         assert not anchor or anchor in anchors(target), f"{path}#{anchor}"
 
 
+def test_lines_are_as_long_as_those_of_the_code():
+    """Tables and pictures excepted, whose lines cannot be broken; docstrings are ruff's matter (E501)."""
+    pages = [*PAGES, *(ROOT / "src").rglob("*.rst"), *(ROOT / "docs").rglob("*.rst")]
+    long = [
+        f"{name(page)}:{number}"
+        for page in pages
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1)
+        if len(line) > 120 and not line.startswith(("|", "![", "  |"))
+    ]
+    assert not long, long
+
+
 @pytest.mark.parametrize("page", EXAMPLES, ids=name)
 def test_the_examples_of_a_page_run(page):
     result = doctest.testfile(str(page), module_relative=False)

@@ -1,7 +1,7 @@
 """Chromium, driven by playwright, for tests of what a person sees; skipped where one of them is missing.
 
-Debian calls it ``chromium``, other distributions by another name. ``.ci/run`` fails where there is none, so nothing is
-skipped there.
+Debian calls it ``chromium``, other distributions by another name. ``.ci/run`` installs it, and
+says at its end if it could not.
 """
 
 import importlib.util
