@@ -24,7 +24,7 @@ from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
 _THROTTLE = 8  # ms that requests are gathered for before they are answered; more come while an answer is made
-_REST = 300  # ms without a request, after which the hand is taken to rest
+_REST = 500  # ms without a request, after which the hand is taken to rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
 _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, 8 s
