@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.cycles import return_map
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles import return_section
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
@@ -31,7 +32,7 @@ def test_many_returns_at_once_are_those_of_each_place(monkeypatch, name, room):
     section = ReturnSection(automaton, key, motion.after[watched][-1], size, 1, longest)
     if section.dimension == 0:
         pytest.skip("a section that is a point")
-    monkeypatch.setattr(return_map, "_ROOM", room)
+    monkeypatch.setattr(return_section, "_ROOM", room)
     places = np.linspace(-1.5, 1.5, 31)
     came_back = 0
     for place, one in zip(places.tolist(), section.returns_from(places), strict=True):
