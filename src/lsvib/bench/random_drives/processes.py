@@ -25,7 +25,7 @@ from lsvib.bench.sweeps.wide_drives import wide_drive
 STARTS = 4  # starts of each drive by default
 _CHUNK = 16  # drives that a process is given at once, so that it never waits for the next one
 _PATIENCE = 60  # A process that does not get on is stopped after so many times the limit of CPU time.
-_WARM = 600.0  # [s] that every process may take at least, because it may compile before its first answer
+_WARM = 3600.0  # [s] that every process may take at least: it may compile, or wait for its turn on a busy machine
 
 Line = dict[str, Any]
 
