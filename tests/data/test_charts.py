@@ -12,6 +12,7 @@ import xarray as xr
 
 import lsvib
 from lsvib.cycles.behaviour import Behaviour
+from lsvib.data import chart as charts
 from lsvib.data.chart import Plane
 from lsvib.data.chart_tiles import chart_tile, gather_chart
 from lsvib.data.writer import write_dataset
@@ -192,6 +193,17 @@ def test_chart_is_a_dataset(tmp_path):
     plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
     np.testing.assert_array_equal(plane.labels(workers=3), found.label)
     np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
+
+
+@pytest.mark.slow
+def test_processes_change_nothing(monkeypatch):
+    """Labels and curves that processes share are those of one, in the same order."""
+    drive, axes = lsvib.RigidDrive(translation_damping=1000), (("mass", 1, 12, 9), ("axial_force", 0, 60, 7))
+    alone, told = drive.chart(*axes), []
+    monkeypatch.setattr(charts, "_WORTH", 1)
+    monkeypatch.setitem(charts._BLOCK, "rigid", 18)
+    xr.testing.assert_identical(drive.chart(*axes, workers=2, progress=lambda *n: told.append(n)), alone)
+    assert told[-1] == (63, 63)
 
 
 def test_a_chart_in_tiles_is_the_chart(tmp_path):
