@@ -40,14 +40,14 @@ _VARIABLES = {
 def sweep(
     drive: RigidParameters,
     over: Mapping[str, Any],
-    initial: Mapping[str, Any] | None = None,
+    start: Mapping[str, Any] | None = None,
     resume: Resume = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
 
-    Arguments: ``over``, values [SI units] by name of a parameter; ``initial``, u [rad], w [rad/s] and what else the
+    Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
     model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
     states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
@@ -60,12 +60,12 @@ def sweep(
     total = math.prod(map(len, axes.values()))
     if not 1 <= total <= _MOST:
         raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST}.")
-    start = START if initial is None else names_and_values("initial", initial)
-    start = {key: numbers.start(f"initial {key}", value) for key, value in start.items()}
-    kind.initial_state(drive, start)  # refuses other keys
+    given = START if start is None else names_and_values("start", start)
+    begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
+    kind.initial_state(drive, begin)  # refuses other keys
     threads, drives, sizes = number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
-    starts = np.broadcast_to(np.array([start["u"], start["w"]]), (drives.size, 2))
-    others = {key: value for key, value in start.items() if key not in ("u", "w")}
+    starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
+    others = {key: value for key, value in begin.items() if key not in ("u", "w")}
     found = all_endings(drives, starts, resume, threads, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
@@ -77,7 +77,7 @@ def sweep(
             "model": drive.model,
             "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
             "resume": resume,
-            "initial_state": json.dumps(start),
+            "initial_state": json.dumps(begin),
         },
     )
 

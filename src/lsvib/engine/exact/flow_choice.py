@@ -2,8 +2,8 @@
 
 The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Its loss of digits is judged by the typical sizes
 of the coordinates and, if they are not good enough, by the sizes that a motion reaches. If the rates of a mode coincide
-in a way that the modal form does not know, or so nearly that it would lose more than six digits even so, all modes of
-the model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
+in a way that the modal form does not know, or so nearly that it would still lose more than six digits, all modes of the
+model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
 because its type chooses the kernels.
 """
 
