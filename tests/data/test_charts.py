@@ -195,6 +195,46 @@ def test_chart_is_a_dataset(tmp_path):
     np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
 
 
+def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, float], count: int) -> tuple[int, int]:
+    """Numbers of cells of a (k_c, c_c) chart compared with the exact stability of steady sliding, and not resolved.
+
+    A cell is compared if its four corners and its middle are alike. The first motion begins next to steady sliding, so
+    that it comes back to it where that is stable, and nowhere else.
+    """
+    plane = Plane.of(
+        lsvib.ThreadsDrive(mass=9), ("contact_stiffness", *stiffness, count), ("contact_damping", *damping, count)
+    )
+    labels = plane.labels(workers=2 if count > 20 else 1)
+
+    def stable(columns, rows) -> np.ndarray:
+        places = [[{"contact_stiffness": k, "contact_damping": c} for k in columns] for c in rows]
+        return np.array([[plane.drive.replace(**place).stability().stable for place in row] for row in places])
+
+    nodes = stable(plane.x.edges().tolist(), plane.y.edges().tolist())
+    middles = stable(plane.x.centres().tolist(), plane.y.centres().tolist())
+    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
+    whole = (corners == middles).all(axis=0)
+    comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE])
+    open_ends = labels == Behaviour.UNRESOLVED  # one of the two motions, chaotic or too slow
+    np.testing.assert_array_equal(comes_back[whole & ~open_ends], middles[whole & ~open_ends])
+    assert middles[whole].any()
+    assert not middles[whole].all()
+    return int(whole.sum()), int((whole & open_ends).sum())
+
+
+def test_contact_chart_agrees_with_flutter():
+    compared, unresolved = compare_with_flutter((1e5, 1e9), (3e3, 1e9), 6)
+    assert compared > 24
+    assert unresolved <= 2
+
+
+@pytest.mark.long
+def test_large_contact_chart_agrees_with_flutter():
+    compared, unresolved = compare_with_flutter((1e5, 1e9), (3e3, 1e9), 400)
+    assert compared > 150_000
+    assert unresolved <= 0.02 * compared
+
+
 @pytest.mark.slow
 def test_processes_change_nothing(monkeypatch):
     """Labels and curves that processes share are those of one, in the same order."""
