@@ -18,6 +18,7 @@ from lsvib.data.chart_tiles import chart_tile, gather_chart
 from lsvib.data.writer import write_dataset
 from lsvib.drives.coefficients import coefficients
 from lsvib.errors import NoThreshold
+from lsvib.figures.chart.picture import draw
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, stops_again
 
@@ -244,6 +245,22 @@ def test_processes_change_nothing(monkeypatch):
     monkeypatch.setitem(charts._BLOCK, "rigid", 18)
     xr.testing.assert_identical(drive.chart(*axes, workers=2, progress=lambda *n: told.append(n)), alone)
     assert told[-1] == (63, 63)
+
+
+def test_both_readings_of_the_text_are_marked():
+    """m = 1 or 8 kg of Sect. 8.5.1, 10 or 11 kg of Fig. 8.14: on charts of these drives, and on no others."""
+    axes = ("mass", 0.5, 14.0, 2), ("axial_force", -60.0, 80.0, 2)
+    for changes, masses in (
+        ({"translation_damping": 1000.0}, [1.0, 8.0]), ({"support_damping": 1e-3}, [10.0, 11.0]),
+        ({"support_damping": 1e-3, "axial_force": -10.0}, [10.0, 11.0]), ({"translation_damping": 999.0}, None),
+    ):  # fmt: skip
+        frame = Plane.of(lsvib.RigidDrive(**changes), *axes).frame(curves={})
+        assert (frame.reading_mass.values.tolist() if "reading_mass" in frame else None) == masses
+    assert "reading_mass" not in Plane.of(lsvib.RigidDrive(translation_damping=1000), axes[1], (
+        "friction_coefficient", 0.1, 0.3, 2)).frame(curves={})  # fmt: skip
+    found = lsvib.RigidDrive(translation_damping=1000).chart(*axes)
+    texts = [text.get_text() for text in draw(found).axes[0].texts]
+    assert sum("Sect. 8.5.1" in text for text in texts) == 2, texts
 
 
 def test_a_chart_in_tiles_is_the_chart(tmp_path):

@@ -18,8 +18,9 @@ from lsvib.basins.grid import Axis
 from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
 from lsvib.data.attributes import attributes, flags
-from lsvib.data.parameter_origins import GIVEN, VARIED, parameter
+from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import number_of, product_of
+from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import Resume
 from lsvib.errors import InputError
@@ -128,7 +129,7 @@ class Plane:
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""
         return xr.Dataset(
-            coords={axis.name: (axis.name, axis.centres(), _coordinate(axis)) for axis in (self.y, self.x)},
+            coords={one.name: (one.name, one.centres(), _coordinate(one)) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
@@ -145,7 +146,35 @@ class Plane:
         ``curves``: those of :meth:`curves`, if they are there already.
         """
         fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
-        return self.axes(resume).assign(fixed | self._points(self.curves() if curves is None else curves))
+        points = self._points(self.curves() if curves is None else curves)
+        return self.axes(resume).assign(fixed | points | self._readings())
+
+    def _readings(self) -> dict[str, tuple]:
+        """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
+        free = {self.x.name, self.y.name, "axial_force"}
+        ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
+        if ends is None or self.drive.model != "rigid":
+            return {}
+        own, found = {name: value for name, value in self.drive if name not in free}, []
+        for place, reading in enumerate(chapter.READINGS):
+            theirs = dict(RigidParameters(**reading.drive))
+            if all(value == theirs[name] for name, value in own.items()):
+                found += [(reading.stated, place, 0), (reading.needed, place, 1)]
+        found = [one for one in found if ends[0] <= one[0] <= ends[1]]
+        if not found:
+            return {}
+        masses, places, kinds = (list(column) for column in zip(*found, strict=True))
+        words = " ".join(reading.source.replace(" ", "_") for reading in chapter.READINGS)
+        flagged = {"flag_values": np.arange(len(chapter.READINGS), dtype=np.int8), "flag_meanings": words}
+        both = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "as_stated as_other_numbers_need_it"}
+        return {
+            **axis("reading_mass", masses, "reading"),
+            "reading_place": (
+                "reading", np.array(places, dtype=np.int8),
+                attributes("1", "place where the text contradicts itself", **flagged),
+            ),
+            "reading_kind": ("reading", np.array(kinds, dtype=np.int8), attributes("1", "which reading it is", **both)),
+        }  # fmt: skip
 
     def curves(self, *kinds: Boundary) -> Curves:
         """Return the exact curves of some kinds, by default of all."""
