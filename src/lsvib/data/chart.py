@@ -166,7 +166,7 @@ class Plane:
         masses, places, kinds = (list(column) for column in zip(*found, strict=True))
         words = " ".join(reading.source.replace(" ", "_") for reading in chapter.READINGS)
         flagged = {"flag_values": np.arange(len(chapter.READINGS), dtype=np.int8), "flag_meanings": words}
-        both = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "as_stated as_other_numbers_need_it"}
+        both = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "as_stated as_needed"}
         return {
             **axis("reading_mass", masses, "reading"),
             "reading_place": (

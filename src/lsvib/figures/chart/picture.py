@@ -128,7 +128,7 @@ def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
         dataset.reading_mass.values, dataset.reading_place.values, dataset.reading_kind.values, strict=True
     ):
         stated = kinds[int(kind)] == "as stated"
-        words = f"$m$ = {mass:g} kg: {places[int(place)]}, {'as stated' if stated else 'as its other numbers need'}"
+        words = f"{places[int(place)]}: {mass:g} kg {'stated' if stated else 'needed'}"
         look = {"color": style.BLACK, "linewidth": 0.7, "linestyle": "-" if stated else "--", "zorder": 1}
         upright = across == "mass"
         (axes.axvline if upright else axes.axhline)(mass, **look)
