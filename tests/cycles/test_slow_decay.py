@@ -4,15 +4,19 @@ The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter
 """
 
 import math
+import warnings
 
 import numpy as np
 import pytest
 
+import lsvib
 from lsvib.basins.mapper import mapper
 from lsvib.bench.random_drives.judges import BAD, stages
 from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
@@ -140,3 +144,24 @@ def test_attractors_and_labels_against_long_runs(model, index):
     assert len(found) == 4
     assert not [finding for finding in found if finding.verdict in BAD]
     assert [finding for finding in found if finding.verdict == "right"]
+
+
+def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
+    """Near a cycle with the multiplier 336 a leap over 128 returns would be 336¹²⁷ times as long as a return."""
+    drive = lsvib.ThreadsDrive(
+        mass=11, support_damping=2e-3, axial_force=-18.3309, contact_stiffness=1e8, contact_damping=1e8
+    )
+    repelling = drive.cycles().cycles[1]
+    assert repelling.leading == pytest.approx(336, abs=1)
+    section = ReturnSection(
+        repelling.section.automaton, repelling.section.key, repelling.state, repelling.section.size, 1, repelling.period
+    )
+    slopes, _ = section.slopes(np.zeros(section.dimension))
+    values, left = np.linalg.eig(slopes.T)
+    away = np.sign(left[:, np.argmax(np.abs(values))].real)  # of all directions along it no two take from each other
+    before = section.state(-np.linalg.solve(slopes, 1e-9 * away))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        leap = drifts._Linear.at(section, [before, repelling.state])
+        assert leap.most(7) < 6
+        assert not leap.foresaw([before, repelling.state], 7)
