@@ -25,7 +25,7 @@ def blocks(part: str, language: str) -> list[str]:
 
 
 (SHELL,), (SCENE,), (PYTHON,) = blocks("cli", "bash"), blocks("cli", "yaml"), blocks("python", "python")
-COMMANDS = SHELL.splitlines()
+COMMANDS = re.sub(r"\\\n\s*", "", SHELL).splitlines()  # a command may go on in the next line
 
 
 @pytest.fixture
