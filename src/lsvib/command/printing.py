@@ -123,6 +123,9 @@ def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> Non
         return
     for check in checks:
         print(check.sentence())
+    failed = sum(not check.passed for check in checks)
+    if checks:
+        print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
     print(f"wrote {picture}, its PDF, dataset and checks")
 
 
