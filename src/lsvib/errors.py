@@ -21,5 +21,17 @@ class WorkSpentError(EngineError):
     """A run needs more work than its caller allows."""
 
 
+class EndlessSearchError(WorkSpentError):
+    """The search for the next event needs more work than its caller allows."""
+
+
+class UndecidedError(EngineError):
+    """The search for the next event does not end."""
+
+
+class AccumulationError(EngineError):
+    """Infinitely many events accumulate, and the model does not say what follows."""
+
+
 class DivergenceError(EngineError):
     """The motion grows without bound."""

@@ -213,6 +213,8 @@ class ReturnSection:
 
     def slopes(self, place: np.ndarray) -> tuple[np.ndarray, float]:
         """Return P′ (d, d) at y = ``place`` (d), and by how much its eigenvalues are uncertain [1]; nan as above."""
+        if self.dimension == 0:  # the section is a point
+            return np.zeros((0, 0)), MARGIN
         motion = self.come_back(self.state(place))
         if motion is not None and 0 < motion.time.size <= _FEW_EVENTS:
             if self.budget is not None:
