@@ -73,14 +73,16 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust = None, 1.0
+    before, trust, moves = None, 1.0, False
     while budget.left > 0:
-        found = ended(motion)
+        # No cycle is near while leaps move the motion, and looking for one would cost more than they do.
+        found = ended(motion) if not moves or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
         leap = _by_returns(motion, budget)
-        leapt |= leap.moved
-        if leap.moved:
+        moves = leap.moved
+        leapt |= moves
+        if moves:
             motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget)
             continue
         motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget)
