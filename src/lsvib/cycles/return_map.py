@@ -36,6 +36,7 @@ SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
+_NOISE = 4 * flow_planar.EPS  # rounding of P(y) − y, in scales of the section
 MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
 _FINER = 1e-12  # the same where P′ is an exact product: beyond its rounding over some hundred events
@@ -295,7 +296,8 @@ class ReturnSection:
                 return None
             step = np.linalg.lstsq(np.eye(self.dimension) - slopes, gap, rcond=None)[0]
             place, last, length = place + step, length, np.abs(step).max()
-            if length <= _CONVERGED:
+            nearest = np.abs(1 - np.linalg.eigvals(slopes)).min()  # P(y) − y is rounding at this distance from zero
+            if length <= max(_CONVERGED, min(_NOISE / max(nearest, _NOISE), _THERE)):
                 break
             if not length < last:
                 return None
