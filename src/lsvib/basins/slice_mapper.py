@@ -24,7 +24,7 @@ import numpy as np
 from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
 from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
-from lsvib.cycles.more_states import followed
+from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import out_of_range
 from lsvib.drives.parameters import RigidParameters
@@ -73,7 +73,8 @@ class StateMapper:
         self.attractors: list[SteadyState] = []
         self._doubts: Counter[str] = Counter()
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
-        self._rounds, self._events = _BLOCK_ROUNDS if in_blocks else _ROUNDS, _EVENTS
+        self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
+        self._events = _EVENTS
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
@@ -145,7 +146,9 @@ class StateMapper:
             return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
         for _ in range(self._rounds):
             try:
-                motion = followed(self.automaton, state, mode, _CHUNK, budget)
+                motion = follow_patiently(
+                    self.automaton, state, np.inf, mode=mode, max_events=self._chunk, budget=budget
+                )
             except EngineError as error:
                 diverged = isinstance(error, DivergenceError)
                 end = out_of_range(self.automaton, state) if diverged else SteadyState.unresolved(state, error)

@@ -21,12 +21,13 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import ReturnSection, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import ModalFlow
-from lsvib.engine.motion import Budget, Motion, follow
+from lsvib.engine.motion import Budget, Motion
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
@@ -83,9 +84,13 @@ def pursue(
         moves = leap.moved
         leapt |= moves
         if moves:
-            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget)
+            motion = follow_patiently(
+                automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
+            )
             continue
-        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget)
+        motion = follow_patiently(
+            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
+        )
         trend = _trend(motion) if motion.time.size == window else None
         if trend is None:
             window = min(2 * window, _LAST_WINDOW)
@@ -93,7 +98,8 @@ def pursue(
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
             leapt, before = True, trend
-            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window, budget=budget), 0
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
+            blank = 0
         elif trend.none and window == _LAST_WINDOW:
             blank += 1
             if blank == _BLANKS:
@@ -205,7 +211,9 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
     """Follow some returns; return the states (n) at them, and modes and sizes (n) of each return."""
     states, patterns, sizes = [state], [], []
     for _ in range(_RETURNS):
-        motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget)
+        motion = follow_patiently(
+            automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget
+        )
         if motion.status != Status.STOP_EVENT:
             break
         states.append(motion.end_state)

@@ -1,27 +1,24 @@
 """The attractor of a motion with more than two states."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from lsvib.cycles import drifts
+from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.recurrences import recurrence
-from lsvib.cycles.settling import settled, settles_after
+from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import Attractor, Doubt, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Budget, Motion, enter, follow
-from lsvib.errors import DivergenceError, EndlessSearchError, EngineError
+from lsvib.engine.motion import Budget, Motion, enter
+from lsvib.errors import DivergenceError, EngineError
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
-_EACH = 100.0  # work of an event in blocks, at most as a rule
-_ENDLESS = "the search for the next event takes more work than is allowed."
-_SEARCH = 50_000.0  # work of some events in blocks after which a search is held to be endless
 
 
 def at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
@@ -41,10 +38,10 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
 
     found: SteadyState | drifts.Recurrence | None = None
     doubt = Doubt.EVENTS
-    used, chunk = 0, CHUNK
+    used, chunk = 0, FEW if isinstance(automaton.tables.flow, BlockFlow) else CHUNK
     try:
         while found is None and used < LONG:
-            motion = followed(automaton, state, mode, chunk, budget)
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
             found, state, mode = ended(motion, math.inf), motion.end_state, motion.end_mode
             used, chunk = used + motion.time.size, 2 * chunk
         if found is None:
@@ -52,7 +49,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
             found, leapt = drifts.pursue(motion, budget, ended)
             if leapt and found is not None:  # a leap loses the phase of fast oscillations
                 budget = again
-                later = follow(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
+                later = follow_patiently(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
                 second, _ = drifts.pursue(later, budget, ended)
                 found, doubt = (found, doubt) if _name(second) == _name(found) else (None, Doubt.FORK)
     except DivergenceError:
@@ -62,33 +59,6 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState.unresolved(state, doubt)
-
-
-def followed(automaton: Automaton, state: np.ndarray, mode: int | None, events: int, budget: Budget) -> Motion:
-    """Follow a motion over some events; one carried in blocks settles also if its rates show that it does.
-
-    Raises what ``follow`` raises, and ``EndlessSearchError`` where the search for one event has no end in sight.
-    """
-    if not isinstance(automaton.tables.flow, BlockFlow):
-        motion = follow(automaton, state, math.inf, mode=mode, max_events=events, budget=budget)
-        if motion.status == Status.WORK_SPENT:
-            raise EndlessSearchError(_ENDLESS)
-        return motion
-    part = Budget(min(budget.left, _SEARCH + _EACH * events))
-    before = part.left
-    motion = follow(automaton, state, math.inf, mode=mode, max_events=events, budget=part)
-    budget.spend(before - part.left)
-    if motion.status != Status.WORK_SPENT:
-        return motion
-    time = settles_after(automaton, motion.end_mode, motion.end_state)
-    if time is None and motion.time.size:
-        return motion  # the next call looks at the last event alone
-    if time is None:
-        raise EndlessSearchError(_ENDLESS)
-    last = follow(automaton, motion.end_state, time, mode=motion.end_mode, max_events=1, budget=budget)
-    if last.status == Status.TIME_REACHED:
-        return replace(motion, status=Status.SETTLED)
-    return last
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
@@ -170,10 +171,7 @@ class ReturnSection:
         motion, events, here = None, 0, state
         for _ in range(self.returns):
             try:
-                motion = follow(
-                    self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST,
-                    budget=self.budget,
-                )  # fmt: skip
+                motion = self._follow(here, self._limit, LONGEST, self.key)
             except WorkSpentError:
                 raise
             except EngineError:
@@ -182,8 +180,14 @@ class ReturnSection:
                 return None
             here, events = motion.end_state, events + motion.time.size
         if self.returns > 1:
-            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events, budget=self.budget)
+            motion = self._follow(state, math.inf, events)
         return motion
+
+    def _follow(self, state: np.ndarray, t_end: float, events: int, stop: tuple[int, int] = (-1, -1)) -> Motion:
+        if self.budget is None:
+            return follow(self.automaton, state, t_end, mode=self.key[1], stop=stop, max_events=events)
+        mode, budget = self.key[1], self.budget
+        return follow_patiently(self.automaton, state, t_end, mode=mode, stop=stop, max_events=events, budget=budget)
 
     def excess(self, place: np.ndarray) -> np.ndarray:
         """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""
