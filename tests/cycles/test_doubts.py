@@ -63,7 +63,7 @@ def test_motions_maps_and_the_judge_say_why(capsys, tmp_path, monkeypatch):
     wide = wide_drive("nut", 71, 28, 4)
     kind = find_model("nut")
     start = dict(zip((*kind.required, *kind.optional), wide.starts[3].tolist(), strict=True))
-    given = {"model": "nut", "t_end": 1e-4, "initial": start}
+    given = {"model": "nut", "duration": 1e-4, "start": start}
     checked = simulation.as_scene(None, given, dict(wide.drive))
     result = simulation.summary(checked, simulation.run(checked))
     print_motion(result)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import leaps
-from lsvib.cycles.return_map import MARGIN, FixedPoint, ReturnSection, conserves, section_key
+from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves
+from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar

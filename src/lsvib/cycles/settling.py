@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from lsvib.cycles.return_map import ROUNDING
+from lsvib.cycles.return_section import ROUNDING
 from lsvib.cycles.steady_states import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
