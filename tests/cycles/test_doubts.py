@@ -15,6 +15,7 @@ from lsvib.data import attraction_map, simulation
 from lsvib.drives.registry import find_model
 from lsvib.errors import (
     AccumulationError,
+    BeatError,
     DivergenceError,
     EndlessSearchError,
     EngineError,
@@ -26,6 +27,7 @@ ERRORS = {
     DivergenceError: Doubt.RANGE,
     AccumulationError: Doubt.ACCUMULATION,
     UndecidedError: Doubt.UNDECIDED,
+    BeatError: Doubt.BEAT,
     EndlessSearchError: Doubt.SEARCH,
     WorkSpentError: Doubt.EVENTS,
     EngineError: Doubt.ENGINE,

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from lsvib.cycles.quiet import quiet_until
+from lsvib.cycles.quiet import beats, quiet_until
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion, enter, follow
-from lsvib.errors import EndlessSearchError, UndecidedError
+from lsvib.errors import BeatError, EndlessSearchError, UndecidedError
 
 _EACH = 90.0  # work of an event, at most as a rule; so a search is left before it has taken all steps that it may
 FEW = 16  # events in blocks of the first search; each further one may have twice as many
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
-_SEARCH = 50_000.0  # work of a search over a short time after which it is held to be endless
+_SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
 _WALK = 300.0  # work of a walk by parts: a millisecond
 _TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
 
@@ -36,7 +36,7 @@ def follow_patiently(
 
     Where a search takes long, times that are surely quiet are left out (:func:`lsvib.cycles.quiet.quiet_until`), in
     turn with searches over short times, each twice as long as the last one until a time is quiet again. Raises
-    ``EndlessSearchError`` where neither finds the next event.
+    ``EndlessSearchError`` where neither finds the next event, ``BeatError`` where there must be one nevertheless.
     """
     if mode is None:
         mode, state = enter(automaton, state)
@@ -57,7 +57,8 @@ def follow_patiently(
             reach = math.inf
             continue
         if piece.status == Status.WORK_SPENT and not found and reach < math.inf:
-            raise EndlessSearchError("the search for the next event takes more work than is allowed.")
+            kind = BeatError if beats(automaton, mode, state) else EndlessSearchError
+            raise kind("the search for the next event takes more work than is allowed.")
         budget.spend(_WALK)
         quiet = quiet_until(automaton, mode, state)
         if quiet == t_end - time == math.inf:

@@ -168,6 +168,23 @@ def quiet_until(automaton: Automaton, mode: int, state: np.ndarray) -> float:
     return time
 
 
+def beats(automaton: Automaton, mode: int, state: np.ndarray) -> bool:
+    """Whether undamped oscillations of different frequencies reach beyond a guard together.
+
+    If their frequencies are incommensurate their phases come as near to any others as one likes (Kronecker's theorem),
+    so that the motion meets the guard some time, however late.
+    """
+    found = parts_of(automaton.tables.flow, mode, state)
+    if found is None or found.drift[:, 1:].any():
+        return False
+    guards = guards_along(automaton, mode, found)
+    lasting = (guards.rates.real == 0) & (guards.rates.imag > 0)
+    if np.unique(guards.rates[lasting].imag).size < 2:
+        return False
+    sizes = 2 * np.abs(guards.parts[:, lasting])
+    return bool((sizes.sum(axis=1) > guards.drift[:, 0] + guards.lost * guards.sizes[:, 0]).any())
+
+
 def _never(guards: Guards, time: float) -> bool:
     """Whether no guard can fire from a time [s] on, by the sizes of parts of which none grows."""
     if (guards.rates.real > 0).any() or guards.drift[:, 1:].any():

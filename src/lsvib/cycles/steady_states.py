@@ -12,6 +12,7 @@ from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.motion import Motion
 from lsvib.errors import (
     AccumulationError,
+    BeatError,
     DivergenceError,
     EndlessSearchError,
     EngineError,
@@ -39,6 +40,7 @@ class Doubt(StrEnum):
 
     EVENTS = "events go on beyond the work that is allowed, and come to no attractor that can be told"
     SEARCH = "its next event lies beyond the work that is allowed"
+    BEAT = "undamped oscillations beat, so that its next event lies beyond the work that is allowed"
     UNDECIDED = "the search for its next event does not end"
     ACCUMULATION = "events accumulate, and the model does not say what follows"
     FORK = "it drifts to a place from which motions side by side end differently"
@@ -55,6 +57,7 @@ _MEANT = {
     DivergenceError: Doubt.RANGE,
     AccumulationError: Doubt.ACCUMULATION,
     UndecidedError: Doubt.UNDECIDED,
+    BeatError: Doubt.BEAT,
     EndlessSearchError: Doubt.SEARCH,
     WorkSpentError: Doubt.EVENTS,
 }
