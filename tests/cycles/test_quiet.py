@@ -46,7 +46,7 @@ def test_no_event_comes_before_a_quiet_time_ends(model):
             there = np.empty_like(start)
             for place in PLACES:
                 dispatch.advance(automaton.tables.flow, mode, start, place * duration, there)
-                quiet, asked = quiet_until(automaton, mode, there), asked + 1
+                quiet, asked = quiet_until(automaton, mode, there, Budget(math.inf)), asked + 1
                 assert last or quiet <= duration * (1 - place) * (1 + 1e-12)
                 told += quiet > 0.1 * duration
     assert told > 0.05 * asked > 5

@@ -18,7 +18,6 @@ _EACH = 90.0  # work of an event, at most as a rule; so a search is left before 
 FEW = 16  # events in blocks of the first search; each further one may have twice as many
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
-_WALK = 300.0  # work of a walk by parts: a millisecond
 _TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
 
 
@@ -59,8 +58,7 @@ def follow_patiently(
         if piece.status == Status.WORK_SPENT and not found and reach < math.inf:
             kind = BeatError if beats(automaton, mode, state) else EndlessSearchError
             raise kind("the search for the next event takes more work than is allowed.")
-        budget.spend(_WALK)
-        quiet = quiet_until(automaton, mode, state)
+        quiet = quiet_until(automaton, mode, state, budget)
         if quiet == t_end - time == math.inf:
             return _joined(pieces, Status.SETTLED)
         quiet = min(quiet, t_end - time)

@@ -21,13 +21,15 @@ import numpy as np
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
+from lsvib.engine.motion import Budget
 
 _ZERO = 1e-13  # part of the size of a block below which an eigenvalue of it is rounding
 _UNSURE = 1e-14  # the same for its real part, of which only the sign matters
 _NONE = 1e-25  # part of the fastest rate below which a rate is none: blocks are made from 120 digits
 _PARALLEL = 1e10  # condition of eigenvectors that leaves parts some digits
 _LOST = 1e-14  # of parts, relative, times that condition
-_STEPS = 2000  # of one walk, some 50 microseconds each
+_STEPS = 2000  # of one walk
+_START, _STEP = 150.0, 30.0  # work of a walk and of each of its steps: 300 and 60 microseconds
 _LONGER, _SHORTER = 2.0, 0.5  # factors from step to step
 _TURN = 8.0  # angle of the fastest part that a step must have: the search itself takes shorter ones, in less time
 _EXPONENT = 700.0  # largest exponent of a growing part: e^700 is a double
@@ -143,11 +145,12 @@ def guards_along(automaton: Automaton, mode: int, found: Parts) -> Guards:
     return Guards(drift, parts, found.rates, sizes, _LOST * found.condition)
 
 
-def quiet_until(automaton: Automaton, mode: int, state: np.ndarray) -> float:
+def quiet_until(automaton: Automaton, mode: int, state: np.ndarray, budget: Budget) -> float:
     """Return a time [s] up to which a motion from a state (n) in a mode surely meets no guard; it may be infinite.
 
-    It is zero where that cannot be told.
+    It is zero where that cannot be told. Raises ``WorkSpentError`` if the budget does not suffice.
     """
+    budget.spend(_START)
     found = parts_of(automaton.tables.flow, mode, state)
     if found is None or found.rates.size == 0:
         return 0.0
@@ -155,6 +158,7 @@ def quiet_until(automaton: Automaton, mode: int, state: np.ndarray) -> float:
     fastest, slowest = np.abs(guards.rates).max(), np.abs(guards.rates).min()
     time, step = 0.0, _TURN / fastest
     for _ in range(_STEPS):
+        budget.spend(_STEP)
         if _never(guards, time):
             return math.inf
         if not time <= _END / slowest:
