@@ -55,6 +55,15 @@ def test_a_cycle_with_a_multiplier_of_nearly_one():
     assert 1 - cycle.multiplier == pytest.approx(-slow * cycle.period, rel=0.01)
 
 
+def test_a_cycle_is_looked_for_between_leaps():
+    """A second slow oscillation moves the motion with every leap, and Newton's method would reach the cycle at once."""
+    automaton, state = scene("support", 71, 17, 0)
+    motion = follow(automaton, state, math.inf, max_events=1024)
+    found = steady_state(automaton, motion.end_state, mode=motion.end_mode, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert 1 - found.multiplier == pytest.approx(3.0939e-6, rel=1e-3)
+
+
 def test_a_decay_without_end_is_no_cycle():
     """With R = 0 nothing has a size: contact reversals go on for ever, and the motion shrinks by 1.4e-4 in a turn."""
     automaton, state = scene("support", 7, 33, 1)

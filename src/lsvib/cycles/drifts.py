@@ -44,6 +44,7 @@ _FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5
 _FEWER = 2  # doublings that are taken off after a leap that was too long
 _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
+_SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
@@ -75,16 +76,16 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves = None, 1.0, False
+    before, trust, moves = None, 1.0, 0
     while budget.left > 0:
-        # No cycle is near while leaps move the motion, and looking for one would cost more than they do.
-        found = ended(motion) if not moves or motion.status == Status.SETTLED else None
+        # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
+        found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
         leap = _by_returns(motion, budget)
-        moves = leap.moved
-        leapt |= moves
-        if moves:
+        moves = moves + 1 if leap.moved else 0
+        leapt |= leap.moved
+        if leap.moved:
             motion = follow_patiently(
                 automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
             )
