@@ -49,7 +49,8 @@ def test_no_event_comes_before_a_quiet_time_ends(model):
                 quiet, asked = quiet_until(automaton, mode, there, Budget(math.inf)), asked + 1
                 assert last or quiet <= duration * (1 - place) * (1 + 1e-12)
                 told += quiet > 0.1 * duration
-    assert told > 0.05 * asked > 5
+    assert asked > 50
+    assert told > 0.05 * asked
 
 
 @pytest.mark.parametrize(("model", "index"), [("threads", 16), ("support", 6), ("nut", 11), ("nut", 27)])

@@ -25,6 +25,7 @@ from lsvib.engine.motion import Budget
 
 _ZERO = 1e-13  # part of the size of a block below which an eigenvalue of it is rounding
 _UNSURE = 1e-14  # the same for its real part, of which only the sign matters
+_DUST = 1e-60  # part of the largest entry of all blocks that is what 120 digits leave of zero
 _NONE = 1e-25  # part of the fastest rate below which a rate is none: blocks are made from 120 digits
 _PARALLEL = 1e10  # condition of eigenvectors that leaves parts some digits
 _LOST = 1e-14  # of parts, relative, times that condition
@@ -90,6 +91,7 @@ def _blocks(flow: BlockFlow, mode: int, place: np.ndarray) -> Iterator[Block]:
         if first == last:
             continue
         block, out = flow.matrix[mode, first:last, first:last], flow.from_blocks[mode][:, first:last]
+        block = np.where(np.abs(block) <= _DUST * largest, 0.0, block)
         size = np.abs(block).max()
         if np.abs(block @ block @ block).max() <= _NONE * size**3:
             yield block, None, start[first:last], out
