@@ -174,4 +174,6 @@ def _contracting(slopes: np.ndarray) -> np.ndarray:
         for _ in range(_DOUBLINGS):
             form = form + power.T @ form @ power
             power = power @ power
+            if not power.any():  # underflown: nothing more is added
+                break
     return form

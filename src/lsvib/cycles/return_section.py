@@ -41,7 +41,7 @@ def section_key(motion: Motion) -> tuple[int, int] | None:
     states), because its section has the fewest dimensions and does not lie where the contact force passes zero, where
     the map is steep.
     """
-    ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    ours = (motion.kind != GRAZE_KIND) & (motion.kind != ACCUMULATION_KIND)  # np.isin takes ten times as long
     pairs, states = np.stack([motion.kind[ours], motion.mode[ours]], axis=1), motion.after[ours]
     if not len(pairs):
         return None
