@@ -72,6 +72,13 @@ def test_a_decay_without_end_is_no_cycle():
     assert (sizes[1] < 0.9 * sizes[0]).all()
 
 
+def test_what_rounding_leaves_of_a_motion_is_no_cycle():
+    """With R = 0 the motion shrinks by a third in a return, down to numbers that repeat; the map has no derivative."""
+    automaton, state = scene("threads", 72, 26, 3)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
+
+
 def test_steady_sliding_on_the_surface_of_no_force():
     """Axial force and friction of the slide balance, so that N = 0 in steady sliding; the motion starts there."""
     automaton, state = scene("support", 7, 46, 2)

@@ -91,7 +91,8 @@ def recurrence(
     if not repeats.size or _drifts(points[::-nearest]):
         return None
     found = section.repeated()
-    return None if abs(found.multiplier) >= 1 - MARGIN and not found.neutral else cycle_through(section, found)
+    attracts = abs(found.multiplier) < 1 - MARGIN  # no comparison holds with a multiplier that is not known
+    return cycle_through(section, found) if attracts or found.neutral else None
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:

@@ -67,7 +67,10 @@ class ReturnSection(Section):
         here = np.zeros(self.dimension)
         if self.origin.size == 2:
             return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
-        leading, neutral = largest(self.jacobian(here)), self._is_neutral(*self.slopes(here))
+        leading, (exact, margin) = largest(self.jacobian(here)), self.slopes(here)
+        neutral = self._is_neutral(exact, margin)
+        if math.isnan(leading):  # a motion beside does not come back
+            leading = largest(exact)
         return FixedPoint(self.origin, leading, math.nan, neutral)
 
     def _is_neutral(self, slopes: np.ndarray, margin: float) -> bool:
