@@ -14,7 +14,7 @@ from lsvib.assess.friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, worst_shares
-from lsvib.assess.vibration import Vibration, survived_push, vibration
+from lsvib.assess.vibration import Vibration, springy_push, survived_push, vibration
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import VERDICTS
 from lsvib.errors import InputError
@@ -251,6 +251,8 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
     if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
     push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
+    if part == "contact" and sheet.support is None:
+        push = springy_push(sheet, values, corner, push[0])
     return Motion(name, dict(entries), values, corner, moved, push)
 
 

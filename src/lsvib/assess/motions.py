@@ -69,9 +69,12 @@ def _what_it_does(motion: Motion, start: str) -> Html:
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
     if moved.reason is not None:
         return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
-    if not moved.vibrates:
+    if moved.frequency is None:
+        swing = (
+            "" if moved.amplitude is None else f"; in the time shown the load swings by ± {shown(moved.amplitude, 'm')}"
+        )
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
-        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}.")
+        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
     (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
     heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
     rows = [
@@ -97,11 +100,10 @@ def _push_survived(motion: Motion, assessment: Assessment) -> list[Html]:
         return [
             page.paragraph(
                 f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
-                f"is {shown(lead * push, 'm/s')} at the load{'' if rigid(assessment) else ', with stiff threads'}. "
-                f"{sentence}"
+                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
             )
         ]
-    if push is not None and math.isinf(push) and rigid(assessment):
+    if push is not None and math.isinf(push):
         return [page.paragraph(sentence)]
     return []
 

@@ -100,10 +100,11 @@ def _cards(assessment: Assessment) -> list[tuple[str, str]]:
         ),
     ]
     worst = assessment.worst.vibration
-    if worst.vibrates:
+    if worst.frequency is not None:
         cards.append(
             (shown(worst.frequency, "Hz"), "frequency in the worst case" + (", audible" if worst.audible else ""))
         )
+    if worst.amplitude is not None:
         cards.append((shown(worst.amplitude, "m"), "swing of the load in the worst case, to either side"))
     return cards
 
