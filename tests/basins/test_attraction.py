@@ -82,7 +82,8 @@ def check_scene(mapped, scene, starts: int, near: int, step: float, pieces: int)
 
 
 @pytest.mark.parametrize(
-    "scene", [name if name != "small basin" else pytest.param(name, marks=pytest.mark.slow) for name in SCENES]
+    "scene",
+    [pytest.param(name, marks=pytest.mark.slow if name in ("small basin", "large basin") else ()) for name in SCENES],
 )
 def test_labels_against_fixed_steps_and_mpmath(mappers, scene):
     left, met = check_scene(mappers(SCENES[scene][0]), scene, 60, 2, 2e-5, 1)

@@ -300,8 +300,6 @@ def test_examples_of_docstrings_and_documentation():
     from lsvib.data import simulation
 
     failed += doctest.testmod(simulation).failed
-    failed += doctest.testfile(str(ROOT / "docs" / "thresholds.md"), module_relative=False).failed
-    failed += doctest.testfile(str(ROOT / "docs" / "charts.md"), module_relative=False).failed
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)

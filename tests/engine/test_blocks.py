@@ -212,7 +212,7 @@ ENTRIES = st.lists(st.integers(-400, 400).map(lambda x: x / 100), min_size=20, m
 NUMBERS = st.lists(st.integers(-200, 200).map(lambda x: x / 100), min_size=8, max_size=8)
 
 
-@settings(max_examples=25, phases=[Phase.explicit, Phase.generate])  # a field takes 0.1 s: not shrunk
+@settings(max_examples=15, phases=[Phase.explicit, Phase.generate])  # a field takes 0.1 s: not shrunk
 @given(ENTRIES, NUMBERS, st.floats(0.02, 1.0))
 def test_agrees_with_the_modal_flow(entries, numbers, level):
     """An ordinary field carried both ways: the same event, at the same time, and the same extremes and states."""

@@ -40,7 +40,7 @@ def differences(project: Project, reference: Project) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.long)])
+@pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.long)])
 def test_kills_at_random_moments_leave_whole_files_and_the_next_run_goes_on(fresh, finished, kills):
     """SIGKILL to Snakemake and all its jobs; each run resumes what the killed one left, a complete one begins anew."""
     moments = random.Random(kills)
@@ -69,7 +69,7 @@ def test_kills_at_random_moments_leave_whole_files_and_the_next_run_goes_on(fres
 @pytest.mark.parametrize(
     ("room", "job", "name"),  # [bytes] too little for the dataset, or enough for it and too little for the picture
     [
-        (40_000, "dataset/fig8_08", "datasets/fig8_08.nc"),
+        pytest.param(40_000, "dataset/fig8_08", "datasets/fig8_08.nc", marks=pytest.mark.long),
         (110_000, "figure/fig8_08", "figures/fig8_08.png"),
     ],
 )

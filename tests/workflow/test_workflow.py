@@ -198,6 +198,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     assert waiting["mapper"] == {"basin_sweep", "attraction_limit"}
 
 
+@pytest.mark.slow
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     fresh.edit("src/lsvib/drives/chapter.py", "10.10", "20.0")
     run = fresh()
@@ -215,13 +216,14 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
 @pytest.mark.parametrize(
     "names",  # in each, files neither of which comes back because of the other
     [
-        ("datasets/fig8_08.nc", "figures/fig8_03.pdf"),
-        ("checks/fig8_08.json",),
-        ("checks.json",),
-        ("checks.md",),
-        ("checks.html", "figures/fig8_03.rst"),
-        ("printed.rst",),
         ("verdict.txt",),
+        pytest.param(("datasets/fig8_08.nc", "figures/fig8_03.pdf"), marks=pytest.mark.slow),
+        pytest.param(("checks.html", "figures/fig8_03.rst"), marks=pytest.mark.slow),
+        # The same rules make these as one of the files above.
+        pytest.param(("checks/fig8_08.json",), marks=pytest.mark.long),
+        pytest.param(("checks.json",), marks=pytest.mark.long),
+        pytest.param(("checks.md",), marks=pytest.mark.long),
+        pytest.param(("printed.rst",), marks=pytest.mark.long),
     ],
     ids=lambda names: names[0],
 )
@@ -236,7 +238,11 @@ def test_what_was_deleted_comes_back(built, names):
 
 @pytest.mark.parametrize(
     ("name", "job"),
-    [("datasets/fig8_08.nc", "figure/fig8_08"), ("checks/fig8_08.json", "checks"), ("checks.json", "verdict")],
+    [
+        pytest.param("datasets/fig8_08.nc", "figure/fig8_08", marks=pytest.mark.slow),
+        pytest.param("checks/fig8_08.json", "checks", marks=pytest.mark.long),
+        ("checks.json", "verdict"),
+    ],
 )
 def test_what_is_damaged_is_named_with_its_remedy(built, name, job):
     """Truncated to the half of it; deleting it, as the sentence says, repairs the run."""
@@ -324,6 +330,7 @@ def test_a_dataset_depends_on_what_it_runs_without_importing_it(fresh):
         path.write_text(text, encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_figure_of_the_command_leaves_the_results_of_the_workflow_alone(built):
     """Another drive, in the default folder and among the results: nothing has changed, nothing is stale."""
     before = {path: path.stat().st_mtime_ns for path in (built.folder / "results").rglob("*.*")}
@@ -337,6 +344,7 @@ def test_a_figure_of_the_command_leaves_the_results_of_the_workflow_alone(built)
     assert "Computing fig8_08" in built.plan()
 
 
+@pytest.mark.slow
 def test_a_new_figure_is_one_new_folder(fresh):
     """A figure with settings of its own and their defaults: the command builds it and the workflow finds it."""
     folder = fresh.folder / "src" / "lsvib" / "figures" / "new_figure"
@@ -396,14 +404,9 @@ def states_of(project):
     return {path.name for path in (project.folder / "results").rglob("*.*")}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
-    "moment",
-    [
-        pytest.param({"fig8_08.nc"}, id="one", marks=pytest.mark.long),
-        pytest.param({"fig8_03.nc", "fig8_08.nc"}, id="both", marks=pytest.mark.long),
-        pytest.param({"fig8_08.png"}, id="picture"),
-    ],
+    "moment", [{"fig8_08.nc"}, {"fig8_03.nc", "fig8_08.nc"}, {"fig8_08.png"}], ids=["one", "both", "picture"]
 )
 def test_a_killed_run_is_completed_by_the_next(fresh, finished, moment):
     """SIGKILL to Snakemake and all its jobs as soon as some results are there, and before the verdict is."""
