@@ -9,7 +9,7 @@ from lsvib.assess.assessment import Assessment, Mechanism, Motion
 from lsvib.assess.drive import random_entries
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
-from lsvib.assess.words import ATTRACTORS
+from lsvib.assess.words import ATTRACTORS, entry_name
 
 
 def where(one: Mechanism | Motion, assessment: Assessment) -> str:
@@ -52,7 +52,8 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     if motion is assessment.worst and motion is not assessment.nominal:
         spreads = assessment.sheet.spreads()
         values = ", ".join(
-            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
+            f"{entry_name(path)} = {shown(motion.entries[path], spreads[path].unit)}"
+            for path in random_entries(assessment.sheet)
         )
         parts.append(page.paragraph(f"The values of this case: {values}."))
     return [

@@ -46,6 +46,11 @@ def percent(value: float | None) -> str:
     return f"{share:.3g} %" if share <= 99 or share == 100 else f"{share:.4g} %"
 
 
+def signed(value: float, places: int) -> str:
+    """Return a plain number with its sign and so many decimal places."""
+    return f"{value:+.{places}f}".replace("-", "−")
+
+
 def change(factor: float | None) -> str:
     """Return a factor in words: 20 % larger, 3 times as large."""
     if factor is None:

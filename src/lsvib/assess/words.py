@@ -107,3 +107,8 @@ LEFT_OUT = (
     "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",
 )
 """What the model does not know, in sentences."""
+
+
+def entry_name(path: str) -> str:
+    """Return an entry of the data sheet, such as coupling.gear_ratio, as a reader meets it: coupling: gear ratio."""
+    return path.replace(".", ": ").replace("_", " ")
