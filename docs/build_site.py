@@ -3,8 +3,9 @@
     python docs/build_site.py build/docs
 
 writes the site to ``build/docs/html`` and the same as one file, ``build/docs/lsvib-docs.zip``, that opens from disk
-when it is unpacked. ``--without-pictures`` does not run the scripts of the gallery, which takes most of the time. What
-is needed is in requirements-docs.txt; a warning of Sphinx is an error.
+when it is unpacked. The scripts of the gallery are run for their pictures, which takes most of the time;
+``--pictures results/figures`` shows those of a run of the workflow instead, and ``--without-pictures`` none. What is
+needed is in requirements-docs.txt; a warning of Sphinx is an error.
 """
 
 import argparse
@@ -37,21 +38,21 @@ _PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
 _ENTRY = re.compile(r"^   (?:.*<)?([\w/]+)>?$", re.MULTILINE)  # of a table of contents
 
 
-def build(out: Path, *, pictures: bool = True) -> Path:
+def build(out: Path, *, run_scripts: bool, pictures: Path | None) -> Path:
     """Build the site below ``out`` and return the folder of its pages; ends the program if Sphinx warns."""
     source, pages = out / "source", out / "html"
     for old in (source, pages, out / "doctrees"):
         shutil.rmtree(old, ignore_errors=True)
-    assemble(source)
+    assemble(source, pictures)
     options = ["-q", "-W", "--keep-going", "-b", "html", "-d", str(out / "doctrees")]
-    if not pictures:
+    if not run_scripts:
         options += ["-D", "plot_gallery=0"]
     if sphinx([*options, str(source), str(pages)]):
         sys.exit("docs: Sphinx has complained; see above.")
     return pages
 
 
-def assemble(source: Path) -> None:
+def assemble(source: Path, pictures: Path | None) -> None:
     """Put the sources of the site together: our pages, those from elsewhere, the gallery and the reference."""
     shutil.copytree(SITE, source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     shutil.copy2(SITE / "conf.py", source)
@@ -62,7 +63,7 @@ def assemble(source: Path) -> None:
             text = (ROOT / path).read_text(encoding="utf-8")
             (source / name).write_text(on_site(text, path, source, {**pages, **ELSEWHERE}), encoding="utf-8")
     _add_terms(source)
-    gallery.write_scripts(source)
+    gallery.write_scripts(source, pictures)
     reference.write_pages(source)
     _list_the_rest(source)
 
@@ -114,9 +115,16 @@ def main() -> None:
     """Build the site as the command line says."""
     parser = argparse.ArgumentParser(description="Build the documentation site.")
     parser.add_argument("out", type=Path, help="folder to write to")
-    parser.add_argument("--without-pictures", action="store_true", help="do not run the scripts of the gallery")
+    shown = parser.add_mutually_exclusive_group()
+    shown.add_argument("--pictures", type=Path, metavar="FOLDER", help="show the pictures that are there")
+    shown.add_argument("--without-pictures", action="store_true", help="do not run the scripts of the gallery")
     given = parser.parse_args()
-    pages = build(given.out.resolve(), pictures=not given.without_pictures)
+    if given.pictures:
+        for figure in gallery.default_figures():
+            if not (given.pictures / f"{figure}.png").is_file():
+                sys.exit(f"docs: {given.pictures} has no picture {figure}.png.")
+    run_scripts = not (given.pictures or given.without_pictures)
+    pages = build(given.out.resolve(), run_scripts=run_scripts, pictures=given.pictures)
     archive = shutil.make_archive(str(given.out / "lsvib-docs"), "zip", pages)
     print(f"The site is {pages / 'index.html'}, in one file {archive}.")
 

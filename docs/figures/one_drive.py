@@ -39,7 +39,7 @@ def draw(found: xr.Dataset) -> Figure:
 
 
 def _draw_curve(axes) -> None:
-    found = DRIVE.sweep(axial_force=FORCES.tolist(), initial=START)
+    found = DRIVE.sweep(axial_force=FORCES.tolist(), start=START)
     limit = DRIVE.thresholds()["global_stability_force"]
     axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after the push")
     axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, stable to small pushes")

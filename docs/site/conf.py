@@ -31,6 +31,7 @@ sphinx_gallery_conf = {
     "image_scrapers": ("gallery",),
     "reset_modules": (),
     "capture_repr": (),
+    "remove_config_comments": True,
     "download_all_examples": False,
     "show_signature": False,
     "write_computation_times": False,

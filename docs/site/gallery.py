@@ -1,6 +1,7 @@
 """The gallery: a short script for every figure, written from its folder, and how Sphinx-Gallery finds the pictures."""
 
 import inspect
+import shutil
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ from lsvib.figures.{name} import dataset, picture
 
 found = dataset.build(standard_settings("{name}"))
 figure = picture.draw(found)
-
+{shown}
 # %%
 # The dataset
 # -----------
@@ -48,6 +49,12 @@ figure = picture.draw(found)
 # .. literalinclude:: {picture}
 #    :language: python
 '''
+_SHOWN = """
+# sphinx_gallery_thumbnail_path = 'files/figures/{name}.png'
+# %%
+# .. image:: /files/figures/{name}.png
+#    :alt: {words}
+"""
 
 
 def title(figure: str) -> str:
@@ -58,20 +65,30 @@ def title(figure: str) -> str:
     return figure.replace("_", " ").capitalize()
 
 
-def script(figure: str, source: Path) -> str:
-    """Return the script of a figure, and copy its two modules to the sources of the site, which show them."""
-    shown = {}
+def script(figure: str, source: Path, pictures: Path | None) -> str:
+    """Return the script of a figure, and copy its two modules to the sources of the site, which show them.
+
+    ``pictures``: a folder with a picture of every figure, for a script that is shown and not run.
+    """
+    modules, shown = {}, ""
     for kind, module in (("dataset", dataset_module(figure)), ("picture", picture_module(figure))):
         copy = source / "files" / "figures" / figure / f"{kind}.py"
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(inspect.getsource(import_module(module)), encoding="utf-8")
-        shown[kind] = f"/files/figures/{figure}/{kind}.py"
+        modules[kind] = f"/files/figures/{figure}/{kind}.py"
+    if pictures:
+        shutil.copy2(pictures / f"{figure}.png", source / "files" / "figures" / f"{figure}.png")
+        shown = _SHOWN.format(name=figure, words=_words(figure))
     caption = caption_file(figure).read_text(encoding="utf-8").strip()
     name = title(figure)
-    return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, **shown)
+    return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, shown=shown, **modules)
 
 
-def write_scripts(source: Path) -> None:
+def _words(figure: str) -> str:
+    return f"{title(figure)}; the caption above says what it shows."
+
+
+def write_scripts(source: Path, pictures: Path | None) -> None:
     """Write the scripts of all figures into the folder ``examples`` of the sources."""
     examples = source / "examples"
     examples.mkdir()
@@ -82,7 +99,7 @@ def write_scripts(source: Path) -> None:
         (folder / "GALLERY_HEADER.rst").write_text(header, encoding="utf-8")
         for figure in default_figures():
             if figure.startswith("fig8_") == (section == "1_chapter"):
-                (folder / f"{figure}.py").write_text(script(figure, source), encoding="utf-8")
+                (folder / f"{figure}.py").write_text(script(figure, source, pictures), encoding="utf-8")
 
 
 def _get_sg_image_scraper() -> Any:
@@ -99,6 +116,5 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any],
         return ""
     path = next(block_vars["image_path_iterator"])
     save(figure, path, resolution=_RESOLUTION)
-    words = f"{title(Path(block_vars['src_file']).stem)}; the caption above says what it shows."
-    shown: str = figure_rst([path], gallery_conf["src_dir"], words)
+    shown: str = figure_rst([path], gallery_conf["src_dir"], _words(Path(block_vars["src_file"]).stem))
     return shown

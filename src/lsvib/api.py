@@ -119,7 +119,7 @@ class _Drive(RigidParameters):
 
     def simulate(
         self,
-        initial: Mapping[str, float],
+        start: Mapping[str, float],
         duration: float,
         *,
         samples: int = 1001,
@@ -129,7 +129,7 @@ class _Drive(RigidParameters):
     ) -> "xr.Dataset":
         """Return the exact motion from a start, with its events.
 
-        Arguments: ``initial``, u [rad], w [rad/s], and what else the model has, by name; ``duration`` [s]; number of
+        Arguments: ``start``, u [rad], w [rad/s], and what else the model has, by name; ``duration`` [s]; number of
         ``samples``, both ends included; ``resume`` and ``physics`` as of :meth:`automaton`; ``outputs``, observables to
         store. The dataset is that of :func:`lsvib.simulate`. Raises ``InputError``, ``EngineError``.
 
@@ -141,12 +141,12 @@ class _Drive(RigidParameters):
         """
         from lsvib.data.simulation import run, trajectory
 
-        scene = self._scene(initial, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
+        scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
 
     def steady_state(
         self,
-        initial: Mapping[str, float],
+        start: Mapping[str, float],
         *,
         resume: str = "contact_sign",
         physics: Sequence[str] | None = None,
@@ -165,9 +165,9 @@ class _Drive(RigidParameters):
         from lsvib.cycles.attractors import steady_state
         from lsvib.engine.motion import enter
 
-        scene = self._scene(initial, 1.0, resume=resume, physics=physics)
+        scene = self._scene(start, 1.0, resume=resume, physics=physics)
         automaton = scene.kind.build(self, scene.terms, scene.resume)
-        state = scene.kind.initial_state(self, scene.initial)
+        state = scene.kind.initial_state(self, scene.start)
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 
@@ -241,6 +241,32 @@ class _Drive(RigidParameters):
 
         return chart(self, x, y, rule(resume), workers, progress)
 
+    def sweep(
+        self,
+        *,
+        start: Mapping[str, float] | None = None,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+        **over: Sequence[float],
+    ) -> "xr.Dataset":
+        """Return what the drive ends on over values of some of its parameters, as a dataset.
+
+        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``start``,
+        u [rad], w [rad/s] and what else the model has, by default next to steady sliding; ``resume`` as of
+        :meth:`automaton`; number of ``workers``, threads or processes, which changes no number; ``progress``, called
+        with the numbers of points done and in all. Variables: attractor, amplitude [rad], period [s], multiplier [1],
+        peak_normal_force [N], peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
+        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
+        """
+        from lsvib.data.sweep import sweep
+
+        return sweep(self, over, start, rule(resume), workers, progress)
+
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
 
@@ -283,7 +309,7 @@ class _Drive(RigidParameters):
         """
         return map_attraction(self, grid, quantities, resume, threads, refine, progress).dataset
 
-    def _scene(self, initial: Mapping[str, float], duration: float, **more: Any) -> "Scene":
+    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene
 
         try:
@@ -294,7 +320,7 @@ class _Drive(RigidParameters):
             raise InputError(
                 f"duration = {numbers.shown(duration)} is outside the allowed range 0 < duration <= {_LONGEST:g}."
             )
-        return Scene(model=self.model, drive=self, initial=initial, t_end=end, **more)
+        return Scene(model=self.model, drive=self, start=start, duration=end, **more)
 
 
 class RigidDrive(_Drive):
@@ -362,32 +388,6 @@ class RigidDrive(_Drive):
 
         part = window_of(window)
         return resilience_sweep(self, over, part, *samples_of(samples, seed, part), progress)
-
-    def sweep(
-        self,
-        *,
-        initial: Mapping[str, float] | None = None,
-        resume: str = "contact_sign",
-        workers: int = 1,
-        progress: Progress | None = None,
-        **over: Sequence[float],
-    ) -> "xr.Dataset":
-        """Return what the drive ends on over values of some of its parameters, as a dataset.
-
-        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``initial``,
-        u [rad] and w [rad/s], by default next to steady sliding; ``resume`` as of :meth:`automaton`; number of
-        threads (``workers``), which changes no number; ``progress``, called with the numbers of points done and in
-        all. Variables: attractor, amplitude [rad], period [s], multiplier [1], peak_normal_force [N],
-        peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
-        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
-        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
-        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
-        """
-        from lsvib.data.sweep import sweep
-
-        return sweep(self, over, initial, rule(resume), workers, progress)
 
 
 class ThreadsDrive(_Drive, parameters.ThreadsParameters):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
 
-from lsvib.basins import exact_basin
+from lsvib.basins import backward_motions
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, state_on
 from lsvib.basins.exact_basin import Boundary, basin
@@ -213,7 +213,7 @@ def test_turns_that_hardly_grow_are_leapt_over():
 
 
 def test_a_boundary_that_is_not_found_in_bounded_work_is_refused(monkeypatch):
-    monkeypatch.setattr(exact_basin, "_LEAPS", 0)
+    monkeypatch.setattr(backward_motions, "_LEAPS", 0)
     with pytest.raises(InputError, match="change a motion so little in a turn"):
         basin(drive_of("repelling cycle of slip"))
 

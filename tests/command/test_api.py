@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from test_cli import DRIVE, GRID, MOTION, run  # noqa: F401
+from reference.command_line import DRIVE, GRID, MOTION
 
 import lsvib
 from lsvib import api
@@ -33,7 +33,6 @@ HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
 def random_drives(count: int, seed: int = 1):
@@ -95,7 +94,7 @@ for line in LINES:
 
 def test_commands_that_need_no_engine_load_none(tmp_path):
     """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
-    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\ninitial: {u: 0, w: 0}\nt_end: 1\n", encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\nstart: {u: 0, w: 0}\nduration: 1\n", encoding="utf-8")
     lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
     program = f"LINES = {lines!r}\n{COMMANDS}"
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -235,10 +234,10 @@ def test_simulate_is_that_of_the_function(kind):
     drive = api.drive_class(kind)(mass=9.0, contact_damping=1e4) if kind == "threads" else api.drive_class(kind)()
     motion = drive.simulate(START, 0.02, samples=11, outputs=["screw_speed"])
     for form in (drive, {"drive": drive}, {"drive": drive.model_dump(), "model": kind}):
-        other = lsvib.simulate(form, model=kind, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+        other = lsvib.simulate(form, model=kind, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
         xr.testing.assert_identical(motion, other)
     xr.testing.assert_identical(
-        motion, lsvib.simulate(drive, initial=START, t_end=0.02, samples=11, outputs=["screw_speed"])
+        motion, lsvib.simulate(drive, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
     )
     found = drive.steady_state(START)
     assert (
@@ -246,14 +245,14 @@ def test_simulate_is_that_of_the_function(kind):
     )
 
 
-def test_simulate_is_that_of_the_command(run, tmp_path):  # noqa: F811
+def test_simulate_is_that_of_the_command(run, tmp_path):
     assert run("simulate", *MOTION, "--out", "m.nc", "--json")[0] == 0
     with xr.open_dataset(tmp_path / "m.nc") as written:
         motion = lsvib.RigidDrive(**PARADOX).simulate(START, 0.1)
         assert all((written[name].values == motion[name].values).all() for name in motion.variables)
 
 
-def test_attraction_is_that_of_the_command(run, tmp_path):  # noqa: F811
+def test_attraction_is_that_of_the_command(run, tmp_path):
     summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
     drive, rows = lsvib.RigidDrive(**PARADOX), []
     found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from reference.command_line import DRIVE, GRID, MOTION, refused
 
 import lsvib
-from lsvib.command.app import main
 from lsvib.data.writer import read_dataset
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
@@ -20,11 +20,6 @@ from lsvib.errors import InputError
 from lsvib.figures.compute import compute_figure
 from lsvib.figures.configuration import check
 
-# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
-DRIVE = ["--set", "mass=11", "--set", "support_damping=1e-3", "--set", "axial_force=-10"]
-GRID = ["--grid", "u=-0.1:0.1:40", "w=-80:80:30"]
-MOTION = [*DRIVE, "--initial", "u=0.1", "w=0", "--t-end", "0.1"]
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
     "time": "s",
@@ -42,38 +37,6 @@ UNITS = {
     "event_velocity_deviation_before": "rad s-1",
     "event_velocity_deviation_after": "rad s-1",
 }
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the command in an empty folder; returns exit code, standard output, error output."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["lsvib", *arguments])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = end.code or 0
-        out, error = capsys.readouterr()
-        # Whether the engine was compiled before depends on the tests before.
-        said = [line for line in error.splitlines(keepends=True) if not line.startswith("lsvib: compiling ")]
-        return code, out, "".join(said)
-
-    return call
-
-
-def refused(run, *arguments: str) -> str:
-    """Assert that a command ends with code 2, one sentence, nothing on standard output and no file; the sentence."""
-    before = sorted(Path().rglob("*"))
-    code, out, error = run(*arguments)
-    assert (code, out) == (2, "")
-    assert error.startswith("lsvib: ")
-    assert error.count("\n") == 1
-    assert error.endswith(".\n")
-    assert sorted(Path().rglob("*")) == before
-    return error
 
 
 def test_thresholds_json(run):
@@ -219,7 +182,7 @@ def test_simulate(run, tmp_path):
 
 def test_simulate_from_python_is_the_same():
     data = lsvib.simulate(
-        mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1, samples=21
+        mass=11, support_damping=1e-3, axial_force=-10, start={"u": 0.1, "w": 0}, duration=0.1, samples=21
     )
     motion = follow(
         rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
@@ -229,12 +192,31 @@ def test_simulate_from_python_is_the_same():
 
 def test_simulate_from_a_scene_file(run, tmp_path):
     (tmp_path / "scene.yaml").write_text(
-        "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\ninitial: {u: 0.1, w: 0}\nt_end: 9\n"
+        "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"
     )
     direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
     assert (
-        json.loads(run("simulate", "--scene", "scene.yaml", "--t-end", "0.1", "--out", "b.nc", "--json")[1]) == direct
+        json.loads(run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1])
+        == direct
     )
+
+
+def test_the_older_names_of_start_and_duration_are_read(run, tmp_path):
+    """They are shown nowhere; both at once are refused, and a file with the one is changed by the other."""
+    direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
+    older = [{"--start": "--initial", "--duration": "--t-end"}.get(word, word) for word in MOTION]
+    assert json.loads(run("simulate", *older, "--out", "b.nc", "--json")[1]) == direct
+    drive = "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\n"
+    (tmp_path / "scene.yaml").write_text(f"{drive}initial: {{u: 0.1, w: 0}}\nt_end: 9\n")
+    changed = run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "c.nc", "--json")[1]
+    assert json.loads(changed) == direct
+    given = {"mass": 11, "support_damping": 1e-3, "axial_force": -10, "initial": {"u": 0.1, "w": 0}, "t_end": 0.1}
+    assert lsvib.simulate(**given).sizes["event"] == sum(direct["events"].values())
+    (tmp_path / "both.yaml").write_text(f"{drive}start: {{u: 0, w: 0}}\nduration: 1\nt_end: 1\n")
+    assert "duration is given twice, also by its older name t_end" in refused(
+        run, "simulate", "--scene", "both.yaml", "--out", "d.nc"
+    )
+    assert "--initial" not in run("simulate", "--help")[1]
 
 
 @pytest.mark.parametrize(
@@ -256,10 +238,10 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
         (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),
         (["simulate", *MOTION, "--out", "none/x.nc"], "none"),
-        (["simulate", *DRIVE, "--initial", "u=0.1", "--t-end", "1", "--out", "x.nc"], "initial"),
-        (["simulate", *DRIVE, "--initial", "u=1e300", "w=0", "--t-end", "1", "--out", "x.nc"], "1e+300"),
-        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "-1", "--out", "x.nc"], "t_end = -1"),
-        (["simulate", *DRIVE, "--initial", "u=0", "w=0", "--t-end", "soon", "--out", "x.nc"], "soon"),
+        (["simulate", *DRIVE, "--start", "u=0.1", "--duration", "1", "--out", "x.nc"], "start"),
+        (["simulate", *DRIVE, "--start", "u=1e300", "w=0", "--duration", "1", "--out", "x.nc"], "1e+300"),
+        (["simulate", *DRIVE, "--start", "u=0", "w=0", "--duration", "-1", "--out", "x.nc"], "duration = -1"),
+        (["simulate", *DRIVE, "--start", "u=0", "w=0", "--duration", "soon", "--out", "x.nc"], "soon"),
         (["simulate", *MOTION, "--samples", "1", "--out", "x.nc"], "samples = 1"),
         (["simulate", *MOTION, "--resume", "never", "--out", "x.nc"], "resume = 'never'"),
         (["simulate", *MOTION, "--model", "elastic", "--out", "x.nc"], "model = 'elastic'"),
@@ -272,7 +254,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
         (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
         (["simulate", *MOTION, "--out", "."], "not the name of a file"),
-        (["simulate", *MOTION, "--set", "t_end=1", "--out", "x.nc"], "t_end is not a known key"),
+        (["simulate", *MOTION, "--set", "duration=1", "--out", "x.nc"], "duration is not a known key"),
         (["simulate", *MOTION, "--set", "drive=1", "--out", "x.nc"], "drive is not a known key"),
         (["simulate", *MOTION, "--model", "threads", "--resume", "at_once", "--out", "x.nc"], "resume = 'at_once'"),
         (["thresholds", "--set", "self=1"], "self is not a known key"),
@@ -355,12 +337,12 @@ def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
     [
         ("drive: {mass: [1\n", "not valid YAML"),
         ("- 1\n", "does not hold names and values"),
-        ("drive: {mass: 11, weight: 2}\ninitial: {u: 0, w: 0}\nt_end: 1\n", "weight is not a known key"),
-        ("drive: 5\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = 5 does not hold names and values"),
-        ("drive: [1, 2]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "drive = [1, 2] does not hold"),
-        ("model: [rigid]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "model = ['rigid'] is not one of"),
-        ("1: 2\ninitial: {u: 0, w: 0}\nt_end: 1\n", "1 is not a known key"),
-        ("drive: {mass: 11}\nphysics: [support_damping, axial_force]\ninitial: {u: 0, w: 0}\nt_end: 1\n", "list rest"),
+        ("drive: {mass: 11, weight: 2}\nstart: {u: 0, w: 0}\nduration: 1\n", "weight is not a known key"),
+        ("drive: 5\nstart: {u: 0, w: 0}\nduration: 1\n", "drive = 5 does not hold names and values"),
+        ("drive: [1, 2]\nstart: {u: 0, w: 0}\nduration: 1\n", "drive = [1, 2] does not hold"),
+        ("model: [rigid]\nstart: {u: 0, w: 0}\nduration: 1\n", "model = ['rigid'] is not one of"),
+        ("1: 2\nstart: {u: 0, w: 0}\nduration: 1\n", "1 is not a known key"),
+        ("drive: {mass: 11}\nphysics: [support_damping, axial_force]\nstart: {u: 0, w: 0}\nduration: 1\n", "list rest"),
     ],
 )
 def test_corrupt_scene_is_refused(run, tmp_path, text, words):

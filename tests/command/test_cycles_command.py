@@ -2,13 +2,10 @@
 
 import json
 
-import pytest
-from test_cli import refused, run  # noqa: F401
-
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
+from reference.command_line import refused
 
 
-def test_commands(run):  # noqa: F811
+def test_commands(run):
     """``lsvib cycles`` lists the pair near the fold; ``lsvib follow`` goes from one through the fold to the other."""
     drive = ["--set", "mass=11", "--set", "support_damping=2e-3", "--set", "axial_force=-18.37"]
     listed = json.loads(run("cycles", *drive, "--json")[1])["cycles"]

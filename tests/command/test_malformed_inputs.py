@@ -11,9 +11,6 @@ from reference.malformed import ARGUMENTS, FIGURES, PYTHON, SCENES, SECTIONS, SE
 import lsvib
 from lsvib.command.app import main
 
-# Cyclopts suspects that a call without arguments under pytest is a mistake; here sys.argv is what is tested.
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
-
 
 def test_the_list_is_long():
     assert len(ARGUMENTS) + len(SCENES) + len(SECTIONS) + len(FIGURES) + len(PYTHON) >= 300
@@ -83,7 +80,7 @@ def test_scene(refused, text, word):
     rest = "".join(line + "\n" for line in START.splitlines() if line.split(":")[0] not in keys)
     whole = (
         text + rest
-        if text.startswith(("drive: {", "initial:", "t_end", "samples", "physics", "outputs", "resume"))
+        if text.startswith(("drive: {", "start:", "duration", "samples", "physics", "outputs", "resume"))
         else text
     )
     Path("scene.in").write_text(whole)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_cli import MOTION, run  # noqa: F401
+from reference.command_line import MOTION
 
 import lsvib
 from lsvib.basins.grid import Axis
@@ -25,10 +25,9 @@ SLOW = {
     "fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "attraction_limit", "contact_stability",
     "nut_stability",
 }  # fmt: skip
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 
 
-def test_links_are_followed_and_old_results_replaced(run, tmp_path):  # noqa: F811
+def test_links_are_followed_and_old_results_replaced(run, tmp_path):
     (tmp_path / "deep").mkdir()
     (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet
     (tmp_path / "deep" / "empty.nc").touch()
@@ -98,7 +97,7 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
     assert (closed.returncode, closed.stderr) == (0, "")
 
 
-def test_figures_away_from_the_repository(run):  # noqa: F811
+def test_figures_away_from_the_repository(run):
     code, out, _ = run("figure", "8.3", "--out", "built")
     assert code == 0
     assert Path("built/fig8_03.nc").is_file()
@@ -150,7 +149,7 @@ def numbers_of(dataset):
 
 
 def test_drives_and_dictionaries_are_accepted_alike():
-    values, start = {"mass": 11.0, "axial_force": -10.0}, {"initial": {"u": 0.1, "w": 0.0}, "t_end": 0.1}
+    values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
     drive = RigidParameters.of(values)
     assert lsvib.stability(drive) == lsvib.stability(values)
     assert lsvib.thresholds(drive, model="threads") == lsvib.thresholds(values, model="threads")

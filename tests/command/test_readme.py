@@ -4,11 +4,13 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 import yaml
 
+import lsvib
 from lsvib.data.writer import read_dataset
 
 ROOT = Path(__file__).parents[2]
@@ -80,3 +82,34 @@ def test_python(folder):
     assert len(calls) == 3
     for call in calls:
         assert eval(call, {"lsvib": __import__("lsvib")})
+
+
+def test_the_first_result_is_what_the_readme_says(folder):
+    """The line of the first screen, its answer in the words that are quoted below it, and the mass that it names."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^\.venv/bin/(lsvib stability .*)$", text, re.MULTILINE)
+    (below,) = re.findall(r"^This answers (.*?)\n\n", text, re.DOTALL | re.MULTILINE)
+    answer = run(line, folder).splitlines()
+    first, last = re.findall(r"`([^`]*)`", " ".join(below.split()))[:2]
+    assert (answer[0], answer[-1].strip()) == (first, last)
+    (named, unstable) = re.findall(r"([\d.]+) kg", below)
+    critical = lsvib.thresholds()["critical_mass"]["value"]
+    assert f"{critical:.1f}" == named
+    assert critical < float(unstable) == float(line.rpartition("mass=")[2])
+
+
+def test_the_readme_names_what_is_declared():
+    """The Python that it asks for, its extras, its licence; and the page of the shell has every command."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    assert f"Python {project['requires-python'].replace('>=', '≥ ')} with pip" in text
+    assert "Operating System :: POSIX :: Linux" in project["classifiers"]
+    assert "You need Linux," in text
+    assert set(re.findall(r"pip install '\.\[(\w+)\]'", text)) == {"explore"} <= set(project["optional-dependencies"])
+    assert project["license"] == (ROOT / "LICENSE").read_text(encoding="utf-8").split()[0] == "MIT"
+    page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")
+    told = run("lsvib --help", ROOT)
+    commands = re.findall(r"^│ (\w+) ", told, re.MULTILINE)
+    assert {"assess", "explore", "simulate", "stability"} <= set(commands)
+    assert [command for command in commands if f"lsvib {command}" not in page] == []

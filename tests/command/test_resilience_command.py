@@ -4,15 +4,14 @@ import json
 
 import pytest
 import xarray as xr
-from test_cli import refused, run  # noqa: F401
+from reference.command_line import refused
 
 import lsvib
 
-pytestmark = pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 DRIVE = ("--set", "mass=11", "--set", "support_damping=1e-3")
 
 
-def test_resilience(run):  # noqa: F811
+def test_resilience(run):
     """The command says what the method says, in numbers and in text, and writes a sweep to a file."""
     drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
     window = ("--window", "u=-0.3:0.3", "w=-150:150")
@@ -42,5 +41,5 @@ def test_resilience(run):  # noqa: F811
         (("--over", "mass=0:2:3", "--out", "x.nc"), "mass = 0.0 is outside the allowed range"),
     ],
 )
-def test_refused(run, arguments, words):  # noqa: F811
+def test_refused(run, arguments, words):
     assert words in refused(run, "resilience", *DRIVE, *arguments)

@@ -9,7 +9,7 @@ from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.data.cycles import branch_dataset, branch_json
 from lsvib.drives.coefficients import coefficients
 from lsvib.errors import InputError
-from lsvib.steady_sliding.global_stability import globally_stable_below
+from lsvib.steady_sliding import global_stability
 
 NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
 SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
@@ -19,7 +19,7 @@ SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
 def test_fold_is_the_threshold_of_global_stability(damping):
     """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
     drive = NEAR_FOLD.replace(support_damping=damping)
-    threshold = float(globally_stable_below(ForwardDrive(drive, coefficients(drive))))
+    threshold = float(global_stability.start(ForwardDrive(drive, coefficients(drive))).force)
     drive = drive.replace(axial_force=threshold * (1 - 3e-4))
     attracting, repelling = drive.cycles().cycles
     branch = drive.follow(attracting, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))

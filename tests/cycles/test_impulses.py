@@ -9,7 +9,7 @@ import lsvib
 from lsvib.cycles.impulses import event_impulses, seizure_impulses, seizure_speeds
 from lsvib.data.simulation import as_scene, run, summary
 
-SPRAG = {"mass": 40.0, "support_damping": 1e-3, "t_end": 0.05}
+SPRAG = {"mass": 40.0, "support_damping": 1e-3, "duration": 0.05}
 STARTS = {
     "rigid": {"u": 0.01, "w": 30.0},
     "support": {"u": 0.01, "w": 30.0, "screw_shift": 1e-6, "shift_rate": 0.01},
@@ -18,10 +18,10 @@ STARTS = {
 
 
 def scene_of(model: str, force: float):
-    drive = {key: value for key, value in SPRAG.items() if key != "t_end"} | {"axial_force": force}
+    drive = {key: value for key, value in SPRAG.items() if key != "duration"} | {"axial_force": force}
     if model == "support":  # the reduced mass, 22 kg, is beyond the critical mass
         drive["screw_mass"] = 50.0
-    return as_scene({"model": model, "drive": drive, "initial": STARTS[model], "t_end": SPRAG["t_end"]}, {}, {})
+    return as_scene({"model": model, "drive": drive, "start": STARTS[model], "duration": SPRAG["duration"]}, {}, {})
 
 
 @pytest.mark.parametrize("force", [50.0, -10.0])
@@ -70,7 +70,7 @@ def test_impulses_are_in_the_dataset_and_their_peak_in_the_summary(model):
 
 def test_compliant_threads_have_forces_and_no_impulses():
     scene = as_scene(
-        {"model": "threads", "drive": {"mass": 11.0}, "initial": {"u": 0.01, "w": 0.0}, "t_end": 0.01}, {}, {}
+        {"model": "threads", "drive": {"mass": 11.0}, "start": {"u": 0.01, "w": 0.0}, "duration": 0.01}, {}, {}
     )
     motion = run(scene)
     assert not event_impulses(scene.drive, motion).normal.any()

@@ -59,7 +59,7 @@ MODEL = replace(
 )
 '''
 LINEAR = ("--set", "mass=9", "--set", "contact_damping=5e4", "--json")
-MOTION = ("--set", "mass=11", "--set", "support_damping=1e-3", "--t-end", "0.01", "--json")
+MOTION = ("--set", "mass=11", "--set", "support_damping=1e-3", "--duration", "0.01", "--json")
 COMMANDS = {
     "config": ("config", "--model", "slope", "--set", "weight=7", "--json"),
     "stability": ("stability", "--model", "slope", *LINEAR),
@@ -68,11 +68,11 @@ COMMANDS = {
     "thresholds of threads": ("thresholds", "--model", "threads", *LINEAR),
     "motion": (
         *("simulate", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *MOTION),
-        *("--initial", "u=0.05", "w=0", "slope_e=0", "--out", "slope.nc"),
+        *("--start", "u=0.05", "w=0", "slope_e=0", "--out", "slope.nc"),
     ),
     "motion of threads": (
         *("simulate", "--model", "threads", "--set", "axial_force=-10", *MOTION),
-        *("--initial", "u=0.05", "w=0", "e=0", "--out", "threads.nc"),
+        *("--start", "u=0.05", "w=0", "e=0", "--out", "threads.nc"),
     ),
 }
 # The rest of the package, and with it the compiled engine, is that of the tests.

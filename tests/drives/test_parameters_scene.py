@@ -21,7 +21,7 @@ BOUNDS = {
     "translation_damping": (-1.0, 1.1e15, "0 <= translation_damping <= 1e+15"),
     "axial_force": (-1.1e12, 1.1e12, "-1e+12 <= axial_force <= 1e+12"),
 }
-SCENE = {"drive": {"mass": 11.0}, "initial": {"u": 0.1, "w": 0.0}, "t_end": 0.5}
+SCENE = {"drive": {"mass": 11.0}, "start": {"u": 0.1, "w": 0.0}, "duration": 0.5}
 
 
 def complaint(function, *arguments, **options) -> str:
@@ -109,7 +109,7 @@ def test_drives_and_scenes_are_immutable():
     with pytest.raises(ValidationError):
         drive.mass = 2.0
     with pytest.raises(ValidationError):
-        scene.t_end = 2.0
+        scene.duration = 2.0
     assert drive.replace(mass=2.0).mass == 2.0
     assert drive.mass == 1.0
     assert hash(drive) == hash(RigidParameters())
@@ -124,19 +124,19 @@ def test_exact_values_are_the_doubles():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"t_end": 0}, ["t_end = 0", "0 < t_end <= 1e+09"]),
-        ({"t_end": "long"}, ["t_end = 'long'"]),
-        ({"t_end": math.inf}, ["t_end = inf"]),
+        ({"duration": 0}, ["duration = 0", "0 < duration <= 1e+09"]),
+        ({"duration": "long"}, ["duration = 'long'"]),
+        ({"duration": math.inf}, ["duration = inf"]),
         ({"samples": 1}, ["samples = 1", "2 <= samples <= 1e+08"]),
         ({"samples": 2.5}, ["samples = 2.5"]),
-        ({"initial": {"u": 0.1}}, ["initial", "u", "w"]),
-        ({"initial": {"u": 0.1, "w": 0.0, "e": 1.0}}, ["initial", "e"]),
-        ({"initial": {"u": "left", "w": 0.0}}, ["u", "'left'"]),
+        ({"start": {"u": 0.1}}, ["start", "u", "w"]),
+        ({"start": {"u": 0.1, "w": 0.0, "e": 1.0}}, ["start", "e"]),
+        ({"start": {"u": "left", "w": 0.0}}, ["u", "'left'"]),
         ({"model": "elastic"}, ["model = 'elastic'"]),
         ({"resume": "later"}, ["resume = 'later'"]),
         ({"outputs": ["temperature"]}, ["temperature"]),
         ({"physics": ["gravity"]}, ["gravity"]),
-        ({"colour": "red"}, ["colour is not a known key", "t_end"]),
+        ({"colour": "red"}, ["colour is not a known key", "duration"]),
         ({"drive": {"mass": -1}}, ["mass = -1", "0 < mass <= 1e+09"]),
         ({"drive": {"weight": 1}}, ["weight is not a known key"]),
         ({"drive": 3}, ["drive = 3"]),
@@ -148,7 +148,7 @@ def test_unacceptable_scene(changes, words):
     assert all(word in sentence for word in words), sentence
 
 
-@pytest.mark.parametrize("key", ["initial", "t_end"])
+@pytest.mark.parametrize("key", ["start", "duration"])
 def test_missing_key(key):
     assert complaint(Scene.of, {k: v for k, v in SCENE.items() if k != key}) == f"{key} is missing."
 
@@ -168,13 +168,13 @@ def test_scene_from_yaml(tmp_path):
     path = tmp_path / "scene.yaml"
     path.write_text(
         "drive:\n  mass: 11\n  lead_angle_deg: 5.57\n  support_damping: 1.0e-3\n"
-        "initial: {u: 0.1, w: 0}\nt_end: 0.5\nsamples: 11\n",
+        "start: {u: 0.1, w: 0}\nduration: 0.5\nsamples: 11\n",
         encoding="utf-8",
     )
     scene = Scene.of(read_yaml(path))
     assert scene.drive == RigidParameters.of(mass=11.0, support_damping=1e-3)
-    assert (scene.t_end, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
-    path.write_text("drive: {mass: 1e-3}\ninitial: {u: 0.1, w: 0}\nt_end: 1\n")  # YAML 1.1 reads 1e-3 as text
+    assert (scene.duration, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
+    path.write_text("drive: {mass: 1e-3}\nstart: {u: 0.1, w: 0}\nduration: 1\n")  # YAML 1.1 reads 1e-3 as text
     assert Scene.of(read_yaml(path)).drive.mass == 1e-3
 
 

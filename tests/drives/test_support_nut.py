@@ -1,6 +1,6 @@
 """Axial support and rotating nut against the linear models, their rigid limits, balances, and an independent reference.
 
-The reference (``bench/reference/two_bodies_stepped.py``) takes Newton's laws with the normal force and the friction as
+The reference (``reference/two_bodies_steps.py``) takes Newton's laws with the normal force and the friction as
 unknowns, advances by Taylor series with a fixed step of 2 µs and finds the mode after each event by trying all of them;
 where Γ₊ > 0 it insists that exactly one is consistent. It is good to some 1e-11, the rounding of 1e4 steps.
 """
@@ -10,10 +10,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from reference.two_bodies_steps import SteppedDrive, simulate
 
 import lsvib
 from lsvib.bench.reference import two_bodies_digits
-from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive, simulate
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
@@ -47,7 +47,7 @@ def build(model, slide=False, bearing=False, **parameters):
     """Drive, automaton and reference of one set of parameters."""
     kind, make, _ = KINDS[model]
     drive = kind.of(parameters)
-    return drive, make(drive, slide=slide, bearing=bearing), TwoBodiesTrueDrive(model, dict(drive), slide, bearing)
+    return drive, make(drive, slide=slide, bearing=bearing), SteppedDrive(model, dict(drive), slide, bearing)
 
 
 def key_of(model, automaton, mode):
@@ -357,7 +357,7 @@ def test_every_mode_against_the_matrix_exponential(model, regular):
     drive, automaton, plain = build(model, regular, regular, **parameters)
     rng = np.random.default_rng(5)
     with mpmath.workdps(40):
-        exact = TwoBodiesTrueDrive(model, dict(drive), regular, regular, exact=True)
+        exact = SteppedDrive(model, dict(drive), regular, regular, exact=True)
         for mode in range(len(automaton.codes)):
             key = key_of(model, automaton, mode)
             state = np.array([0.1, 60.0, 1e-4 if model == "support" else 0.1, 0.02 if model == "support" else 30.0])
@@ -378,7 +378,7 @@ def test_friction_of_size_zero_changes_nothing(model):
     own = STIFF if model == "support" else {}
     common = {"support_damping", "translation_damping", "axial_force"}
     common.add("nut_damping" if model == "nut" else "axial_support_damping")
-    scene = {"model": model, "initial": {"u": 0.1, "w": 0.0}, "t_end": 0.05, **LOADED, **own}
+    scene = {"model": model, "start": {"u": 0.1, "w": 0.0}, "duration": 0.05, **LOADED, **own}
     absent = lsvib.simulate(**scene, physics=sorted(common))
     listed = lsvib.simulate(**scene, physics=sorted(common | {"slide_friction", "bearing_friction"}))
     assert absent.sizes["event"] >= 10
@@ -408,7 +408,7 @@ def test_vanishing_friction_is_no_friction(model):
 )
 def test_what_is_not_determined_is_refused(model, parameters, message):
     with pytest.raises(InputError, match=message):
-        lsvib.simulate(model=model, initial={"u": 0.1, "w": 0}, t_end=0.1, **parameters)
+        lsvib.simulate(model=model, start={"u": 0.1, "w": 0}, duration=0.1, **parameters)
 
 
 @pytest.mark.parametrize(
@@ -417,7 +417,7 @@ def test_what_is_not_determined_is_refused(model, parameters, message):
 )
 def test_scene_starts_and_reports_the_other_coordinate(model, extra):
     outputs = ["normal_force", "axial_contact_force", "coupling_torque", "screw_speed", "nut_speed"]
-    motion = lsvib.simulate(model=model, initial={"u": 0.1, "w": 5.0, **extra}, t_end=0.02, outputs=outputs)
+    motion = lsvib.simulate(model=model, start={"u": 0.1, "w": 5.0, **extra}, duration=0.02, outputs=outputs)
     for name, value in extra.items():
         assert motion[name].values[0] == pytest.approx(value, rel=1e-12)
     mode = motion["mode"].values

@@ -88,7 +88,7 @@ def test_compiling_is_said_once_for_each_part(caplog):
 @pytest.mark.long
 def test_the_command_says_that_it_compiles_and_is_silent_when_the_cache_is_warm(tmp_path):
     program = (
-        "import sys; sys.argv = 'lsvib simulate --initial u=0.1 w=0 --t-end 0.1 --out motion.nc'.split()\n"
+        "import sys; sys.argv = 'lsvib simulate --start u=0.1 w=0 --duration 0.1 --out motion.nc'.split()\n"
         "from lsvib.command.app import main; main()\n"
     )
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
@@ -106,7 +106,7 @@ def test_without_any_folder_the_engine_is_compiled_in_memory_and_says_so_once(tm
     program = (
         "import sys, tempfile\n"
         f"tempfile.gettempdir = lambda: {NOWHERE!r}\n"
-        "sys.argv = 'lsvib simulate --initial u=0.1 w=0 --t-end 0.1 --out motion.nc'.split()\n"
+        "sys.argv = 'lsvib simulate --start u=0.1 w=0 --duration 0.1 --out motion.nc'.split()\n"
         "from lsvib.command.app import main; main()\n"
     )
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}

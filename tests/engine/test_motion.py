@@ -40,5 +40,5 @@ def test_the_room_for_events_takes_no_part_in_the_arithmetic(monkeypatch, automa
 def test_more_events_than_anybody_can_want_is_an_error_unless_asked_for(monkeypatch):
     assert motion.follow(STICK_SLIP, (0.01, 0.0), 1.0, max_events=100).time.size == 100
     monkeypatch.setattr(motion, "_MANY_EVENTS", 100)
-    with pytest.raises(EngineError, match=r"more than 100 events before t = 0\.\d+ s; shorten t_end"):
+    with pytest.raises(EngineError, match=r"more than 100 events before t = 0\.\d+ s; shorten the duration"):
         motion.follow(STICK_SLIP, (0.01, 0.0), 1.0)

@@ -25,7 +25,7 @@ async (count) => {
   const document = Bokeh.documents[0];
   const slider = document.get_model_by_name("slider_axial_force");
   const of = (name, glyph) => document.get_model_by_name(name).renderers[glyph].data_source.properties.data.change;
-  const signals = [of("plane", 0), of("contact", 4)];
+  const signals = [of("plane", 0), of("contact", 5)];
   const frame = () => new Promise(resolve => requestAnimationFrame(resolve));
   const times = [];
   for (let k = 0; k < count; k++) {

@@ -57,7 +57,7 @@ def test_a_link_gives_the_view_back(seed):
         ("over=colour", "over = 'colour' is not a parameter"),
         ("low=3&high=2", "low < high"),
         ("over=mass&low=-3&high=2", "mass = -3"),
-        ("duration=0", "t_end = 0"),
+        ("duration=0", "duration = 0"),
     ],
 )
 def test_a_bad_link_is_refused_in_one_sentence(query, said):

@@ -81,8 +81,8 @@ def test_the_readme_counts_as_the_list_does():
     compared = sum("value" in entry and "check" in entry for entry in entries())
     text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     words = (
-        f"names all {numbers} numbers and {len(entries()) - numbers} claims of the chapter: {counts['input']} are "
-        f"inputs, {counts['check']} are compared by a check, {compared} of them numbers, and for {counts['reason']} it "
-        "says why not"
+        f"names every statement of the chapter, {numbers} numbers and {len(entries()) - numbers} claims: "
+        f"{counts['input']} are inputs, {counts['check']} are checked ({compared} numbers and "
+        f"{counts['check'] - compared} claims), and for the other {counts['reason']} it says why they are not."
     )
     assert words in text

@@ -20,6 +20,7 @@ PAGES = sorted(
 )
 # Those of docs/python.md run in tests/command/test_api.py.
 EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
+PICTURES = ROOT / "results" / "figures"
 needs_sphinx = pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="Sphinx is not installed.")
 
 
@@ -44,6 +45,18 @@ def test_every_link_within_the_repository_leads_somewhere(page):
         assert not anchor or anchor in anchors(target), f"{path}#{anchor}"
 
 
+def test_lines_are_as_long_as_those_of_the_code():
+    """Tables and pictures excepted, whose lines cannot be broken; docstrings are ruff's matter (E501)."""
+    pages = [*PAGES, *(ROOT / "src").rglob("*.rst"), *(ROOT / "docs").rglob("*.rst")]
+    long = [
+        f"{name(page)}:{number}"
+        for page in pages
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1)
+        if len(line) > 120 and not line.startswith(("|", "![", "  |"))
+    ]
+    assert not long, long
+
+
 @pytest.mark.parametrize("page", EXAMPLES, ids=name)
 def test_the_examples_of_a_page_run(page):
     result = doctest.testfile(str(page), module_relative=False)
@@ -53,9 +66,11 @@ def test_the_examples_of_a_page_run(page):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """The pages of the site, built without the pictures of the gallery."""
+    """The pages of the site, with the pictures of a run of the workflow if there has been one, as in ``.ci/run``."""
     out = tmp_path_factory.mktemp("docs")
-    command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(out), "--without-pictures"]
+    drawn = all((PICTURES / f"{figure}.png").is_file() for figure in default_figures())
+    shown = ["--pictures", str(PICTURES)] if drawn else ["--without-pictures"]
+    command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(out), *shown]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONWARNINGS": "ignore"})
     assert done.returncode == 0, done.stdout + done.stderr
     assert (out / "lsvib-docs.zip").is_file()
@@ -75,6 +90,25 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
             assert f'id="lsvib.{public}"' in reference
     for method in ("simulate", "attraction", "follow", "thresholds", "replace"):
         assert f'id="lsvib.ThreadsDrive.{method}"' in reference
+
+
+@needs_sphinx
+@pytest.mark.slow
+def test_the_gallery_shows_the_pictures_of_a_run(tmp_path):
+    """A script with a picture from elsewhere; a folder without all of them is refused in one sentence."""
+    command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(tmp_path), "--pictures", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (1, f"docs: {tmp_path} has no picture {default_figures()[0]}.png.\n")
+    assert not (tmp_path / "html").exists()
+    (tmp_path / "fig8_03.png").write_bytes(b"a picture")
+    sys.path.insert(0, str(ROOT / "docs" / "site"))
+    try:
+        from gallery import script
+    finally:
+        sys.path.pop(0)
+    text = script("fig8_03", tmp_path / "source", tmp_path)
+    assert "# .. image:: /files/figures/fig8_03.png\n" in text
+    assert (tmp_path / "source" / "files" / "figures" / "fig8_03.png").read_bytes() == b"a picture"
 
 
 @needs_sphinx

@@ -1,4 +1,8 @@
-"""Debian's Chromium, driven by playwright, for tests of what a person sees; skipped where one of them is missing."""
+"""Chromium, driven by playwright, for tests of what a person sees; skipped where one of them is missing.
+
+Debian calls it ``chromium``, other distributions by another name. ``.ci/run`` installs it, and
+says at its end if it could not.
+"""
 
 import importlib.util
 import shutil
@@ -7,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-CHROMIUM = shutil.which("chromium")
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 needs_chromium = pytest.mark.skipif(
     CHROMIUM is None or importlib.util.find_spec("playwright") is None,
     reason="There is no Chromium on this machine, or no playwright, which drives it.",

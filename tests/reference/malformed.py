@@ -15,7 +15,7 @@ SETTINGS = read_yaml(DEFAULT)
 NUMBER = "is not a number"
 RANGE = "is outside the allowed range"
 UNKNOWN = "is not a known key"
-MOTION = "simulate --initial u=0.1 w=0 --t-end 0.1 --out x.nc"
+MOTION = "simulate --start u=0.1 w=0 --duration 0.1 --out x.nc"
 MAP = "attraction --grid u=-0.1:0.1:4 w=-8:8:4 --out x.nc"
 
 # Text that is no number, as people write it: decimal commas, units, spaces, other notations, nothing finite.
@@ -92,26 +92,26 @@ COMMANDS = [
     (f"{MAP} --model nuts", "model = 'nuts'"),
     (f"{MOTION} --model thread", "thread"),
     ("thresholds --model rigid --model nut", "--model"),
-    (f"{MOTION} --t-end 1", "--t-end"),
+    (f"{MOTION} --duration 1", "--duration"),
     (f"{MOTION} --out y.nc", "--out"),
     # Simulation: start, end, samples, what follows a seizure.
-    ("simulate --initial u=0.1 --t-end 1 --out x.nc", "it needs u and w"),
-    ("simulate --t-end 1 --out x.nc", "initial"),
-    ("simulate --initial u=0 w=0 --out x.nc", "t_end is missing"),
-    ("simulate --initial u=0 w --t-end 1 --out x.nc", "KEY"),
-    ("simulate --initial u=0 w=0 e=1 --t-end 1 --out x.nc", "initial"),
+    ("simulate --start u=0.1 --duration 1 --out x.nc", "it needs u and w"),
+    ("simulate --duration 1 --out x.nc", "start"),
+    ("simulate --start u=0 w=0 --out x.nc", "duration is missing"),
+    ("simulate --start u=0 w --duration 1 --out x.nc", "KEY"),
+    ("simulate --start u=0 w=0 e=1 --duration 1 --out x.nc", "start"),
     (f"{MOTION} --resume never", "resume = 'never'"),
-    ("simulate --initial u=0 w=0 u=1 --t-end 1 --out x.nc", "u is given twice"),
+    ("simulate --start u=0 w=0 u=1 --duration 1 --out x.nc", "u is given twice"),
     (f"{MOTION} --set colour=1", UNKNOWN),
-    ("simulate --initial u=1e300 w=0 --t-end 1 --out x.nc", RANGE),
-    (f"{MOTION} --set t_end=1", UNKNOWN),
-    ("simulate --initial u=0 w=-1e100 --t-end 1 --out x.nc", RANGE),
+    ("simulate --start u=1e300 w=0 --duration 1 --out x.nc", RANGE),
+    (f"{MOTION} --set duration=1", UNKNOWN),
+    ("simulate --start u=0 w=-1e100 --duration 1 --out x.nc", RANGE),
     (f"{MOTION} --set drive=1", UNKNOWN),
-    ("simulate --initial u=x w=0 --t-end 1 --out x.nc", "initial.u = 'x' is not a number"),
-    ("simulate --initial u=0 w=1,5 --t-end 1 --out x.nc", "initial.w = '1,5' is not a number"),
-    ("simulate --initial u=0 w=nan --t-end 1 --out x.nc", "initial.w = 'nan' is not a number"),
+    ("simulate --start u=x w=0 --duration 1 --out x.nc", "start.u = 'x' is not a number"),
+    ("simulate --start u=0 w=1,5 --duration 1 --out x.nc", "start.w = '1,5' is not a number"),
+    ("simulate --start u=0 w=nan --duration 1 --out x.nc", "start.w = 'nan' is not a number"),
     *(
-        (f"simulate --initial u=0 w=0 --t-end {t} --out x.nc", "t_end")
+        (f"simulate --start u=0 w=0 --duration {t} --out x.nc", "duration")
         for t in ("0", "-1", "1e10", "soon", "1s", "nan")
     ),
     *((f"{MOTION} --samples {n}", "samples") for n in ("1", "0", "-5", "2.5", "1e9", "many", "1,000", "nan", "inf")),
@@ -234,7 +234,8 @@ SCENES = [
     ("drive: [1, 2]\n", "drive = [1, 2]"),
     ("drive: {mass: 11, weight: 2}\n", UNKNOWN),
     ("drive: {mass: 1, mass: 2}\n", "mass is given twice"),
-    ("t_end: 1\nt_end: 2\n", "t_end is given twice"),
+    ("duration: 1\nduration: 2\n", "duration is given twice"),
+    ("duration: 1\nt_end: 2\n", "duration is given twice, also by its older name t_end"),
     ("1: 2\n", UNKNOWN),
     ("model: [rigid]\n", "model = ['rigid']"),
     ("model: 5\n", "model = 5"),
@@ -253,14 +254,14 @@ SCENES = [
     ("drive: {mass: 1" + "0" * 400 + "}\n", RANGE),
     ("drive: {lead_angle: 0.1, lead_angle_deg: 5}\n", "both given"),
     ("drive: {1: 2}\n", UNKNOWN),
-    ("initial: 5\n", "initial = 5"),
-    ("initial: [u, w]\n", "initial"),
-    ("initial: {u: left, w: 0}\n", "initial.u = 'left'"),
-    ("initial: {u: 0}\n", "initial"),
-    ("initial: {u: 1.0e+100, w: 0}\n", RANGE),
-    ("initial: {u: 0, u: 1, w: 0}\n", "given twice"),
-    ("t_end: -1\n", "t_end = -1"),
-    ("t_end: never\n", "t_end"),
+    ("start: 5\n", "start = 5"),
+    ("start: [u, w]\n", "start"),
+    ("start: {u: left, w: 0}\n", "start.u = 'left'"),
+    ("start: {u: 0}\n", "start"),
+    ("start: {u: 1.0e+100, w: 0}\n", RANGE),
+    ("start: {u: 0, u: 1, w: 0}\n", "given twice"),
+    ("duration: -1\n", "duration = -1"),
+    ("duration: never\n", "duration"),
     ("samples: 1.5\n", "samples = 1.5 is not a whole number"),
     ("samples: 1\n", "samples"),
     ("samples: true\n", "samples"),
@@ -274,7 +275,7 @@ SCENES = [
     ("x: !!int abc\n", UNKNOWN),
     ("\x00", "not valid YAML"),
 ]
-START = "initial: {u: 0.1, w: 0}\nt_end: 1\n"
+START = "start: {u: 0.1, w: 0}\nduration: 1\n"
 # A change of the settings of one figure, as (place, value), and the sentence.
 SECTIONS = [
     (("mass", "count"), 1, "fig8_08.mass.count = 1 is outside the allowed range 2 <= count"),
@@ -323,7 +324,7 @@ FIGURES = [
     ("figures: [fig8_08]\nfig8_08: {drive: {}, drive: {}}\n", "drive is given twice"),
     ("figures: [[fig8_08]]\n", "is not one of"),
 ]
-START_OF = {"initial": {"u": 0.1, "w": 0.0}, "t_end": 0.1}
+START_OF = {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
 PYTHON = [
     (lambda: lsvib.simulate(5), "scene = 5"),
     (lambda: lsvib.simulate([1]), "scene = [1]"),
@@ -339,16 +340,16 @@ PYTHON = [
     (lambda: lsvib.simulate(**START_OF, samples=10**400), RANGE),
     (lambda: lsvib.simulate(**START_OF, outputs="abc"), "outputs"),
     (lambda: lsvib.simulate(**START_OF, physics="rest"), "physics"),
-    (lambda: lsvib.simulate(initial=5, t_end=1), "initial = 5"),
-    (lambda: lsvib.simulate(initial={"u": 0}, t_end=1), "initial"),
-    (lambda: lsvib.simulate(initial={1: 0, "w": 0}, t_end=1), UNKNOWN),
-    (lambda: lsvib.simulate(initial={"u": object(), "w": 0}, t_end=1), NUMBER),
-    (lambda: lsvib.simulate(initial={"u": 1e300, "w": 0}, t_end=1), RANGE),
-    (lambda: lsvib.simulate(RigidParameters(), t_end=1), "initial is missing"),
+    (lambda: lsvib.simulate(start=5, duration=1), "start = 5"),
+    (lambda: lsvib.simulate(start={"u": 0}, duration=1), "start"),
+    (lambda: lsvib.simulate(start={1: 0, "w": 0}, duration=1), UNKNOWN),
+    (lambda: lsvib.simulate(start={"u": object(), "w": 0}, duration=1), NUMBER),
+    (lambda: lsvib.simulate(start={"u": 1e300, "w": 0}, duration=1), RANGE),
+    (lambda: lsvib.simulate(RigidParameters(), duration=1), "start is missing"),
     (lambda: lsvib.simulate(ThreadsParameters(), **START_OF, model="rigid"), UNKNOWN),
-    (lambda: lsvib.simulate(**{**START_OF, "t_end": 10**400}), RANGE),
-    (lambda: lsvib.simulate(**{**START_OF, "t_end": np.ones(2)}), NUMBER),
-    (lambda: lsvib.simulate(**{**START_OF, "t_end": None}), NUMBER),
+    (lambda: lsvib.simulate(**{**START_OF, "duration": 10**400}), RANGE),
+    (lambda: lsvib.simulate(**{**START_OF, "duration": np.ones(2)}), NUMBER),
+    (lambda: lsvib.simulate(**{**START_OF, "duration": None}), NUMBER),
     (lambda: lsvib.thresholds(5), "drive = 5"),
     (lambda: lsvib.thresholds("mass=1"), "drive"),
     (lambda: lsvib.thresholds({1: 1}), UNKNOWN),
@@ -369,8 +370,8 @@ PYTHON = [
     (lambda: lsvib.NutDrive(nut_inertia=0), RANGE),
     (lambda: lsvib.RigidDrive(axial_force=0).stability(), "axial_force"),
     (lambda: lsvib.NutDrive(axial_force=0).thresholds(), "axial_force"),
-    (lambda: lsvib.RigidDrive().simulate({"u": 0}, 1), "initial"),
-    (lambda: lsvib.RigidDrive().simulate(5, 1), "initial = 5"),
+    (lambda: lsvib.RigidDrive().simulate({"u": 0}, 1), "start"),
+    (lambda: lsvib.RigidDrive().simulate(5, 1), "start = 5"),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 0), "duration = 0"),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, "long"), "duration = 'long'"),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, samples=1), RANGE),
@@ -378,7 +379,7 @@ PYTHON = [
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, outputs=5), "outputs = 5"),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, resume="later"), "resume"),
     (lambda: lsvib.ThreadsDrive().simulate({"u": 0, "w": 0}, 1, resume="at_once"), "resume = 'at_once'"),
-    (lambda: lsvib.RigidDrive().steady_state({"u": 0, "w": 0, "e": 0}), "initial"),
+    (lambda: lsvib.RigidDrive().steady_state({"u": 0, "w": 0, "e": 0}), "start"),
     (lambda: lsvib.RigidDrive().steady_state({"u": 1e300, "w": 0}), RANGE),
     (lambda: lsvib.RigidDrive().automaton(physics=["gravity"]), "gravity"),
     (lambda: lsvib.RigidDrive(mass=11).automaton(physics=["support_damping", "axial_force"]), "rest"),
@@ -399,7 +400,7 @@ PYTHON = [
     (lambda: RigidParameters(mass=-1), RANGE),
     (lambda: RigidParameters(mas=1), UNKNOWN),
     (lambda: RigidParameters.of(5), "drive = 5"),
-    (lambda: Scene(), "initial is missing"),
+    (lambda: Scene(), "start is missing"),
     (lambda: RigidParameters.of(mass=np.True_), NUMBER),
     (lambda: RigidParameters.of(mass=np.array("a")), NUMBER),
     (lambda: RigidParameters.of(mass=b"1"), NUMBER),

@@ -23,8 +23,8 @@ COMMANDS = (
     "stability --set mass=11",
     "thresholds --model threads --set mass=9 --set contact_damping=5e4",
     "figure 8.3 --out figures",
-    "simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --initial u=0.1 w=0 "
-    "--t-end 0.5 --out motion.nc",
+    "simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0 "
+    "--duration 0.5 --out motion.nc",
     "attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:200 w=-150:150:200 "
     "--out map.nc --figure map.png",
     "figure 8.14 --out figures",

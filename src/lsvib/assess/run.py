@@ -17,7 +17,7 @@ from lsvib.files import Outputs, write_json, write_text
 from lsvib.numbers import NotNumber, shown, whole
 
 _MOST = 2**30  # samples: a thousand million
-_LARGEST_SEED = 2**32 - 1
+_LARGEST_SEED = 2**32 - 1  # 32 bits, which every generator and file format takes
 _MOST_THREADS = 4096  # more than any machine has
 
 

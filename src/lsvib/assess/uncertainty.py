@@ -27,7 +27,7 @@ from lsvib.errors import InputError
 from lsvib.files import replacing
 
 BLOCK = 2**12  # samples: small enough for progress, large enough that NumPy's overhead does not count
-CONFIDENCE = 0.95
+CONFIDENCE = 0.95  # of the intervals beside probabilities, the usual one
 BINS = np.linspace(-1.0, 1.0, 41)
 """Edges of the classes of reserve that samples are counted in."""
 _EDGE = 1e-9  # of the unit interval: keeps quantiles off the ends

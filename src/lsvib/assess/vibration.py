@@ -28,7 +28,7 @@ _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that 
 _PERIODS = 6  # shown of a cycle
 _GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is shown starts, and what it has to reach
 _DOUBLINGS = 6  # of the time shown; slower growth is shown in part
-_SAMPLES = 1200
+_SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
 _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more.
 _MOST_WORK = {"rigid": 4_000, "support": 200_000, "contact": 200_000}
@@ -103,7 +103,7 @@ def vibration(
         start, span, times, states = _shown(drive, kind, automaton, start, end)
     except EngineError as error:
         return Vibration(model, words, reason=str(error))
-    scene = {"model": model, "drive": drive.model_dump(), "initial": start, "t_end": span, "samples": _SAMPLES + 1}
+    scene = {"model": model, "drive": drive.model_dump(), "start": start, "duration": span, "samples": _SAMPLES + 1}
     row = _load_row(drive, automaton.states)
     samples = {
         "scene": scene,

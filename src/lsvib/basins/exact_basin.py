@@ -22,30 +22,17 @@ from enum import IntEnum
 
 import numpy as np
 
+from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
 from lsvib.basins.clipping import Window, clip, inside
 from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
-from lsvib.cycles import leaps
-from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.return_map import ReturnSection, section_key
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton
-from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 
 _NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
-_EVENTS = 32  # of a motion backwards, after which its return map is looked at
-_ROUNDS = 200  # of _EVENTS events each, about half a second, after which turns that hardly grow are leapt over
-_LEAPS = 4  # leaps and rounds in turn, after which the boundary is given up: each leap ends where the events change
-_PATIENCE = 10.0  # time that a turn may take after a leap, in times of the longest turn seen
-_FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
-_CLOSED = 1e-9  # relative gap of an orbit that is closed
-_BRIEF = 1e-3  # shortest turn, in time scales of slip; a turn has about 2π of them
 
 
 class AttractsNothing(InputError):
@@ -143,10 +130,10 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     rate = math.sqrt(drive.coupling_stiffness / float(c.gamma[c.steady_law]))
     q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
     start = _NEAR * min(q_0 / (q_u + q_w * rate), drive.input_speed / rate)
-    orbit = _wind_up(drive, back, [start, 0.0], _index(back, mode))
+    orbit = wind_up(drive, back, [start, 0.0], mode_index(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [_forward_arcs(orbit, rigid_automaton(drive))]
+    return Boundary.CYCLE, [forward_arcs(orbit, rigid_automaton(drive))]
 
 
 def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -155,12 +142,12 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     if touch is None:
         return Boundary.NONE, []
     back, drive_forward = backward_automaton(drive, touch[0]), rigid_automaton(drive)
-    start, mode = np.array([float(touch[0]), -float(touch[1])]), _index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
-    trace = _trace(back, start, mode, 2)
+    start, mode = np.array([float(touch[0]), -float(touch[1])]), mode_index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    trace = traced(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
         return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
     end = start * [1, -1]
-    arcs = _forward_arcs(trace, drive_forward)
+    arcs = forward_arcs(trace, drive_forward)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[*arcs[-1:], Segment(end, arcs[-1].start)]]
@@ -168,10 +155,10 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     if c.q_row[1] == 0:
         return Boundary.NONE, []
     if not ended:
-        orbit = _wind_up(drive, back, start, mode)
+        orbit = wind_up(drive, back, start, mode)
         if orbit is None:
             return Boundary.NONE, []
-        arcs = _forward_arcs(orbit, drive_forward)
+        arcs = forward_arcs(orbit, drive_forward)
     if c.q_row[1] < 0:
         raise EngineError("a cycle without rest whose seizures end backward slip was not thought possible; report it.")
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
@@ -214,76 +201,6 @@ def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float)
         )
 
 
-def _wind_up(drive: RigidParameters, back: Automaton, state, mode: int) -> Motion | None:
-    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
-
-    The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
-    each turn is in proportion to the one before, so they grow for ever. Turns that hardly grow, as with little damping,
-    are leapt over along their return map (:mod:`lsvib.cycles.leaps`).
-    """
-    start = state = np.array(state, dtype=float)
-    scale = back.tables.flow[mode, columns.TIME_SCALE]
-    for _ in range(_LEAPS):
-        for _ in range(_ROUNDS):
-            trace = _trace(back, state, mode, _EVENTS)
-            if (
-                trace is None
-                or trace.status == Status.SETTLED
-                or np.abs(trace.after).max() > _FAR * np.abs(start).max()
-            ):
-                return None
-            state, mode = trace.end_state, trace.end_mode
-            found = steady_state(back, state, mode=mode, max_events=1)
-            # An event that recurs at once is not a turn.
-            if found.orbit is not None and found.residual < _CLOSED and found.period > _BRIEF * found.returns * scale:
-                once = found.orbit.time.size // found.returns
-                return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
-        section = _section(trace)
-        leap = None if section is None else leaps.drift(section, 0.0, _FAR)
-        if leap is None:
-            break
-        if leap.end == leaps.End.GROWS:
-            return None
-        state, mode = section.state(np.array([leap.place])), section.key[1]
-        if leap.end == leaps.End.CLOSES:
-            return follow(back, state, math.inf, mode=mode, stop=section.key, max_events=_EVENTS)
-    raise InputError(
-        f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "
-        "motion so little in a turn that the boundary of the basin cannot be followed to its end."
-    )
-
-
-def _section(trace: Motion) -> ReturnSection | None:
-    """Return the section of the rarest events of a motion backwards, at its last return; None if it is no line."""
-    key = section_key(trace)
-    if key is None:
-        return None
-    there = np.flatnonzero((trace.kind == key[0]) & (trace.mode == key[1]))
-    longest = np.diff(trace.time[there]).max(initial=0.0)
-    size = np.abs(trace.after).max(axis=0)
-    section = ReturnSection(trace.automaton, key, trace.after[there[-1]], size, 1, _PATIENCE * longest)
-    return section if section.dimension == 1 else None
-
-
-def _trace(back: Automaton, state: np.ndarray, mode: int, events: int) -> Motion | None:
-    """Follow a motion backwards over some events; None if it leaves the range of numbers, as it does far away."""
-    try:
-        return follow(back, state, math.inf, mode=mode, max_events=events)
-    except EngineError:
-        return None
-
-
-def _forward_arcs(trace: Motion, drive_forward: Automaton) -> list[Arc]:
-    """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
-    codes = drive_forward.codes.tolist()
-    turned = np.array([1.0, -1.0])
-    return [
-        Arc(codes.index(trace.automaton.codes[mode]), end * turned, start * turned, float(duration))
-        for mode, start, end, duration in zip(*trace.arcs(), strict=True)
-        if duration > 0
-    ][::-1]
-
-
 def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
     """Return the boundary along slip from (x, −Ω), continued along the line u = x, on which seizures end and begin."""
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
@@ -303,10 +220,6 @@ def _everything() -> Curve:
     return [Segment(low, high)]
 
 
-def _index(automaton: Automaton, mode: MotionMode) -> int:
-    return automaton.codes.tolist().index(int(mode))
-
-
 def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
     codes = rigid_automaton(found.drive).codes.tolist()
@@ -317,7 +230,7 @@ def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
         code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
-        return Arc(_index(automaton, code), -piece.start, -piece.end, piece.duration)
+        return Arc(mode_index(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)
     return Basin(drive, found.boundary, curves, automaton.tables.flow)

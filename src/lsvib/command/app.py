@@ -1,5 +1,6 @@
 """The application that the commands join, and its entry point."""
 
+import sys
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -14,6 +15,8 @@ app = App(
     version=__version__,
     result_action="return_value",
 )
+# What two options were called before they had the words of the other interfaces: still read, no longer shown.
+_OLDER = {"--initial": "--start", "--t-end": "--duration"}
 
 
 def main() -> None:
@@ -23,4 +26,6 @@ def main() -> None:
     """
     for module in iter_modules(command.__path__, f"{command.__name__}."):
         import_module(module.name)
-    told(lambda: app(exit_on_error=False, print_error=False), CycloptsError)
+    words = [word.partition("=") for word in sys.argv[1:]]
+    tokens = [f"{_OLDER.get(name, name)}{equals}{value}" for name, equals, value in words]
+    told(lambda: app(tokens, exit_on_error=False, print_error=False), CycloptsError)

@@ -1,4 +1,4 @@
-"""The commands about a drive that stays at rest on the desk: its parameters, thresholds and stability."""
+"""The commands that simulate nothing: parameters, thresholds and stability of a drive."""
 
 from pathlib import Path
 from typing import Annotated, Any

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL_IF_GIVEN, ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.options import MODEL, MODEL_IF_GIVEN, ONE_VALUE, RESUME, AsJson, Changes, pairs
 from lsvib.command.printing import print_json, print_motion, print_sweep
 from lsvib.command.terminal import Progress
 
@@ -18,10 +18,10 @@ def simulate(
     model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
     changes: Changes = None,
-    initial: Annotated[
-        list[str] | None, Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
+    start: Annotated[
+        list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
     ] = None,
-    t_end: Annotated[str | None, Parameter(help="End time [s].")] = None,
+    duration: Annotated[str | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
     resume: Annotated[str | None, RESUME] = None,
     as_json: AsJson = False,
@@ -30,8 +30,8 @@ def simulate(
 
     Examples of use:
 
-        lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --initial u=0.1 w=0
-        --t-end 0.5 --out motion.nc
+        lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0
+        --duration 0.5 --out motion.nc
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
 
@@ -45,10 +45,10 @@ def simulate(
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
-    given: dict[str, Any] = {"model": model, "t_end": t_end, "samples": samples, "resume": resume}
+    given: dict[str, Any] = {"model": model, "duration": duration, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
-    if initial:
-        given["initial"] = pairs(initial)
+    if start:
+        given["start"] = pairs(start)
     checked = as_scene(scene, given, pairs(changes))
     motion = run(checked)
     steady = attractor_of(motion)
@@ -66,27 +66,30 @@ def simulate(
 def sweep(
     *,
     over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **ONE_VALUE)],
+    model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
-    initial: Annotated[
+    start: Annotated[
         list[str] | None,
-        Parameter(consume_multiple=True, help="Initial state: u=RAD w=RAD_PER_S.", **ONE_VALUE),
+        Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE),
     ] = None,
     resume: Annotated[str, RESUME] = "contact_sign",
-    workers: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    workers: Annotated[str, Parameter(help="Number of threads; with more than two states of processes.")] = "1",
     out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Sweep parameters of the rigid drive: what the motion ends on, how large and how fast, and the forces.
+    """Sweep parameters of a drive: what the motion ends on, how large and how fast, and the forces.
 
     Examples of use:
 
         lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
 
         lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
+
+        lsvib sweep --model threads --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
     """
     from time import perf_counter
 
-    from lsvib.api import RigidDrive, rule
+    from lsvib.api import drive_class, rule
     from lsvib.data.sweep import evenly
     from lsvib.data.sweep import summary as swept_summary
     from lsvib.data.sweep import sweep as swept
@@ -95,9 +98,9 @@ def sweep(
 
     outputs = Outputs([(out, "netCDF")] if out else [])
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
-    start = pairs(initial) if initial else None
     begin = perf_counter()
-    found = swept(RigidDrive.of(pairs(changes)), axes, start, rule(resume), workers, Progress("points"))
+    wanted = pairs(start) if start else None
+    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, rule(resume), workers, Progress("points"))
     seconds = perf_counter() - begin
     with outputs.writing() as parts:
         for part in parts:

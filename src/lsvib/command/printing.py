@@ -82,7 +82,7 @@ def print_sweep(result: Mapping[str, Any]) -> None:
     """Print the summary of a sweep."""
     for kind, count in result["attractors"].items():
         print(f"{kind.replace('_', ' ')}: {count} of {result['points']} points")
-    print(f"{result['points_per_second']:.3g} points per second")
+    print(f"{_plain(result['points_per_second'])} points per second")
 
 
 def print_chart(result: Mapping[str, Any]) -> None:
@@ -91,7 +91,7 @@ def print_chart(result: Mapping[str, Any]) -> None:
         print(f"{name.replace('_', ' ')}: a fraction of {part:.6g} of {result['cells']} cells")
     curves = ", ".join(name.replace("_", " ") for name in result["curves"])
     print(f"exact curves: {curves or 'none'}")
-    print(f"{result['cells_per_second']:.3g} cells per second")
+    print(f"{_plain(result['cells_per_second'])} cells per second")
 
 
 def picture_files(figure: Path | None) -> list[tuple[Path, str]]:
@@ -113,7 +113,7 @@ def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
     area = result["exact_basin_area"]
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
-    print(f"{result['cells_per_second']:.3g} cells per second")
+    print(f"{_plain(result['cells_per_second'])} cells per second")
 
 
 def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> None:
@@ -140,6 +140,11 @@ def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
         print(f"  {entry['stability']} stability from {interval['low']:.12g} {high} {entry['unit']}")
     if "reason" in entry:
         print(f"  {entry['reason']}")
+
+
+def _plain(rate: float) -> str:
+    """A rate in three digits, without a power of ten."""
+    return f"{float(f'{rate:.3g}'):.15g}"
 
 
 def _value(entry: Mapping[str, Any]) -> str:

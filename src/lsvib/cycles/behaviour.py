@@ -11,7 +11,8 @@ from enum import IntEnum
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor
-from lsvib.cycles.endings import REVERSES, all_endings
+from lsvib.cycles.endings import all_endings
+from lsvib.cycles.kernels.endings import REVERSES
 from lsvib.drives import friction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.rigid import Resume

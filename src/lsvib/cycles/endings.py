@@ -1,4 +1,4 @@
-"""What the motions of rigid drives end on – attractor, size, forces – of one drive or of many at once.
+"""What the motions of drives end on – attractor, size, forces – of one rigid drive or of many of any model at once.
 
 The tables of many drives are made at once, and a compiled search does the common cases, number by number as
 :func:`lsvib.cycles.attractors.steady_state` does, so that all results are the same to the last bit. What it leaves open
@@ -6,18 +6,20 @@ goes to that function.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from multiprocessing import get_context
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from lsvib.cycles import attractors, leaps, return_map
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.cycles.compliant_endings import compliant_endings
+from lsvib.cycles.ending import Ending, Endings
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings as kernels
+from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
@@ -44,52 +46,10 @@ _SEARCH = kernels.Search(
 )
 
 
-SPRAGS, RESTS, REVERSES = kernels.SPRAGS, kernels.RESTS, kernels.REVERSES
 _BLOCK = 8192  # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
 _SHARE = 50  # open motions that a process takes at a time, some 0.1 s
 _WORTH = 1000  # open motions that make it worth while to start processes, which takes some seconds
 _WITHOUT_EXTREMES = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
-
-
-class Ending(NamedTuple):
-    """What a motion ends on; nan where it has no such number.
-
-    ``attractor``, an :class:`lsvib.cycles.attractors.Attractor`; ``happens``, what happens on a cycle: the sum of those
-    of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad], half
-    the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest; ``peak_normal_force`` [N],
-    largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest |J_N| of a seizure, 0 without.
-    """
-
-    attractor: int
-    happens: int
-    amplitude: float
-    period: float
-    multiplier: float
-    peak_normal_force: float
-    peak_normal_impulse: float
-
-
-class Endings(NamedTuple):
-    """What motions end on, arrays (k) of what :class:`Ending` holds."""
-
-    attractor: np.ndarray
-    happens: np.ndarray
-    amplitude: np.ndarray
-    period: np.ndarray
-    multiplier: np.ndarray
-    peak_normal_force: np.ndarray
-    peak_normal_impulse: np.ndarray
-
-    @classmethod
-    def unknown(cls, size: int) -> "Endings":
-        """Return room for so many."""
-        kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
-        return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
-
-    def put(self, places: Any, other: "Endings | Ending") -> None:
-        """Write others at some places."""
-        for mine, theirs in zip(self, other, strict=True):
-            mine[places] = theirs
 
 
 def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> Ending:
@@ -98,7 +58,7 @@ def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> En
     found = steady_state(automaton, state)
     label = int(found.label)
     if found.label in _WITHOUT_EXTREMES:
-        return Ending(label, 0, *(math.nan,) * 5)
+        return Ending.without_numbers(found.label)
     if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
         force = float(steady_force(coefficients(drive), drive.exact()))
         return Ending(label, 0, 0.0, math.nan, math.nan, force, 0.0)
@@ -127,13 +87,17 @@ def all_endings(
     resume: Resume,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
+    others: Mapping[str, float] | None = None,
 ) -> Endings:
-    """Return what the motions of rigid drives (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+    """Return what the motions of drives (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of threads
-    and, if many motions are left open by the compiled search, of processes. ``progress`` is told how many of how many
-    are done.
+    and, if many motions are left open by the compiled search, of processes; with more than two states of processes
+    alone. ``progress`` is told how many of how many are done. ``others``: values of the other states by name, by
+    default those that the model begins with.
     """
+    if drives.kind.model != "rigid":
+        return compliant_endings(drives, starts, others or {}, resume, workers, progress)
     found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
 
     def tell(more: int) -> None:

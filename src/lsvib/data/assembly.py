@@ -1,7 +1,7 @@
 """One large dataset over rows and columns from the files of its tiles, one tile at a time.
 
-A tile is a dataset of its own, written whole or not at all, in any order and by any number of processes. The size of
-the whole is no matter of memory: nothing here holds more than a tile, or one row of its compressed blocks.
+A tile is a dataset of its own, written whole or not at all, in any order and by any number of processes. The
+whole may be larger than memory, because nothing here holds more than a tile, or one row of its compressed blocks.
 """
 
 import hashlib
@@ -16,6 +16,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from lsvib.data.attributes import attributes
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing
@@ -214,11 +215,9 @@ def _with_counts(frame: xr.Dataset, labels: Mapping[str, Any], kinds: str) -> xr
     """Add room for the number and the fraction of the cells with each label, along a dimension ``kinds``."""
     flags = {key: labels[key] for key in ("flag_values", "flag_meanings")}
     counts = np.zeros(np.size(flags["flag_values"]), np.int64)
-    return frame.assign_coords(
-        {kinds: (kinds, flags["flag_values"], {"units": "1", "long_name": kinds, **flags})}
-    ).assign(
-        cell_count=(kinds, counts, {"units": "1", "long_name": "number of the cells"}),
-        fraction=(kinds, counts + 0.0, {"units": "1", "long_name": "fraction of the cells"}),
+    return frame.assign_coords({kinds: (kinds, flags["flag_values"], attributes("1", kinds, **flags))}).assign(
+        cell_count=(kinds, counts, attributes("1", "number of the cells")),
+        fraction=(kinds, counts + 0.0, attributes("1", "fraction of the cells")),
     )
 
 

@@ -1,5 +1,7 @@
 """Attributes of the variables that datasets share: names, units, symbols, flags."""
 
+from collections.abc import Iterable, Sequence
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ _LONG_NAMES = {
 }
 
 
-def flags(kinds) -> dict[str, Any]:
+def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
     return {
         "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
@@ -47,6 +49,17 @@ def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dic
 def yes_no(long_name: str) -> dict[str, Any]:
     """Return the attributes of an int8 variable that is 1 where a statement is true, else 0."""
     return attributes("1", long_name, flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")
+
+
+def flag(long_name: str, kinds: Iterable[IntEnum]) -> dict[str, Any]:
+    """Return the attributes of an int8 variable that holds members of ``kinds``."""
+    return attributes("1", long_name, **flags(kinds))
+
+
+def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> tuple[str, np.ndarray, dict[str, Any]]:
+    """Return the coordinate along ``dim`` of things that have names: their index, whose flags are the names."""
+    index = np.arange(len(words), dtype=np.int8)
+    return dim, index, attributes("1", long_name, flag_values=index, flag_meanings=" ".join(words), **more)
 
 
 CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")

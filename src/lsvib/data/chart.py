@@ -117,9 +117,8 @@ class Plane:
         """Return what the drives of some cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {self.y.name: self.y.centres(rows).tolist(), self.x.name: self.x.centres(columns).tolist()}
         shape = tuple(map(len, axes.values()))
-        if isinstance(self.drive, ThreadsParameters):
-            return compliant_behaviours(self.drive, axes, workers, progress).reshape(shape)
-        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+        of_drives = compliant_behaviours if isinstance(self.drive, ThreadsParameters) else behaviours
+        return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""

@@ -1,4 +1,4 @@
-"""A chart in tiles, as a map of attraction is: one tile as a dataset, and the chart from its tiles."""
+"""A chart that is computed in tiles, as a map of attraction may be: one tile, and the whole from its tiles."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import attributes, named_index
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters
 
@@ -111,8 +111,7 @@ def labels(dim: str, drives: Sequence[RigidParameters], names: Sequence[str]) ->
     ``names``: the parameters in which they differ; without any, the only one is called ``drive``.
     """
     words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in names) or "drive" for drive in drives]
-    index = np.arange(len(drives), dtype=np.int8)
-    return {dim: (dim, index, attributes("1", f"index of the {dim}", flag_values=index, flag_meanings=" ".join(words)))}
+    return {dim: named_index(dim, f"index of the {dim}", words)}
 
 
 def start_state(start: Mapping[str, float], words: str) -> Variables:

@@ -6,14 +6,13 @@ motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
-from enum import IntEnum
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import event_impulses
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, named_index, quantity
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -31,11 +30,6 @@ _WHICH_CYCLE = "one period of what the first start reaches by the first rule, mi
 _ARC = 17  # samples of an arc between two events, if there is room
 
 
-def flag(long_name: str, kinds: type[IntEnum]) -> dict[str, Any]:
-    """Return the attributes of an int8 variable that holds members of ``kinds``."""
-    return attributes("1", long_name, **flags(kinds))
-
-
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
     return {
@@ -50,14 +44,7 @@ def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
 
 def rule_coordinate() -> Variables:
     """Return the coordinate of the rules by which a motion resumes after a seizure."""
-    values = np.arange(len(RULES), dtype=np.int8)
-    return {
-        "rule": (
-            "rule",
-            values,
-            attributes("1", "rule of resuming after a seizure", flag_values=values, flag_meanings=" ".join(RULES)),
-        )
-    }
+    return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
 def portraits(

@@ -1,4 +1,4 @@
-"""What made a dataset: package version, git commit, library versions. No clock, so equal runs give equal files."""
+"""What made a dataset: package version, git commit, library versions. No time, so equal runs give equal files."""
 
 import json
 import platform

@@ -11,10 +11,10 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values, parameters_of
-from lsvib.drives.scene import Scene, read_yaml
+from lsvib.drives.scene import Scene, in_present_words, read_yaml
 from lsvib.engine.motion import Motion, follow
 
 
@@ -24,7 +24,7 @@ def simulate(
     """Simulate a scene exactly and return its trajectory.
 
     Arguments: a :class:`Scene`, a drive, names and values of a scene, or the path of a YAML file; ``changes`` are
-    keys of the scene (``initial``, ``t_end``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
+    keys of the scene (``start``, ``duration``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
     that replace the scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation
     [rad/s], the scene's outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode
     after, state before and after, and for models that seize the impulses: normal and axial [N s], torque [N m s],
@@ -32,10 +32,11 @@ def simulate(
     ``EngineError`` in one sentence.
 
     >>> import lsvib
-    >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, initial={"u": 0.1, "w": 0}, t_end=0.1)
+    >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, start={"u": 0.1, "w": 0}, duration=0.1)
     >>> int(motion.sizes["event"])
     12
     """
+    changes = in_present_words(changes)
     own = {key: value for key, value in changes.items() if key in Scene.model_fields}
     checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
     return trajectory(checked, run(checked))
@@ -58,7 +59,7 @@ def as_scene(
         values = read_yaml(scene)
     else:
         values = names_and_values("scene", scene)
-    values |= changes
+    values = {**in_present_words(values), **changes}
     if drive:
         given = parameters_of(values.get("drive"))
         if drive.keys() & {"lead_angle", "lead_angle_deg"}:
@@ -71,12 +72,12 @@ def run(scene: Scene) -> Motion:
     """Follow the motion of a scene to its end."""
     kind = scene.kind
     automaton = kind.build(scene.drive, scene.terms, scene.resume)
-    return follow(automaton, kind.initial_state(scene.drive, scene.initial), scene.t_end)
+    return follow(automaton, kind.initial_state(scene.drive, scene.start), scene.duration)
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     """Return the dataset of a motion of a scene."""
-    times = np.linspace(0.0, scene.t_end, scene.samples)
+    times = np.linspace(0.0, scene.duration, scene.samples)
     states, modes = motion.at(times)
     codes = motion.automaton.codes
     data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
@@ -102,7 +103,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
             "parameters": json.dumps(scene.parameters()),
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
-            "initial_state": json.dumps(dict(scene.initial)),
+            "initial_state": json.dumps(dict(scene.start)),
             **form,
         },
     )
@@ -124,7 +125,7 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
     return dataset.assign_coords(parameters).assign(
-        attractor=((), np.int8(steady.label), phase_plane.flag(phase_plane.ATTRACTOR, Attractor)),
+        attractor=((), np.int8(steady.label), flag(phase_plane.ATTRACTOR, Attractor)),
         amplitude=((), steady.amplitude, attributes("rad", phase_plane.AMPLITUDE)),
         period=((), steady.period, attributes("s", phase_plane.PERIOD, "$T$")),
     )
@@ -153,7 +154,7 @@ def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, di
 def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> dict[str, Any]:
     """Summarise a motion for JSON; ``steady``, its attractor, is found unless it is given.
 
-    ``final_state`` (the keys of the initial state, and the mode), ``events`` (count by kind), ``attractor`` (where the
+    ``final_state`` (the keys of the start, and the mode), ``events`` (count by kind), ``attractor`` (where the
     motion goes on to, decided by the return map), ``peak_normal_force`` (largest |N| [N] along the motion, without the
     impulses of seizures), ``status``; for models that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure
     [N s], zero without one; the impulse of each is in the motion's dataset).
@@ -163,7 +164,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
     keys = (*kind.required, *kind.optional)
     result = {
         "model": scene.model,
-        "t_end": scene.t_end,
+        "duration": scene.duration,
         "final_state": {
             **dict(zip(keys, motion.end_state.tolist(), strict=True)),
             "mode": kind.modes(int(automaton.codes[motion.end_mode])).name.lower(),

@@ -1,4 +1,4 @@
-"""What the rigid drive ends on over values of its parameters: attractor, amplitude, period, forces of every point.
+"""What a drive ends on over values of its parameters: attractor, amplitude, period, forces of every point.
 
 A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
 the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
@@ -18,6 +18,7 @@ from lsvib.cycles.endings import all_endings
 from lsvib.data.attributes import attributes, flags
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters, described, names_and_values
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import Resume
 from lsvib.errors import InputError
 
@@ -39,43 +40,44 @@ _VARIABLES = {
 def sweep(
     drive: RigidParameters,
     over: Mapping[str, Any],
-    initial: Mapping[str, Any] | None = None,
+    start: Mapping[str, Any] | None = None,
     resume: Resume = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return the attractor and its numbers over the product of values of some parameters of the rigid drive.
+    """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
 
-    Arguments: ``over``, values [SI units] by name of a parameter; ``initial``, u [rad] and w [rad/s], by default next
-    to steady sliding; rule of resuming; number of threads (``workers``); ``progress``, called with the numbers of
-    points done and in all. The dataset has a dimension for each parameter, in the order given, and as variables the
-    numbers of :class:`lsvib.cycles.endings.Ending`. Raises ``InputError`` for values, starts or drives that
-    are not acceptable.
+    Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
+    model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
+    states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
+    dataset has a dimension for each parameter, in the order given, and as variables the numbers of
+    :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
     """
-    axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
+    kind = find_model(drive.model)
+    axes = {name: parameter_values(name, values, kind.drive) for name, values in names_and_values("over", over).items()}
     if not axes:
         raise InputError("over names no parameter; give the values of one, such as axial_force.")
     total = math.prod(map(len, axes.values()))
     if not 1 <= total <= _MOST:
         raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST}.")
-    start = START if initial is None else names_and_values("initial", initial)
-    if set(start) != {"u", "w"}:
-        raise InputError(f"initial has the keys {', '.join(start) or 'none'}; it needs u and w.")
-    state = tuple(numbers.start(f"initial {key}", start[key]) for key in ("u", "w"))
+    given = START if start is None else names_and_values("start", start)
+    begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
+    kind.initial_state(drive, begin)  # refuses other keys
     threads, drives, sizes = number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
-    starts = np.broadcast_to(np.array(state), (drives.size, 2))
-    found = all_endings(drives, starts, resume, threads, progress)
+    starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
+    others = {key: value for key, value in begin.items() if key not in ("u", "w")}
+    found = all_endings(drives, starts, resume, threads, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
-        coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
+        coords={name: (name, np.array(values), coordinate(name, kind.drive)) for name, values in axes.items()},
         attrs={
-            "title": f"What the rigid lead-screw drive ends on over {', '.join(axes)}",
+            "title": f"What a lead-screw drive ends on over {', '.join(axes)}",
             "source": "lsvib, exact event-driven motion and its return map",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, eqs 8.13-8.17",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {kind.equations}",
             "model": drive.model,
             "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
             "resume": resume,
-            "initial_state": json.dumps(dict(zip(("u", "w"), state, strict=True))),
+            "initial_state": json.dumps(begin),
         },
     )
 
@@ -98,7 +100,8 @@ def product_of(drive: RigidParameters, axes: Mapping[str, Sequence[float]]) -> M
         for value in values:
             drive.replace(**{name: value, **beside})
     grids = np.meshgrid(*axes.values(), indexing="ij")
-    return ManyDrives(dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)})
+    whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}
+    return ManyDrives(whole, find_model(drive.model).drive)
 
 
 def evenly(name: str, text: str) -> np.ndarray:
@@ -128,13 +131,13 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def parameter_values(name: str, given: Any) -> list[float]:
+def parameter_values(name: str, given: Any, kind: type[RigidParameters] = RigidParameters) -> list[float]:
     """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
 
     Raises ``InputError`` for an unknown name, and for what is no list of numbers.
     """
-    if name not in RigidParameters.model_fields:
-        raise InputError(f"{name} is not a known key; the known keys are {', '.join(RigidParameters.model_fields)}.")
+    if name not in kind.model_fields:
+        raise InputError(f"{name} is not a known key; the known keys are {', '.join(kind.model_fields)}.")
     if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
         raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
     try:
@@ -157,7 +160,7 @@ def number_of(given: Any) -> int:
     return count
 
 
-def coordinate(name: str) -> dict[str, Any]:
-    """Return the attributes of a parameter as a coordinate."""
-    about = described(RigidParameters, name)
+def coordinate(name: str, kind: type[RigidParameters] = RigidParameters) -> dict[str, Any]:
+    """Return the attributes of a parameter of a model as a coordinate."""
+    about = described(kind, name)
     return attributes(about["unit"], about["long_name"])

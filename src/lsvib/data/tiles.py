@@ -1,4 +1,4 @@
-"""The region of attraction in tiles: which cells each tile holds, one tile as a dataset, the map from its tiles."""
+"""A region of attraction mapped in tiles: which cells each tile holds, one tile, and the whole from its tiles."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Many rigid drives at once: their parameters in pairs of doubles, for the formulas that make the tables of one.
+"""Many drives at once: their parameters in pairs of doubles, for the formulas that make the tables of one.
 
 The formulas are those of one drive (:func:`lsvib.drives.coefficients.coefficients_of`,
 :func:`lsvib.drives.rigid.automaton_of`); only the kind of number differs. Their doubles are the same to the last bit
@@ -47,13 +47,14 @@ class Group:
 
 
 class ManyDrives:
-    """Rigid drives that are given by arrays of their parameters.
+    """Drives of one model that are given by arrays of their parameters.
 
-    ``values``: one value [SI unit] or an array (k) of each parameter of
-    :class:`lsvib.drives.parameters.RigidParameters`, within its range.
+    ``values``: one value [SI unit] or an array (k) of each parameter of ``kind``, the parameters of the model, within
+    its range.
     """
 
-    def __init__(self, values: Mapping[str, np.ndarray | float]) -> None:
+    def __init__(self, values: Mapping[str, np.ndarray | float], kind: type[RigidParameters] = RigidParameters) -> None:
+        self.kind = kind
         # -0.0 and 0.0 are one drive, hence + 0.0 below
         self.size = max(np.size(value) for value in values.values())
         self.values = {
@@ -68,27 +69,32 @@ class ManyDrives:
 
     def some(self, entries: np.ndarray) -> "ManyDrives":
         """Return some of the drives, by their indices (j)."""
-        return ManyDrives({name: column[entries] for name, column in self.values.items()})
+        return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.kind)
 
     def one(self, entry: int) -> RigidParameters:
         """Return one of the drives."""
-        return RigidParameters(**{name: float(column[entry]) for name, column in self.values.items()})
+        return self.kind(**{name: float(column[entry]) for name, column in self.values.items()})
+
+    def exact(self, entries: np.ndarray, unsafe: np.ndarray) -> ExactMany:
+        """Return some of the drives (j) in pairs of doubles, with a record of what is unsafe (j)."""
+        d = ExactMany({name: Pairs.exactly(column[entries], unsafe) for name, column in self.values.items()})
+        d.sin_lead, d.cos_lead = (x.at(self._angle[entries], unsafe) for x in (self._sine, self._cosine))
+        d.tan_lead = d.sin_lead / d.cos_lead
+        return d
 
     def sines(self, entries: np.ndarray) -> np.ndarray:
         """Return sin λ (j) of some drives as doubles, as formulas in doubles have it."""
         return self._sines[self._angle[entries]]
 
     def groups(self, resume: Resume, entries: np.ndarray) -> Iterator[Group]:
-        """Yield the drives ``entries`` (j, indices) in groups, under a rule of resuming.
+        """Yield the rigid drives ``entries`` (j, indices) in groups, under a rule of resuming.
 
         Drives that are in no group need 50 digits, too.
         """
 
         def make(group: np.ndarray) -> Group:
             unsafe, here = np.zeros(group.size, dtype=bool), entries[group]
-            d = ExactMany({name: Pairs.exactly(column[here], unsafe) for name, column in self.values.items()})
-            d.sin_lead, d.cos_lead = (x.at(self._angle[here], unsafe) for x in (self._sine, self._cosine))
-            d.tan_lead = d.sin_lead / d.cos_lead
+            d = self.exact(here, unsafe)
             c = coefficients_of(d)
             automaton = automaton_of(c, d, True, resume if c.paradox else "contact_sign")
             force = double(steady_force(c, d))

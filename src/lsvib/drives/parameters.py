@@ -1,4 +1,8 @@
-"""The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1)."""
+"""The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1).
+
+Those of the chapter's four models stand here and not in the files of the models, so that a drive can be made, printed
+or refused without loading the automata that the models make.
+"""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -23,7 +23,7 @@ class Model:
     """A model of the drive; the file of each has one as ``MODEL``.
 
     The simulation needs of it ``build(drive, physics, resume)``, which makes the automaton; ``start(drive, values)``,
-    which makes the initial state from the keys ``required`` and ``optional``, one for each of the coordinates
+    which makes the state of a start from the keys ``required`` and ``optional``, one for each of the coordinates
     ``states``; ``terms``, the parameters that a scene may leave out (then they must be zero); ``options``, the other
     words that its ``physics`` may hold; ``outputs``, its observables, and ``quantities``, long name, unit and symbol of
     those coordinates and observables that no other model has.
@@ -54,12 +54,12 @@ class Model:
     section: str = ""
 
     def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
-        """Return the initial state; ``InputError`` if a required key is missing or a key is not known."""
+        """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""
         known = (*self.required, *self.optional)
         if not set(self.required) <= set(values) <= set(known):
             optional = f", and may have {' and '.join(self.optional)}" if self.optional else ""
             raise InputError(
-                f"initial has the keys {', '.join(values) or 'none'}; it needs {' and '.join(self.required)}{optional}."
+                f"start has the keys {', '.join(values) or 'none'}; it needs {' and '.join(self.required)}{optional}."
             )
         return self.start(drive, values)
 

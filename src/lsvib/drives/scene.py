@@ -22,8 +22,8 @@ class Scene(BaseModel):
     ``model``: its name (:mod:`lsvib.drives.model_files`); ``drive``: its parameters. ``physics``: the terms that the
     scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
     a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
-    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.drives.rigid`. ``initial``: u [rad],
-    w [rad/s], and what else the model has. ``t_end`` [s]. ``samples``: number of equidistant output times, both ends
+    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.drives.rigid`. ``start``: u [rad],
+    w [rad/s], and what else the model has. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
     included. ``outputs``: observables to store besides the state, the mode and the events.
     """
 
@@ -33,8 +33,8 @@ class Scene(BaseModel):
     drive: SerializeAsAny[RigidParameters]
     physics: tuple[str, ...] | None = None
     resume: Literal["contact_sign", "at_once"] = "contact_sign"
-    initial: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "initial"))]
-    t_end: Number = Field(gt=0, le=1e9)
+    start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
+    duration: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
 
@@ -48,14 +48,15 @@ class Scene(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
+        values = in_present_words(values)
         drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
         known = isinstance(drive, RigidParameters) and drive.model == kind.model  # of another model: converted
         return {**values, "drive": drive if known else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:
-        """Check what couples two keys: initial state, words of physics and outputs, no term that physics omits."""
+        """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
         kind = self.kind
-        kind.initial_state(self.drive, self.initial)
+        kind.initial_state(self.drive, self.start)
         for key, words in (("physics", (*kind.terms, *kind.options)), ("outputs", kind.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
@@ -85,6 +86,17 @@ class Scene(BaseModel):
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a scene from names and values; raises ``InputError`` in one sentence."""
         return cls(**names_and_values("scene", values))
+
+
+def in_present_words(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return names and values of a scene with the older names of its keys replaced; ``InputError`` for both at once."""
+    found = dict(values)
+    for old, name in _OLDER.items():
+        if old in found:
+            if name in found:
+                raise InputError(f"{name} is given twice, also by its older name {old}; give it once.")
+            found[name] = found.pop(old)
+    return found
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:
@@ -132,6 +144,7 @@ class _Loader(yaml.SafeLoader):
             return _NOT_FINITE.get(text.lower().lstrip("+"), text)
 
 
+_OLDER = {"initial": "start", "t_end": "duration"}  # what the keys of a scene were called before
 _DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")
 _NOT_FINITE = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
 for _tag in ("int", "float"):

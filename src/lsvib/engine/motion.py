@@ -95,12 +95,10 @@ def enter(automaton: Automaton, state) -> tuple[int, np.ndarray]:
     """Return the mode in which a motion from ``state`` (n) starts, and the state; ``InputError`` if not finite."""
     state = np.array(state, dtype=float)
     for name, value in zip(automaton.states, state, strict=True):
-        numbers.start(f"initial {name}", float(value))
+        numbers.start(f"start {name}", float(value))
     branch = event_loop.choose_branch(automaton.tables, 0, state, np.abs(state))
     if branch < 0:
-        raise EngineError(
-            f"no mode fits the initial state {state.tolist()}; this is a fault of the model, please report it."
-        )
+        raise EngineError(f"no mode fits the start {state.tolist()}; this is a fault of the model, please report it.")
     return int(automaton.tables.branch_mode[branch]), state
 
 
@@ -155,7 +153,7 @@ def follow(
         capacity = min(2 * total, most - total)
     end_time = float(clock[0] + clock[1])
     if status == Status.EVENTS_FULL and max_events is None:
-        raise EngineError(f"more than {most} events before t = {end_time:.6g} s; shorten t_end.")
+        raise EngineError(f"more than {most} events before t = {end_time:.6g} s; shorten the duration.")
     _complain(Status(status), end_time, state)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(
@@ -180,7 +178,7 @@ def _complain(status: Status, time: float, state: np.ndarray) -> None:
         return
     where = f"at t = {time:.6g} s, state {np.array2string(state, precision=6)}"
     if status == Status.DIVERGED:
-        raise DivergenceError(f"the motion grows without bound ({where}); shorten t_end or add damping.")
+        raise DivergenceError(f"the motion grows without bound ({where}); shorten the duration or add damping.")
     if status == Status.ACCUMULATED:
         raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
     if status == Status.UNDECIDED:

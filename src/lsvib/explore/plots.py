@@ -1,9 +1,15 @@
-"""The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact."""
+"""The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
+
+A source that changes is one message to the browser, and each message costs the server and the page about a
+millisecond, whatever it holds. So what changes together is one source: ``map``, ``scene`` (motion, cycle and lines) and
+``moment`` have a single row each, whose columns hold whole lines. A redraw is these three messages.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from bokeh.core import properties
 from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
@@ -29,15 +35,24 @@ _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
 _SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+_COLUMNS = {  # of the sources
+    "map": "image x y dw dh",
+    "scene": "motion_u motion_w cycle_u cycle_w line_u line_w stop_u stop_w start_u start_w time force",
+    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip",
+    "curve": "x y colour",
+    "near": "x y colour",
+    "marks": "x name",
+    "bar": "x",
+}
 
 
 class Plots:
     """The drawings and their sources; every method replaces what a drawing shows."""
 
     def __init__(self) -> None:
-        names = ("map", "motion", "cycle", "start", "now", "line", "stop", "curve", "near", "marks", "force", "bar")
-        names = (*names, "tooth", "arrow", "threads")
-        self.sources = {name: ColumnDataSource() for name in names}
+        self.sources = {
+            name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _COLUMNS.items()
+        }
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
@@ -50,17 +65,17 @@ class Plots:
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
         )  # fmt: skip
-        source = self.sources
-        source["map"].data = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
-        for name in ("motion", "cycle", "line", "stop", "start", "now"):
-            source[name].data = {"u": [], "w": []}
-        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=source["map"], level="image")
-        made.line("u", "w", source=source["line"], color=style.VERMILION, line_dash=[5, 3], legend_label="N = 0")
-        made.line("u", "w", source=source["stop"], color=style.GREY, line_dash=[6, 2, 1, 2], legend_label="θ′ = 0")
-        made.line("u", "w", source=source["cycle"], color=style.BLACK, line_width=2.5, legend_label="limit cycle")
-        made.line("u", "w", source=source["motion"], color=style.BLUE, line_width=1.5, legend_label="motion")
-        made.scatter("u", "w", source=source["start"], size=9, color=style.BLUE, fill_color="white")
-        made.scatter("u", "w", source=source["now"], size=9, color=style.VERMILION)
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.sources["map"], level="image")
+        for name, label, look in (
+            ("line", "N = 0", {"color": style.VERMILION, "line_dash": properties.value([5, 3])}),
+            ("stop", "θ′ = 0", {"color": style.GREY, "line_dash": properties.value([6, 2, 1, 2])}),
+            ("cycle", "limit cycle", {"color": style.BLACK, "line_width": 2.5}),
+            ("motion", "motion", {"color": style.BLUE, "line_width": 1.5}),
+        ):
+            made.multi_line(f"{name}_u", f"{name}_w", source=self.sources["scene"], legend_label=label, **look)
+        start, now = self.sources["scene"], self.sources["moment"]
+        made.scatter("start_u", "start_w", source=start, size=9, color=style.BLUE, fill_color="white")
+        made.scatter("u", "w", source=now, size=9, color=style.VERMILION)
         made.scatter([0], [0], marker="cross", size=10, color=style.BLACK)
         made.legend.background_fill_alpha = 0.6
         made.legend.location = "top_right"
@@ -72,10 +87,6 @@ class Plots:
             x_range=Range1d(0, 1), y_axis_label="amplitude [rad]", name="curve",
             html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
         )  # fmt: skip
-        for name in ("curve", "near"):
-            self.sources[name].data = {"x": [], "y": [], "colour": []}
-        self.sources["marks"].data = {"x": [], "name": []}
-        self.sources["bar"].data = {"x": []}
         made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
         made.vspan(x="x", source=self.sources["marks"], color=style.BLACK, line_dash=[5, 3])
         made.text(
@@ -97,10 +108,8 @@ class Plots:
             x_axis_label="time [s]", y_axis_label="N [N]", name="force",
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
-        self.sources["force"].data = {"t": [], "n": []}
-        made.line("t", "n", source=self.sources["force"], color=style.BLUE)
-        self._moment = ColumnDataSource({"x": [0.0]})
-        made.vspan(x="x", source=self._moment, color=style.VERMILION)
+        made.multi_line("time", "force", source=self.sources["scene"], color=style.BLUE)
+        made.vspan(x="now", source=self.sources["moment"], color=style.VERMILION)
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
         return made
 
@@ -115,13 +124,11 @@ class Plots:
         for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
             heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
             made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
-        for name in ("threads", "arrow"):
-            self.sources[name].data = {"x0": [], "y0": [], "x1": [], "y1": []}
-        self.sources["tooth"].data = {"x": [], "y": []}
-        made.segment("x0", "y0", "x1", "y1", source=self.sources["threads"], color=style.GREY, line_width=2)
-        made.patch("x", "y", source=self.sources["tooth"], color=style.SKY, line_color=style.BLUE)
-        made.segment("x0", "y0", "x1", "y1", source=self.sources["arrow"], color=style.VERMILION, line_width=3)
-        made.scatter("x1", "y1", source=self.sources["arrow"], color=style.VERMILION, size=8)
+        source = self.sources["moment"]
+        made.multi_line("marks_x", "marks_y", source=source, color=style.GREY, line_width=2)
+        made.patches("tooth_x", "tooth_y", source=source, color=style.SKY, line_color=style.BLUE)
+        made.segment(0, "foot", 0, "tip", source=source, color=style.VERMILION, line_width=3)
+        made.scatter(0, "tip", source=source, color=style.VERMILION, size=8)
         return made
 
     def set_window(self, window: Window) -> None:
@@ -143,15 +150,20 @@ class Plots:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
-        for name, x, y in (
-            ("motion", shown.u, shown.w),
-            ("cycle", closed[:, 0], closed[:, 1]),
-            ("line", u, w),
-            ("stop", [window.left, window.right], [-drive.input_speed] * 2),
-            ("start", shown.u[:1], shown.w[:1]),
-        ):
-            self.sources[name].data = {"u": x, "w": y}
-        self.sources["force"].data = {"t": shown.time, "n": shown.force}
+        self.sources["scene"].data = {
+            "motion_u": [shown.u],
+            "motion_w": [shown.w],
+            "cycle_u": [closed[:, 0]],
+            "cycle_w": [closed[:, 1]],
+            "line_u": [u],
+            "line_w": [w],
+            "stop_u": [np.array([window.left, window.right])],
+            "stop_w": [np.full(2, -drive.input_speed)],
+            "start_u": shown.u[:1],
+            "start_w": shown.w[:1],
+            "time": [shown.time],
+            "force": [shown.force],
+        }
 
     def draw_moment(self, drive: RigidParameters, shown: Followed, k: int) -> None:
         """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut.
@@ -159,21 +171,26 @@ class Plots:
         N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.
         """
         force, time = float(shown.force[k]), float(shown.time[k])
-        self.sources["now"].data = {"u": shown.u[k : k + 1], "w": shown.w[k : k + 1]}
-        self._moment.data = {"x": [time]}
         side = math.copysign(1.0, force) if force else 0.0
-        x = np.array([-0.9, 0.9, 0.9, -0.9])
+        tooth = np.array([-0.9, 0.9, 0.9, -0.9])
         half = 0.25 - _GAP
-        y = SLOPE * x + side * _GAP + np.array([-half, -half, half, half])
-        self.sources["tooth"].data = {"x": x, "y": y}
         turned = drive.input_speed * time + float(shown.u[k])
         at = (np.arange(-5, 5) * _MARKS - _SLIDE * turned) % (10 * _MARKS) - 5 * _MARKS
         at = np.concatenate([at, at])
         base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
-        self.sources["threads"].data = {"x0": at, "y0": base - 0.15, "x1": at, "y1": base + 0.15}
+        gap = np.full(at.size, np.nan)  # ends the line of a mark
         most = float(np.abs(shown.force).max()) or 1.0
-        reach = side * 0.42 * abs(force) / most
-        self.sources["arrow"].data = {"x0": [0], "y0": [side * 0.25], "x1": [0], "y1": [side * 0.25 - reach]}
+        self.sources["moment"].data = {
+            "u": shown.u[k : k + 1],
+            "w": shown.w[k : k + 1],
+            "now": [time],
+            "tooth_x": [tooth],
+            "tooth_y": [SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])],
+            "marks_x": [np.stack([at, at, gap], axis=1).ravel()],
+            "marks_y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel()],
+            "foot": [side * 0.25],
+            "tip": [side * (0.25 - 0.42 * abs(force) / most)],
+        }
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""

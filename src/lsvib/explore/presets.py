@@ -38,7 +38,7 @@ def _of_figure(label: str, section: Mapping[str, Any]) -> dict[str, View]:
     """The views of one figure: each of its drives."""
     shared = {**section["drive"], **{key: section[key] for key in section if _is_parameter(key, section[key])}}
     kind = _model({**shared, **{_LISTS.get(key, key): None for key in section}, **_first_case(section)})
-    starts = section.get("starts") or [section.get("start") or section.get("initial") or {}]
+    starts = section.get("starts") or [section.get("start") or {}]
     start = starts[0] if "u" in starts[0] else {"u": _DEFAULT.u, "w": _DEFAULT.w}
     common: dict[str, Any] = {**start, "duration": section.get("duration", _DEFAULT.duration), "window": None}
     if {"angle", "velocity"} <= section.keys():

@@ -56,8 +56,8 @@ class View:
         return Scene(
             model=self.drive.model,
             drive=self.drive,
-            initial={"u": self.u, "w": self.w},
-            t_end=self.duration,
+            start={"u": self.u, "w": self.w},
+            duration=self.duration,
             samples=SAMPLES,
         )
 
@@ -67,8 +67,8 @@ class View:
         scene = {
             "model": self.drive.model,
             "drive": changed,
-            "initial": {"u": self.u, "w": self.w},
-            "t_end": self.duration,
+            "start": {"u": self.u, "w": self.w},
+            "duration": self.duration,
             "samples": SAMPLES,
         }
         return yaml.safe_dump(scene, sort_keys=False)

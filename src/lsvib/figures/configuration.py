@@ -155,7 +155,7 @@ def _checked(model: type[Section], values: Any, place: Sequence[str] = ()) -> An
 
 
 def _sentence(model: type[Section], error: ValidationError, place: Sequence[str]) -> str:
-    """One sentence about the first complaint of pydantic; of a misspelt key the misspelling is the news."""
+    """Return one sentence about the first complaint of pydantic; a misspelt key goes before the one that is missing."""
     first = min(error.errors(), key=lambda found: found["type"] == "missing")
     sort, context = first["type"], first.get("ctx", {})
     parts = [str(part) for part in first["loc"] if part not in _ALTERNATIVES]

@@ -20,11 +20,6 @@ _EXACT = 1e-40  # relative size of the last step; the coefficients have 50 digit
 _NONE = Start("", many.inf)
 
 
-def globally_stable_below(forward: ForwardDrive):
-    """Return the threshold R [N] with 50 digits, infinite if there is none below R_on; see :func:`start`."""
-    return start(forward).force
-
-
 def start(forward: ForwardDrive) -> Start:
     """Return the threshold with its equations; its force is infinite if there is none below R_on.
 

@@ -41,7 +41,7 @@ from itertools import chain
 
 from mpmath import mp, mpf
 
-FORWARD, BACKWARD = 1, -1
+FORWARD, BACKWARD = 1, -1  # signs of theta_dot
 REST = (0, 0)  # a mode is (direction of theta_dot, sign of Q); rest is (0, 0)
 NAMES = {
     REST: "rest",
@@ -323,7 +323,7 @@ def simulate(parameters, u, w, t_end, *, dps=40, resume_rule="contact_sign", max
 
 
 def _simulate(drive, u, w, t_end, rule, max_events):
-    # One loop over the arcs, as long as the law of motion in the module's docstring, to be read beside it.
+    """One loop over the arcs, as long as the law of motion in the module's docstring, to be read beside it."""
     t, events, segments = mpf(0), [], []
     w_rest = -drive.Omega
     speed_guard = mpf(0), mpf(1), drive.Omega  # theta_dot = w + Omega

@@ -1,10 +1,10 @@
 """Reference with 40 digits for the drives with axial support and with rotating nut: closed forms, certified search.
 
-Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of ``two_bodies.py``,
-here in mpmath numbers; the closed form of the motion and the search for roots are those of ``threads.py``. What is
-added: speeds that a mode ties are eliminated from its field, so that the rates left over are the modal ones and one
-zero for each tie; and a mode follows if each of its conditions holds, one that is zero by its first derivative along
-the mode's own flow that is not.
+Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of
+``two_bodies_laws.py``, here in mpmath numbers; the closed form of the motion and the search for roots are those of
+``threads_digits.py``. Speeds that a mode ties are eliminated from its field, so that the rates left over are the modal
+ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if its
+first derivative along the mode's own flow that is not zero is positive.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.bench.reference.threads_digits import SPARE_DIGITS, Function, ThreadsTrueArc, first_root
-from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive
+from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive
 
 _ZERO = mpf(10) ** -30  # of its terms: a condition that an event, or the start, has put on zero
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive
+from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
 from lsvib.drives.friction import friction_factor
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters

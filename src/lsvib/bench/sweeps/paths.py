@@ -11,7 +11,7 @@ from lsvib.bench.record import Record
 from lsvib.bench.reference import rigid_digits as rigid_reference
 from lsvib.bench.reference import threads_digits as threads_reference
 from lsvib.bench.reference import two_bodies_digits
-from lsvib.bench.reference.two_bodies_stepped import TwoBodiesTrueDrive as TwoBodies
+from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive as TwoBodies
 from lsvib.bench.second_opinions import strides, taylor, watch
 from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders

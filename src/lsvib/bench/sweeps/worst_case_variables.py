@@ -6,7 +6,7 @@ import numpy as np
 
 from lsvib.bench.sweeps.case_judge import VERDICTS
 from lsvib.bench.sweeps.worst_case import Tried
-from lsvib.data.attributes import flags
+from lsvib.data.attributes import attributes, flag
 
 
 def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
@@ -21,7 +21,7 @@ def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
         name: (
             "edge_family",
             np.array([getattr(tried.outcome, key) for tried in worst]),
-            {"units": "1", "long_name": text},
+            attributes("1", text),
         )
         for name, (key, text) in words.items()
     }
@@ -30,7 +30,7 @@ def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
         "worst_verdict": (
             "edge_family",
             verdicts,
-            {"units": "1", "long_name": "verdict on the worst case", **flags(VERDICTS)},
+            flag("verdict on the worst case", VERDICTS),
         )
     }
 

@@ -22,7 +22,7 @@ from lsvib.engine.kernels.tables import Tables
 
 OPEN, SETTLED, CYCLE = range(3)  # outcomes: left to the caller; in one mode for ever; on a cycle
 AMPLITUDE, PERIOD, MULTIPLIER, FORCE, SEIZURE_SPEED = range(5)  # columns of the numbers of a cycle
-NUMBERS = 5
+NUMBERS = 5  # how many they are
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 _SETTLED, _STOPPED, _FULL = int(Status.SETTLED), int(Status.STOP_EVENT), int(Status.EVENTS_FULL)
 # What a motion is followed for; the numbers lie beyond those of outcomes.
@@ -78,11 +78,11 @@ class Plan(NamedTuple):
 # wider of two intervals is tried, and events of the return from its left end; whether the motion repeats to the last
 # bit.
 _MODE, _MOST, _LEFT_MODE, _CHUNK, _USED, _KIND, _ENTERS, _LINE, _CHOSEN, _SECANTS, _WIDER, _EVENTS, _REPEATS = range(13)
-_WHOLES = 13
+_WHOLES = 13  # how many they are
 # Of ``real``: place that is followed; the last two places and P(y) − y there; half width of the interval; P(y) − y at
 # its left end and at the first place of P′; longest time of a return; P′.
 _PLACE, _Y_OLDER, _F_OLDER, _Y_OLD, _F_OLD, _WIDTH, _F_LEFT, _F_AFTER, _LIMIT, _SLOPE = range(10)
-_REALS = 10
+_REALS = 10  # how many they are
 
 
 class Room(NamedTuple):
@@ -403,7 +403,7 @@ def endings(many, members, facts, search, starts, force, speed, outcomes, bits, 
 
     Arguments: tables whose doubles have a first axis (k) for drives; the drives that are wanted (j); ``starts`` (k, 2);
     ``force`` (k, modes, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers`` (k, NUMBERS) are filled for the
-    drives that are wanted.
+    drives that are wanted. Long because compiled code names every field of the tables and arrays that it hands on.
     """
     size = max(search.longest, 2 * search.patience)
     room = Room(

@@ -28,7 +28,7 @@ def two_body_model(
 ) -> Model:
     """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
 
-    ``second``: the coordinate and the rate of the second body, in the initial state 0 if left out; the others as of
+    ``second``: the coordinate and the rate of the second body, in a start 0 if left out; the others as of
     :class:`~lsvib.drives.registry.Model`.
     """
 

@@ -8,8 +8,8 @@ import mpmath
 # differ by the root of the rounding of these digits, or of the 50 of the coefficients. _ROUNDING is for projectors.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
 _ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
-_SLOW = 10  # a single rate that is this many times smaller than all larger ones is carried without its equilibrium
-_APART = 0.25  # relative distance of two real rates from which on each is carried alone
+SLOW = 10  # a single rate that is this many times smaller than all larger ones is carried without its equilibrium
+APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
 
 def _tiny() -> mpmath.mpf:
@@ -35,7 +35,7 @@ def _factors(rates, once: bool) -> list[list]:
     while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
         gaps = [(a - b) / max(abs(a), abs(b)) for a, b in pairwise(real)]
         k = gaps.index(min(gaps))
-        if gaps[k] > _APART:
+        if gaps[k] > APART:
             break
         a, b = real.pop(k), real.pop(k)
         factors.append([mpmath.mpf(1), -(a + b), a * b])
@@ -71,17 +71,17 @@ def subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
 
 def _projector(matrix, factors, k: int) -> mpmath.matrix:
     others = mpmath.eye(matrix.rows)
-    remainder = [mpmath.mpf(1)]  # of the product of the others modulo this factor
+    remainder: list = [1]  # of the product of the others modulo this factor
     for j, other in enumerate(factors):
         if j != k:
             others = others * _polynomial(other, matrix)
-            remainder = _modulo(_product(remainder, other), factors[k])
-    return _polynomial(_inverse(remainder, factors[k]), matrix) * others
+            remainder = modulo(multiplied(remainder, other), factors[k])
+    return _polynomial(inverse_modulo(remainder, factors[k]), matrix) * others
 
 
 def _slow(factor, rates) -> bool:
     larger = [abs(rate) for rate in rates if abs(rate) > (1 + _tiny()) * abs(factor[1])]
-    return len(factor) == 2 and bool(larger) and min(larger) > _SLOW * abs(factor[1])
+    return len(factor) == 2 and bool(larger) and min(larger) > SLOW * abs(factor[1])
 
 
 def _carried(matrix, factors: list, projectors: list, scale: list) -> bool:
@@ -111,15 +111,17 @@ def _polynomial(coefficients, matrix):
     return result
 
 
-def _product(left, right):
-    result = [mpmath.mpf(0)] * (len(left) + len(right) - 1)
+def multiplied(left: list, right: list) -> list:
+    """Return the product of two polynomials, coefficients from the highest power; of any kind of number."""
+    result: list = [0] * (len(left) + len(right) - 1)
     for i, x in enumerate(left):
         for j, y in enumerate(right):
             result[i + j] += x * y
     return result
 
 
-def _modulo(polynomial, factor):
+def modulo(polynomial: list, factor: list) -> list:
+    """Return what is left of a polynomial after division by a factor, whose first coefficient is one."""
     polynomial = list(polynomial)
     while len(polynomial) >= len(factor):
         lead = polynomial.pop(0)
@@ -128,9 +130,9 @@ def _modulo(polynomial, factor):
     return polynomial
 
 
-def _inverse(remainder, factor):
-    """Inverse of a polynomial of lower degree modulo the factor."""
-    remainder = [mpmath.mpf(0)] * (len(factor) - 1 - len(remainder)) + list(remainder)
+def inverse_modulo(remainder: list, factor: list) -> list:
+    """Return the inverse of a polynomial of lower degree modulo the factor."""
+    remainder = [0] * (len(factor) - 1 - len(remainder)) + list(remainder)
     if len(factor) == 2:
         return [1 / remainder[0]]
     a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀

@@ -2,22 +2,24 @@
 
 The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Its loss of digits is judged by the typical sizes
 of the coordinates and, if they are not good enough, by the sizes that a motion reaches. If the rates of a mode coincide
-in a way that the modal form does not know, or so nearly that it would lose more than six digits even so, all modes of
-the model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
+in a way that the modal form does not know, or so nearly that it would still lose more than six digits, all modes of the
+model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
 because its type chooses the kernels.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
 from lsvib.engine.exact.field import DIGITS, Field, exact_field
+from lsvib.engine.exact.modal_arrays import ManyModes, modal_modes
 from lsvib.engine.exact.modal_form import ModalMode, modal_flow, modal_mode
+from lsvib.engine.exact.pair_arrays import Pairs
 from lsvib.engine.exact.reach import reached
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
@@ -53,15 +55,19 @@ class LinearMode:
 
 def linear_mode(
     rows: Sequence[Sequence],
-    sizes: Sequence[float],
-    frozen: Mapping[int, Decimal] | None = None,
-    horizon: float = math.inf,
-) -> LinearMode:
-    """Return a mode of a model.
+    sizes: Sequence[Any],
+    frozen: Mapping[int, Any] | None = None,
+    horizon: Any = math.inf,
+) -> LinearMode | ManyModes:
+    """Return a mode of a model, of one drive or of many at once.
 
     Arguments as of :func:`lsvib.engine.exact.field.exact_field`, and the horizon [s] of
-    :func:`lsvib.engine.exact.reach.reached`.
+    :func:`lsvib.engine.exact.reach.reached`. Of many drives ``rows`` and ``frozen`` hold ``Pairs`` and ``sizes``
+    arrays; then there are forms only where all is simple.
     """
+    for number in (x for row in rows for x in row):
+        if isinstance(number, Pairs):
+            return modal_modes(rows, sizes, frozen or {}, number.unsafe)
     field = exact_field(rows, sizes, frozen)
     for digits in (DIGITS, _MORE_DIGITS):
         try:
@@ -71,8 +77,14 @@ def linear_mode(
     return LinearMode(field, None, horizon)
 
 
-def flow_of(modes: Sequence[LinearMode]) -> ModalFlow | BlockFlow:
-    """Put the modes of a model together in one table, in modal form if all have one, else in blocks."""
+def flow_of(modes: Sequence[Any]) -> ModalFlow | BlockFlow | list[ModalFlow | None]:
+    """Put the modes of a model together in one table, in modal form if all have one, else in blocks.
+
+    Of many drives it is a list of tables, with None where one of the modes has no form.
+    """
+    if isinstance(modes[0], ManyModes):
+        together = zip(*(mode.modes for mode in modes), strict=True)
+        return [None if None in own else modal_flow(own) for own in together]
     if any(mode.modal is None for mode in modes):
         return block_flow([mode.blocks for mode in modes])
     return modal_flow([mode.modal for mode in modes])

@@ -123,6 +123,8 @@ class Pairs:
 
     def _bound_of_product(self, high: np.ndarray, a: Any, bound: Any) -> np.ndarray:
         carried = (np.abs(self.high) * bound + np.abs(a) * self.bound) * _UP + self.bound * bound
+        if np.all(self.high) and np.all(a):
+            return carried + np.abs(high) * _RELATIVE + _UNDERFLOW
         zero = ((self.high == 0.0) & (self.bound == 0.0)) | ((a == 0.0) & (bound == 0.0))
         return np.where(zero, 0.0, carried + np.abs(high) * _RELATIVE + _UNDERFLOW)
 
@@ -194,6 +196,18 @@ def doubles(numbers: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
     for k, column in enumerate(rounded):
         found[:, k] = column
     return found.reshape(size, *shape)
+
+
+def for_all(holds: Any) -> bool:
+    """Return the outcome of a comparison of doubles, of one drive or of all of many; else raises :class:`Divided`."""
+    if np.ndim(holds) and holds.any() and not holds.all():
+        raise Divided(holds)
+    return bool(np.all(holds))
+
+
+def squared(x: Any) -> Any:
+    """Return the squares of doubles, by the power function of Python also where there are many."""
+    return np.array([one**2 for one in x.tolist()]) if np.ndim(x) else x**2
 
 
 def in_groups(size: int, make: Callable[[np.ndarray], T]) -> Iterator[tuple[np.ndarray, T]]:

@@ -9,4 +9,4 @@ ALPHA, BETA, DELTA = 3, 4, 5  # rates −α ± iβ, or −α ± δ [1/s]; of β 
 R1, R2 = 6, 7  # the real rates r₁ ≥ r₂ [1/s]; zero where the rates are complex
 EQUILIBRIUM = 8  # b / a₀; zero where a₀ is
 TIME_SCALE = 9  # 1 / √|a₀| [s]; zero where a₀ is
-COUNT = 10
+COUNT = 10  # of all columns

@@ -1,4 +1,4 @@
-"""The step that both searches polish a root with."""
+"""The step of Newton's method with which both searches polish a root."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a run of the engine ends with; kernels return these numbers and never raise."""
+"""The numbers that kernels return to say how a run of the engine has ended; they never raise."""
 
 from enum import IntEnum
 

@@ -1,4 +1,4 @@
-"""The tables that describe an automaton to the engine. Filled by ``lsvib.engine.automaton``."""
+"""The tables that describe an automaton to the engine; ``lsvib.engine.automaton`` fills them."""
 
 from typing import NamedTuple
 

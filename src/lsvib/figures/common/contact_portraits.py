@@ -14,13 +14,13 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.data import spans
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag, named_index
 from lsvib.data.parameter_origins import Variables, drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.errors import InputError
 
-_LAWS = (1, -1)
+_LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
 _NO_EFFECT = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 _UNIT = "kg-1 m-2"
@@ -202,16 +202,11 @@ def _manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, 
             _force("contact force on a manifold of the saddle"),
         ),
         "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
-        "manifold": (
+        "manifold": named_index(
             "manifold",
-            np.arange(len(_MANIFOLDS), dtype=np.int8),
-            attributes(
-                "1",
-                "branch of the manifolds of the saddle",
-                flag_values=np.arange(len(_MANIFOLDS), dtype=np.int8),
-                flag_meanings=" ".join(_MANIFOLDS),
-                comment="samples begin at the saddle; along a stable branch time runs against them",
-            ),
+            "branch of the manifolds of the saddle",
+            _MANIFOLDS,
+            comment="samples begin at the saddle; along a stable branch time runs against them",
         ),
     }
 
@@ -285,7 +280,7 @@ def _by_newton(drives: Sequence[ThreadsParameters]) -> Variables:
 
 
 def _outcomes(long_name: str) -> dict[str, Any]:
-    return attributes("1", long_name, **flags(ForceOutcome))
+    return flag(long_name, ForceOutcome)
 
 
 def _force(long_name: str) -> dict[str, Any]:

@@ -84,7 +84,10 @@ def _curves(
     drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray, mass_words: Mapping[str, Any]
 ) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
-    found = [[_stable(drive, k, c) for c in along] for k in curves]
+    found = [
+        [stable_masses(drive.replace(contact_stiffness=float(k), contact_damping=float(c))) for c in along]
+        for k in curves
+    ]
     grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
     again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
     return {
@@ -110,8 +113,11 @@ def _growth_rates(
     drive: ThreadsParameters, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
 ) -> Variables:
     """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
-    growth = [[_growth(drive.replace(mass=m, contact_damping=c), stiffness) for c in dampings] for m in (heavy, light)]
-    dampings_of = [_dampings(drive.replace(mass=light, contact_stiffness=k)) for k in stiffness]
+    drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
+    models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, _LAW) for d in row] for row in drives]
+    growth = [[eigenvalues(model)[:, -1].real for model in row] for row in models]
+    stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
+    dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
     above = [unstable_contact_stiffness(drive.replace(mass=heavy, contact_damping=c)) for c in dampings]
     return {
@@ -161,17 +167,3 @@ def _limits(drive: ThreadsParameters, heavy: float, light: float) -> Variables:
             attributes("kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"),
         ),
     }
-
-
-def _stable(drive: ThreadsParameters, stiffness: float, damping: float) -> list[tuple[float, float]]:
-    """Intervals of stable masses [kg] with a contact."""
-    return stable_masses(drive.replace(contact_stiffness=float(stiffness), contact_damping=float(damping)))
-
-
-def _dampings(drive: ThreadsParameters) -> list[tuple[float, float]]:
-    """Intervals of stable contact dampings [N s/m]."""
-    return [(float(a), float(b)) for a, b in stable_set(drive, "contact_damping").intervals]
-
-
-def _growth(drive: ThreadsParameters, stiffness: np.ndarray) -> np.ndarray:
-    return eigenvalues(threads_model({**dict(drive), "contact_stiffness": stiffness}, _LAW))[:, -1].real

@@ -10,9 +10,8 @@ from lsvib.figures.drawing import arrows, phase_planes, style
 _BASIN = "#DCEBF7"
 _PATCH = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 _STAY, _GROW = style.BLUE, style.VERMILION
-_UNSTABLE = slice(
-    0, 2
-)  # branches of the saddle's manifolds: unstable ones first, each to the own and to the other side
+# Branches of the saddle's manifolds: unstable ones first, each to the own and to the other side.
+_UNSTABLE = slice(0, 2)
 _STABLE_OWN, _STABLE_OTHER = 2, 3
 
 

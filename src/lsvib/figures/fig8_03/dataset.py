@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data.attributes import flags
+from lsvib.data.attributes import attributes, flag
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
@@ -15,6 +15,8 @@ from lsvib.steady_sliding.eigenvalues_rigid import Stability, eigenvalues, stabi
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket
 _CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
+_INERTIA = attributes("kg m2", "effective inertia", r"$\Gamma_0$")
+_DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -36,24 +38,20 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "stability": (
                 ("effective_inertia", "effective_damping"),
                 kinds,
-                {"units": "1", "long_name": "class of the steady sliding", **flags(Stability)},
+                flag("class of the steady sliding", Stability),
             ),
             "node_focus_effective_damping": (
                 "node_focus_effective_inertia",
                 _node_focus_boundary(positive, stiffness),
-                {
-                    "units": "N m s rad-1",
-                    "long_name": "effective damping where two eigenvalues meet",
-                    "symbol": "$C_0$",
-                },
+                attributes("N m s rad-1", "effective damping where two eigenvalues meet", "$C_0$"),
             ),
-            "case_effective_inertia": ("case", [_effective(case)[0] for case in cases], _inertia_attributes()),
-            "case_effective_damping": ("case", [_effective(case)[1] for case in cases], _damping_attributes()),
+            "case_effective_inertia": ("case", [_effective(case)[0] for case in cases], _INERTIA),
+            "case_effective_damping": ("case", [_effective(case)[1] for case in cases], _DAMPING),
         },
         coords={
-            "effective_inertia": ("effective_inertia", inertia, _inertia_attributes()),
-            "effective_damping": ("effective_damping", damping, _damping_attributes()),
-            "node_focus_effective_inertia": ("node_focus_effective_inertia", positive, _inertia_attributes()),
+            "effective_inertia": ("effective_inertia", inertia, _INERTIA),
+            "effective_damping": ("effective_damping", damping, _DAMPING),
+            "node_focus_effective_inertia": ("node_focus_effective_inertia", positive, _INERTIA),
             **labels("case", cases, _CHANGED),
             **drive_parameters(
                 cases,
@@ -142,11 +140,3 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
     theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
     ours = eigenvalues(gamma, c, stiffness)
     return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
-
-
-def _inertia_attributes() -> dict[str, str]:
-    return {"units": "kg m2", "long_name": "effective inertia", "symbol": r"$\Gamma_0$"}
-
-
-def _damping_attributes() -> dict[str, str]:
-    return {"units": "N m s rad-1", "long_name": "effective damping", "symbol": "$C_0$"}

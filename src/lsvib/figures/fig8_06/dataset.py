@@ -35,7 +35,7 @@ class Regime(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses.
 
-    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``initial`` state (u [rad],
+    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``start`` (u [rad],
     w [rad/s]); ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``;
     ``mass_readings``, the masses [kg] for which Γ and C are computed. Raises ``InputError``.
     """
@@ -43,7 +43,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
-    start = np.array([settings["initial"]["u"], settings["initial"]["w"]])
+    start = np.array([settings["start"]["u"], settings["start"]["w"]])
     drives = [drive.replace(axial_force=float(force)) for force in forces]
     steady = [steady_state(rigid_automaton(d), start) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
@@ -55,7 +55,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **axis("swept_axial_force", forces),
             **axis("reading_mass", settings["mass_readings"]),
             **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
-            **start_state(settings["initial"], "of the motions whose steady vibration swept_amplitude tells"),
+            **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude tells"),
             "lead_tangent": (
                 (),
                 float(drive.exact().tan_lead),

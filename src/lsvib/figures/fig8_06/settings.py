@@ -25,7 +25,7 @@ class Settings(FigureSettings):
 
     drive: DriveChanges
     axial_force: Span = Field(description="R [N].")
-    initial: State
+    start: State
     insets: list[parameter("axial_force")] = Field(
         min_length=1, max_length=3, description="Axial forces of the inset phase portraits [N]."
     )

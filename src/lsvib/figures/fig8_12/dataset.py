@@ -30,12 +30,12 @@ _QUANTITIES = {
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules of resuming after a seizure.
 
-    ``settings``: ``drive``; ``support_damping`` [N m s/rad] with ``start``, ``stop``, ``count``; ``initial`` state
+    ``settings``: ``drive``; ``support_damping`` [N m s/rad] with ``start``, ``stop``, ``count``; ``start``
     (u [rad], w [rad/s]). Below ``resting_support_damping`` the screw rests after a seizure under the first rule, so
     that the rules differ; there the values lie closer. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
-    start = [settings["initial"]["u"], settings["initial"]["w"]]
+    start = [settings["start"]["u"], settings["start"]["w"]]
     wanted = spans.even(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
     damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
@@ -62,7 +62,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 phase_plane.attributes("N m s rad-1", "damping below which the screw rests after a seizure", "$c$"),
             ),
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
-            **start_state(settings["initial"], "of the motions whose cycles are found"),
+            **start_state(settings["start"], "of the motions whose cycles are found"),
         },
         attrs={
             "title": "Figure 8.12: effect of the support damping on the steady vibration",

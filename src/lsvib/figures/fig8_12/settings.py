@@ -14,4 +14,4 @@ class Settings(FigureSettings):
 
     drive: DriveChanges
     support_damping: Span = Field(description="c [N m s/rad], from zero or more.")
-    initial: State
+    start: State

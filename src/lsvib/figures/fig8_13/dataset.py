@@ -1,4 +1,4 @@
-"""Figure 8.13: softer contacts – smoother trajectories, and a coupling deflection that turns positive during sprag."""
+"""Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

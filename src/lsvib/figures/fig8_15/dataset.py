@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed, spans
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters
 from lsvib.drives import chapter
 from lsvib.drives.parameters import SupportParameters
@@ -64,7 +64,7 @@ def _class_map(drive: SupportParameters, friction: np.ndarray, stiffness: np.nda
         "stability": (
             ("friction_coefficient", "support_stiffness"),
             undamped_class(support_model(grid, _LAW)),
-            {"units": "1", "long_name": "class of the steady sliding", **flags(UndampedClass)},
+            flag("class of the steady sliding", UndampedClass),
         )
     }
 

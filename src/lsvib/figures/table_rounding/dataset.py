@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed
-from lsvib.data.attributes import attributes, flags, yes_no
+from lsvib.data.attributes import attributes, flag, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
@@ -60,11 +60,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
-            "threshold": ("threshold", np.array(Threshold, np.int8), attributes("1", "threshold", **flags(Threshold))),
+            "threshold": ("threshold", np.array(Threshold, np.int8), flag("threshold", Threshold)),
             "parameter": (
                 "parameter",
                 np.array(Parameter, np.int8),
-                attributes("1", "parameter of Table 8.1", **flags(Parameter)),
+                flag("parameter of Table 8.1", Parameter),
             ),
             **_printed_and_computed(computed),
             **drive_parameters(

@@ -10,6 +10,7 @@ import xarray as xr
 
 from lsvib.bench.ablation import leaving_out
 from lsvib.bench.ablation.cost_of_starting import compilation, imports
+from lsvib.data.attributes import attributes, named_index, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.simulation import simulate
 from lsvib.drives.registry import find_model
@@ -44,25 +45,24 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     pairs = [leaving_out.measure(scene, settings["repeats"]) for scene in scenes.values()]
     variables: dict[str, tuple] = {
         name: (("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]),
-               {"units": units, "long_name": words})
+               attributes(units, words))
         for name, (units, words) in _NUMBERS.items()
     }  # fmt: skip
     compared = [leaving_out.difference(pared.motion, general.motion) for pared, general in pairs]
-    variables["same_events"] = ("scene", np.array([same for same, _ in compared], np.int8), {
-        "units": "1", "long_name": "both models have the same events",
-        "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"})  # fmt: skip
-    variables["difference"] = ("scene", [gap for _, gap in compared], {
-        "units": "1", "long_name": "largest difference of states and event times, relative to their size"})  # fmt: skip
+    variables["same_events"] = ("scene", np.array([same for same, _ in compared], np.int8),
+        yes_no("both models have the same events"))  # fmt: skip
+    variables["difference"] = ("scene", [gap for _, gap in compared],
+        attributes("1", "largest difference of states and event times, relative to their size"))  # fmt: skip
     variables |= _data(settings) | _imports(settings) | _compilation(settings["compile"])
     return xr.Dataset(
         variables,
         coords={
-            "scene": _words("scene", "scene", list(scenes)),
-            "model": _words("model", "extent of the model", _MODELS),
-            "outputs": _words("outputs", "outputs of the dataset", ("needed", "all")),
-            "workflow_rule": _words("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
-            "package": _words("package", "package", _PACKAGES),
-            "compiled": _words("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
+            "scene": named_index("scene", "scene", list(scenes)),
+            "model": named_index("model", "extent of the model", _MODELS),
+            "outputs": named_index("outputs", "outputs of the dataset", ("needed", "all")),
+            "workflow_rule": named_index("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
+            "package": named_index("package", "package", _PACKAGES),
+            "compiled": named_index("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
         },
         attrs={
             "title": "Nothing that a scene does not need",
@@ -109,21 +109,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _words(name: str, text: str, meanings) -> tuple:
-    values = np.arange(len(meanings), dtype=np.int8)
-    return (name, values, {"units": "1", "long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings)})
-
-
 def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
     """The dataset of the stick–slip scene with no outputs beyond the state, and with all."""
-    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "initial": {"u": 1e-3, "w": 0.0},
-             "t_end": settings["duration"]}  # fmt: skip
+    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "start": {"u": 1e-3, "w": 0.0},
+             "duration": settings["duration"]}  # fmt: skip
     sets = [simulate({**scene, "outputs": outputs}) for outputs in ((), find_model("rigid").outputs)]
     return {
-        "variables": ("outputs", [len(x.variables) for x in sets], {
-            "units": "1", "long_name": "number of variables of the dataset of a motion"}),
-        "data_bytes": ("outputs", [x.nbytes for x in sets], {
-            "units": "byte", "long_name": "size of the dataset of a motion"}),
+        "variables": ("outputs", [len(x.variables) for x in sets],
+            attributes("1", "number of variables of the dataset of a motion")),
+        "data_bytes": ("outputs", [x.nbytes for x in sets], attributes("byte", "size of the dataset of a motion")),
     }  # fmt: skip
 
 
@@ -131,13 +125,11 @@ def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
     found = [imports(module, settings["repeats"]) for module in MODULES.values()]
     loads = np.array([[package in names for package in _PACKAGES] for _, _, names in found], np.int8)
     return {
-        "imported": ("workflow_rule", [count for count, _, _ in found], {
-            "units": "1", "long_name": "number of modules that are imported"}),
-        "import_time": ("workflow_rule", [seconds for _, seconds, _ in found], {
-            "units": "s", "long_name": "fastest time to import them"}),
-        "loads": (("workflow_rule", "package"), loads, {
-            "units": "1", "long_name": "the package is imported",
-            "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"}),
+        "imported": ("workflow_rule", [count for count, _, _ in found],
+            attributes("1", "number of modules that are imported")),
+        "import_time": ("workflow_rule", [seconds for _, seconds, _ in found],
+            attributes("s", "fastest time to import them")),
+        "loads": (("workflow_rule", "package"), loads, yes_no("the package is imported")),
     }  # fmt: skip
 
 
@@ -148,8 +140,8 @@ def _compiled(kinds: list[str]) -> list[str]:
 def _compilation(kinds: list[str]) -> dict[str, tuple]:
     found = [compilation(tuple(kinds[: k + 1])) for k in range(len(kinds))]
     return {
-        "specialisations": ("compiled", [count for count, _ in found], {
-            "units": "1", "long_name": "number of compiled specialisations"}),
-        "compile_time": ("compiled", [seconds for _, seconds in found], {
-            "units": "s", "long_name": "CPU time to compile the engine"}),
+        "specialisations": ("compiled", [count for count, _ in found],
+            attributes("1", "number of compiled specialisations")),
+        "compile_time": ("compiled", [seconds for _, seconds in found],
+            attributes("s", "CPU time to compile the engine")),
     }  # fmt: skip

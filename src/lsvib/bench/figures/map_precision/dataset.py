@@ -13,7 +13,7 @@ import xarray as xr
 from lsvib.basins.clipping import Window
 from lsvib.bench.maps.map_methods import METHODS, Rule
 from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flag, named_index
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
 from lsvib.data.provenance import processor
@@ -40,7 +40,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
-    lengths = [length for _, length in found]
+    lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)
     floors = [box["ratio_floor"] for box in settings["boxes"].values()]
     return xr.Dataset(
         _measured(rows, distances, lengths)
@@ -48,7 +48,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "decision_rule": (
                 "method",
                 np.array([METHODS[name].rule for name in cells], np.int8),
-                attributes("1", "when a motion need not be followed further", **flags(Rule)),
+                flag("when a motion need not be followed further", Rule),
             ),
             "window_angle": (
                 ("box", "edge"),
@@ -64,8 +64,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         },
         coords={
             **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
-            "method": ("method", *_words("method", list(cells), [METHODS[name].label for name in cells])),
-            "box": ("box", *_words("box", list(settings["boxes"]), [_title(box) for box in boxes])),
+            "method": named_index("method", "method", list(cells), labels=labels),
+            "box": named_index("box", "box", list(settings["boxes"]), labels="; ".join(map(_title, boxes))),
             "boundary_distance": (
                 "boundary_distance",
                 distances,
@@ -148,12 +148,6 @@ def _measured(rows: list[list[MapOutcome]], distances: np.ndarray, lengths: list
             attributes("1", "share of undecided labels at a distance from the boundary"),
         ),
     }
-
-
-def _words(kind: str, names: list[str], labels: list[str]) -> tuple[np.ndarray, dict[str, Any]]:
-    values = np.arange(len(names), dtype=np.int8)
-    words = {"flag_values": values, "flag_meanings": " ".join(names), "labels": "; ".join(labels)}
-    return values, attributes("1", kind, **words)
 
 
 def _title(box: Box) -> str:

@@ -19,7 +19,7 @@ from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
-from lsvib.data.attributes import flags
+from lsvib.data.attributes import attributes, flag, flags, named_index, yes_no
 from lsvib.data.checks import Check
 
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
@@ -86,35 +86,34 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     by_family = ("edge_family", "method")
     return xr.Dataset(
         {
-            "method_verdict": (("case", "method"), verdict, _text("verdict on the method") | _verdicts()),
-            "error": (("case", "method"), _errors(rows), _text(
+            "method_verdict": (("case", "method"), verdict, attributes("1", "verdict on the method") | _verdicts()),
+            "error": (("case", "method"), _errors(rows), attributes("1",
                 "error of final state and event times, relative to the motion, where its events are right")),
-            "engine_verdict": ("case", engine, _text("verdict on the engine") | flags(case_judge.VERDICTS)),
-            "case_family": ("case", family, _text("family of the case") | flags(CaseFamily)),
-            "group": ("case", np.array([row.case.group for row in rows], np.int8), _text("edge of the case")
-                      | flags(Group)),
-            "level": ("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), _text(
+            "engine_verdict": ("case", engine, flag("verdict on the engine", case_judge.VERDICTS)),
+            "case_family": ("case", family, flag("family of the case", CaseFamily)),
+            "group": ("case", np.array([row.case.group for row in rows], np.int8), flag("edge of the case", Group)),
+            "level": ("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), attributes("1",
                 "decimal logarithm of the parameter or of its distance from the edge")),
-            "shared": ("case", shared.astype(np.int8), _text("whether every method is asked") | {
-                "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+            "shared": ("case", shared.astype(np.int8), yes_no("whether every method is asked")),
             "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
-                _text("whether 40 digits have the engine's events, asked where half of the methods have others") | {
-                    "flag_values": np.array([-1, 0, 1], dtype=np.int8), "flag_meanings": "not_asked no yes"}),
-            "decay": ("case", _of_question(rows, "stiffness"), _text(
+                attributes(
+                    "1", "whether 40 digits have the engine's events, asked where half of the methods have others",
+                    flag_values=np.array([-1, 0, 1], dtype=np.int8), flag_meanings="not_asked no yes")),
+            "decay": ("case", _of_question(rows, "stiffness"), attributes("1",
                 "fastest rate of decay, integrated over the motion")),
-            "shortest_stay": ("case", _of_question(rows, "shortest_stay"), _text(
+            "shortest_stay": ("case", _of_question(rows, "shortest_stay"), attributes("1",
                 "shortest time between two events, in shortest oscillations; missing where there are fewer than two")),
-            "count": ((*by_family, "method_outcome"), count, _text("number of cases")),
-            "shared_count": (("method", "method_outcome"), together, _text(
+            "count": ((*by_family, "method_outcome"), count, attributes("1", "number of cases")),
+            "shared_count": (("method", "method_outcome"), together, attributes("1",
                 "number of cases, over those that every method is asked")),
             "engine_count": (("edge_family", "engine_outcome"), np.array(
                 [[((family == f) & (engine == v)).sum() for v in case_judge.VERDICTS] for f in families],
                     dtype=np.int32),
-                _text("number of cases by verdict on the engine")),
+                attributes("1", "number of cases by verdict on the engine")),
             **_shares("", by_family, count, "share of wrong verdicts"),
             **_shares("shared_", ("method",), together,
                       "share of wrong verdicts, over the cases that every method is asked"),
-            "relative_tolerance": ("method", np.array([value for _, value in entries]), _text(
+            "relative_tolerance": ("method", np.array([value for _, value in entries]), attributes("1",
                 "relative tolerance of the method")),
         },
         coords=_coordinates(len(rows), entries, families),
@@ -132,14 +131,19 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
 
 def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[CaseFamily]) -> dict[str, tuple]:
     return {
-        "case": ("case", np.arange(cases), _text("index of the case")),
+        "case": ("case", np.arange(cases), attributes("1", "index of the case")),
         "edge_family": ("edge_family", np.array(families, np.int8),
-                        _text("what is driven to the edge") | flags(CaseFamily)),
+                        flag("what is driven to the edge", CaseFamily)),
         "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
-                           _text("verdict on a method") | flags(VERDICTS)),
+                           flag("verdict on a method", VERDICTS)),
         "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
-                           _text("verdict on the engine") | flags(case_judge.VERDICTS)),
-        "method": ("method", np.arange(len(entries), dtype=np.int8), _methods(entries)),
+                           flag("verdict on the engine", case_judge.VERDICTS)),
+        "method": named_index(
+            "method",
+            "method",
+            [f"{name}_{value:.0e}" for name, value in entries],
+            labels="; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
+        ),
     }  # fmt: skip
 
 
@@ -176,24 +180,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _text(words: str) -> dict[str, Any]:
-    return {"units": "1", "long_name": words}
-
-
 def _verdicts() -> dict[str, Any]:
     known = flags(VERDICTS)
     return {
         "flag_values": np.concatenate([[np.int8(NOT_ASKED)], known["flag_values"]]),
         "flag_meanings": f"not_asked {known['flag_meanings']}",
-    }
-
-
-def _methods(entries: list[tuple[str, float]]) -> dict[str, Any]:
-    """Each method at each tolerance is one entry."""
-    return _text("method") | {
-        "flag_values": np.arange(len(entries), dtype=np.int8),
-        "flag_meanings": " ".join(f"{name}_{value:.0e}" for name, value in entries),
-        "labels": "; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
     }
 
 
@@ -213,9 +204,17 @@ def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -
     wrong, asked = count[..., [VERDICTS.index(v) for v in WRONG]].sum(axis=-1), count.sum(axis=-1)
     low, high = wilson(wrong, asked)
     return {
-        f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), _text(words)),
-        f"{prefix}wrong_share_low": (dims, low, _text(f"{words}: lower end of the interval of 95 % (Wilson)")),
-        f"{prefix}wrong_share_high": (dims, high, _text(f"{words}: upper end of the interval of 95 % (Wilson)")),
+        f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), attributes("1", words)),
+        f"{prefix}wrong_share_low": (
+            dims,
+            low,
+            attributes("1", f"{words}: lower end of the interval of 95 % (Wilson)"),
+        ),
+        f"{prefix}wrong_share_high": (
+            dims,
+            high,
+            attributes("1", f"{words}: upper end of the interval of 95 % (Wilson)"),
+        ),
     }
 
 

@@ -23,7 +23,7 @@ from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
 from lsvib.bench.sweeps.worst_case_variables import description, worst_cases
-from lsvib.data.attributes import flags
+from lsvib.data.attributes import attributes, flag, yes_no
 from lsvib.data.checks import Check
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
@@ -73,24 +73,24 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
         coords={
-            "case": ("case", np.arange(len(rows)), {"units": "1", "long_name": "index of the case"}),
+            "case": ("case", np.arange(len(rows)), attributes("1", "index of the case")),
             "edge_family": (
-                "edge_family", np.array(families, dtype=np.int8), _flag("what is driven to the edge", CaseFamily)),
-            "outcome": ("outcome", np.array(VERDICTS, dtype=np.int8), _flag("verdict", VERDICTS)),
+                "edge_family", np.array(families, dtype=np.int8), flag("what is driven to the edge", CaseFamily)),
+            "outcome": ("outcome", np.array(VERDICTS, dtype=np.int8), flag("verdict", VERDICTS)),
             "force_threshold": (
-                "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), _flag("threshold of R", Group)),
-            "side": ("side", np.array([-1, 1], dtype=np.int8), {
-                "units": "1", "long_name": "side of the threshold", "flag_values": np.array([-1, 1], dtype=np.int8),
-                "flag_meanings": "smaller_force larger_force"}),
+                "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), flag("threshold of R", Group)),
+            "side": ("side", np.array([-1, 1], dtype=np.int8), attributes(
+                "1", "side of the threshold", flag_values=np.array([-1, 1], dtype=np.int8),
+                flag_meanings="smaller_force larger_force")),
             "threshold_distance": ("threshold_distance", np.array(settings["distances"], dtype=float),
-                         {"units": "1", "long_name": "relative distance from the threshold"}),
-            "run": ("run", np.arange(len(runs)), {"units": "1", "long_name": "index of the long run"}),
-            "passing_error": ((), TOLERANCE, {"units": "1", "long_name": "relative error that passes"}),
-            "energy_tolerance": ((), ENERGY_TOLERANCE, {
-                "units": "1", "long_name": "residual of the energy balance that passes, beyond rounding"}),
-            "evaluations": ((), settings["evaluations"], {
-                "units": "1", "long_name": "number of cases that the search for the worst one tried in each family"}),
-            "periods": ((), settings["periods"], {"units": "1", "long_name": "number of periods of a long run"}),
+                         attributes("1", "relative distance from the threshold")),
+            "run": ("run", np.arange(len(runs)), attributes("1", "index of the long run")),
+            "passing_error": ((), TOLERANCE, attributes("1", "relative error that passes")),
+            "energy_tolerance": ((), ENERGY_TOLERANCE,
+                attributes("1", "residual of the energy balance that passes, beyond rounding")),
+            "evaluations": ((), settings["evaluations"],
+                attributes("1", "number of cases that the search for the worst one tried in each family")),
+            "periods": ((), settings["periods"], attributes("1", "number of periods of a long run")),
         },
         attrs={
             "title": "The engine at the edge of the domain",
@@ -194,33 +194,29 @@ def _search_check(dataset: xr.Dataset) -> Check:
     )
 
 
-def _flag(words: str, kinds) -> dict[str, Any]:
-    return {"units": "1", "long_name": words, **flags(kinds)}
-
-
 def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
     agrees = [-1 if o.stepper_agrees is None else int(o.stepper_agrees) for _, o in rows]
     damping = [_log(c.drive.contact_damping) if isinstance(c.drive, ThreadsParameters) else np.nan for c, _ in rows]
     # On the edge itself the logarithm is −inf, which is stored as missing.
     level = np.array([case.level for case, _ in rows])
     found = {
-        "case_family": (np.array([c.family for c, _ in rows], np.int8), _flag("family of the case", CaseFamily)),
-        "group": (np.array([c.group for c, _ in rows], np.int8), _flag("edge of the case", Group)),
-        "level": (np.where(np.isfinite(level), level, np.nan).astype(np.float32), {
-            "units": "1", "long_name": "decimal logarithm of the parameter or of its distance from the edge"}),
-        "damping_level": (np.array(damping, np.float32), {
-            "units": "1", "long_name": "decimal logarithm of the contact damping in N s/m"}),
-        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), _flag("verdict on the case", VERDICTS)),
-        "judge": (np.array([o.judge for _, o in rows], np.int8), _flag("who decided", Judge)),
-        "events": (np.array([o.events for _, o in rows], np.int32), {"units": "1", "long_name": "number of events"}),
-        "stepper_agrees": (np.array(agrees, np.int8), {
-            "units": "1", "long_name": "whether the Taylor stepper has the right events",
-            "flag_values": np.array([-1, 0, 1], np.int8), "flag_meanings": "not_asked no yes"}),
+        "case_family": (np.array([c.family for c, _ in rows], np.int8), flag("family of the case", CaseFamily)),
+        "group": (np.array([c.group for c, _ in rows], np.int8), flag("edge of the case", Group)),
+        "level": (np.where(np.isfinite(level), level, np.nan).astype(np.float32),
+            attributes("1", "decimal logarithm of the parameter or of its distance from the edge")),
+        "damping_level": (np.array(damping, np.float32),
+            attributes("1", "decimal logarithm of the contact damping in N s/m")),
+        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), flag("verdict on the case", VERDICTS)),
+        "judge": (np.array([o.judge for _, o in rows], np.int8), flag("who decided", Judge)),
+        "events": (np.array([o.events for _, o in rows], np.int32), attributes("1", "number of events")),
+        "stepper_agrees": (np.array(agrees, np.int8), attributes(
+            "1", "whether the Taylor stepper has the right events", flag_values=np.array([-1, 0, 1], np.int8),
+            flag_meanings="not_asked no yes")),
     }  # fmt: skip
     for name, (units, words) in _NUMBERS.items():
         values = np.array([_number(o, name) for _, o in rows], np.float32)
-        found[name] = (values, {"units": units, "long_name": words})
-    return {name: ("case", values, attributes) for name, (values, attributes) in found.items()}
+        found[name] = (values, attributes(units, words))
+    return {name: ("case", values, attrs) for name, (values, attrs) in found.items()}
 
 
 def _number(outcome: CaseOutcome, name: str) -> float:
@@ -237,18 +233,17 @@ def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -
     count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
     astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
     return {
-        "case_count": (("edge_family", "outcome"), count, {"units": "1", "long_name": "number of cases"}),
-        "stepper_wrong": ("edge_family", np.array(astray), {
-            "units": "1", "long_name": "number of cases in which the Taylor stepper has wrong events"}),
+        "case_count": (("edge_family", "outcome"), count, attributes("1", "number of cases")),
+        "stepper_wrong": ("edge_family", np.array(astray),
+            attributes("1", "number of cases in which the Taylor stepper has wrong events")),
     }  # fmt: skip
 
 
 def _sides(distances: list[float]) -> dict[str, tuple]:
     right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
     return {
-        "attractor_is_right": (("force_threshold", "side", "threshold_distance"), np.array(right, np.int8), {
-            "units": "1", "long_name": "the attractor is the one that the threshold promises",
-            "flag_values": np.array([0, 1], np.int8), "flag_meanings": "no yes"})
+        "attractor_is_right": (("force_threshold", "side", "threshold_distance"), np.array(right, np.int8),
+            yes_no("the attractor is the one that the threshold promises"))
     }  # fmt: skip
 
 
@@ -259,6 +254,5 @@ def _runs(runs: list) -> dict[str, tuple]:
         "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
     }
     return {
-        name: ("run", [getattr(run, key) for run in runs], {"units": "1", "long_name": text})
-        for name, (key, text) in words.items()
+        name: ("run", [getattr(run, key) for run in runs], attributes("1", text)) for name, (key, text) in words.items()
     }

@@ -15,7 +15,7 @@ from lsvib.bench.rivals import race_scenes
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
 from lsvib.bench.rivals.race import Budget, Entry, contest
 from lsvib.bench.rivals.time_at_equal_error import fastest
-from lsvib.data.attributes import flags
+from lsvib.data.attributes import attributes, flags, named_index
 from lsvib.data.checks import Check
 from lsvib.data.provenance import processor
 
@@ -136,41 +136,41 @@ class _Table:
             "state_error": (
                 cube,
                 self.numbers["state"],
-                _text("1", "error of the final state, relative to the size of the motion"),
+                attributes("1", "error of the final state, relative to the size of the motion"),
             ),
-            "event_time_error": (cube, self.numbers["times"], _text("s", "largest error of an event's time")),
+            "event_time_error": (cube, self.numbers["times"], attributes("s", "largest error of an event's time")),
             "amplitude_error": (
                 cube,
                 self.numbers["amplitude"],
-                _text("1", "error of the steady amplitude in sizes of the motion"),
+                attributes("1", "error of the steady amplitude in sizes of the motion"),
             ),
-            "run_time": (cube, self.numbers["fastest"], _text("s", "run time, shortest of the runs")),
-            "run_time_median": (cube, self.numbers["median"], _text("s", "run time, median of the runs")),
-            "runs": (cube, self.runs, _text("1", "number of runs")),
+            "run_time": (cube, self.numbers["fastest"], attributes("s", "run time, shortest of the runs")),
+            "run_time_median": (cube, self.numbers["median"], attributes("s", "run time, median of the runs")),
+            "runs": (cube, self.runs, attributes("1", "number of runs")),
             "first_run_time": (
                 cube[:2],
                 self.first,
-                _text("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
+                attributes("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
             ),
             "motion_verdict": (
                 cube,
                 self.verdict,
-                _text("1", "whether the motion is the true one") | flags(_VERDICTS),
+                attributes("1", "whether the motion is the true one") | flags(_VERDICTS),
             ),
-            "events": (cube, self.events, _text("1", "number of events") | {"comment": "-1 for a method without"}),
-            "reference_events": ("scene", self.reference_events, _text("1", "number of events of the reference")),
-            "duration": ("scene", self.durations, _text("s", "duration of the motion")),
+            "events": (cube, self.events, attributes("1", "number of events") | {"comment": "-1 for a method without"}),
+            "reference_events": ("scene", self.reference_events, attributes("1", "number of events of the reference")),
+            "duration": ("scene", self.durations, attributes("s", "duration of the motion")),
             "method_family": (
                 "method",
                 np.array([METHODS[name].family for name in self.names], dtype=np.int8),
-                _text("1", "family of the method") | flags(MethodFamily),
+                attributes("1", "family of the method") | flags(MethodFamily),
             ),
             "ratio": (
                 ("scene", "rival", "error_level"),
                 self.ratios(levels),
-                _text("1", "run time of the best rival of a family over that of the engine, at an equal error"),
+                attributes("1", "run time of the best rival of a family over that of the engine, at an equal error"),
             ),
-            **{key: (("method", "setting"), settings[key], _text(*_CONTROLS[key])) for key in _CONTROLS},
+            **{key: (("method", "setting"), settings[key], attributes(*_CONTROLS[key])) for key in _CONTROLS},
         }
 
     def _coordinates(self, levels: np.ndarray, floors: Mapping[str, float]) -> dict[str, tuple]:
@@ -178,28 +178,28 @@ class _Table:
         titles = [race_scenes.scene(name).title for name in self.scenes]
         labels = [find_method(name).label for name in self.names]
         return {
-            "scene": ("scene", np.arange(len(self.scenes), dtype=np.int8), _words("scene", self.scenes, titles)),
-            "method": ("method", np.arange(len(self.names), dtype=np.int8), _words("method", self.names, labels)),
+            "scene": named_index("scene", "scene", self.scenes, labels="; ".join(titles)),
+            "method": named_index("method", "method", self.names, labels="; ".join(labels)),
             "setting": (
                 "setting",
                 np.arange(self.verdict.shape[2]),
-                _text("1", "index of the method's setting, coarse to fine"),
+                attributes("1", "index of the method's setting, coarse to fine"),
             ),
             "rival": (
                 "rival",
                 np.array(_RIVALS, dtype=np.int8),
-                _text("1", "family of the rival") | flags(MethodFamily),
+                attributes("1", "family of the rival") | flags(MethodFamily),
             ),
-            "error_level": ("error_level", levels, _text("1", "error of the final state that is asked for")),
+            "error_level": ("error_level", levels, attributes("1", "error of the final state that is asked for")),
             "ratio_floor": (
                 (),
                 floors["ratio_floor"],
-                _text("1", "ratio that the checks ask for, of scipy and CVODE"),
+                attributes("1", "ratio that the checks ask for, of scipy and CVODE"),
             ),
             "compiled_floor": (
                 (),
                 floors["compiled_floor"],
-                _text("1", "ratio that the checks ask for, of diffrax and heyoka"),
+                attributes("1", "ratio that the checks ask for, of diffrax and heyoka"),
             ),
         }
 
@@ -277,18 +277,6 @@ def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
     right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
-
-
-def _text(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
-
-
-def _words(kind: str, names: list[str], labels: list[str]) -> dict[str, Any]:
-    return _text("1", kind) | {
-        "flag_values": np.arange(len(names), dtype=np.int8),
-        "flag_meanings": " ".join(names),
-        "labels": "; ".join(labels),
-    }
 
 
 def _versions() -> dict[str, str]:

@@ -16,7 +16,7 @@ from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_s
 from lsvib.engine.motion import enter
 from lsvib.errors import InputError
 
-_DONE, _FULL, _LOST = 0, 1, 2
+_DONE, _FULL, _LOST = 0, 1, 2  # outcomes: the end; no room for more events; no mode fits the state
 _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
 _MOST_STEPS = 3e8  # of a run, a minute or so
 

@@ -1,7 +1,7 @@
-"""Reference for the drives with axial support and with rotating nut: Newton's laws, a fixed fine step, trial of modes.
+"""Newton's laws of the drives with axial support and with rotating nut, written anew for the references.
 
-A yardstick, not an engine; it imports nothing else of the library. The contact is described by its normal force N and
-the friction f along the helix, as unknowns beside the accelerations:
+They import nothing else of the library. The contact is described by its normal force N and the friction f along the
+helix, as unknowns beside the accelerations:
 
     axial force of the threads on the nut  -(N cos + f sin),     torque on the screw  -r (f cos - N sin),
 
@@ -13,32 +13,23 @@ part), direction of the second friction - F_0 on the slide of the support model,
 0 where that body is held, or None where the scene has no such friction. The friction that acts along with the slip is
 T_0 in the support model and F_0 in the nut model; rest lasts while the threads hold with that friction at either end.
 
-Motion: x' = A x + b is advanced by the Taylor series of the flow with a fixed step, conditions are looked at after each
-step, and the first one violated is bisected. Then the new mode is the one whose own flow fulfils its own conditions a
-moment later, tried out one by one. In the Painleve region only law -1 is tried; if N = 0 there, the impact is computed
-from the impulses of N and f.
+After an event the mode follows whose own flow fulfils its own conditions (``lasts``, which a reference defines), tried
+out one by one. In the Painleve region only law -1 is tried; if N = 0 there, the impact is computed from the impulses of
+N and f.
 """
 
-from dataclasses import dataclass
 from itertools import product
 from math import cos, sin, tan
 
 import numpy as np
 from mpmath import mp, mpf
 
-LOOK_AHEAD = 1e-8  # [s], the moment after which a mode must fulfil its conditions
-
-
-@dataclass
-class SteppedEvent:
-    time: float
-    mode_after: tuple
-    state: np.ndarray
-    seizure: bool
-
 
 class TwoBodiesTrueDrive:
-    """Parameters p (SI units, keys of the library); ``slide`` and ``bearing`` say whether F_0 and T_0 are there."""
+    """Parameters p (SI units, keys of the library); ``slide`` and ``bearing`` say whether F_0 and T_0 are there.
+
+    A reference derives from it, and says by ``lasts(mode, x, zero)`` whether a mode lasts from a state on.
+    """
 
     def __init__(self, model, parameters, slide=False, bearing=False, exact=False):
         number = mpf if exact else float
@@ -66,7 +57,6 @@ class TwoBodiesTrueDrive:
             inertia = inertia * p["nut_inertia"] / (inertia + p["nut_inertia"])
         xi = (p["friction_coefficient"] - self.tan) / (1 + p["friction_coefficient"] * self.tan)
         self.painleve = inertia <= xi * self.tan * own * p["pitch_radius"] ** 2
-        self.cache = {}
 
     # Kinematics: state (u, w, deviation of x_1 or theta_2, its rate)
     def speeds(self, x):
@@ -161,19 +151,6 @@ class TwoBodiesTrueDrive:
         forces = self.forces(mode, x, along=way * self.along)
         return mu * side * forces[2] - way * forces[3]
 
-    def data(self, mode):
-        """Return A and b of a mode, its guards and the rows of its conditions, made once."""
-        if mode not in self.cache:
-            table = np.array([self.row(lambda x, i=i: self.field(mode, x)[i]) for i in range(4)])
-            conditions = self.conditions(mode)
-            self.cache[mode] = (
-                table[:, :4],
-                table[:, 4],
-                np.array([c[0] for c in conditions]),
-                [c[1] for c in conditions],
-            )
-        return self.cache[mode]
-
     def modes(self):
         """Return the modes: direction of slip, sign of Q, direction of the second friction."""
         ways = (1, -1, 0) if self.second else (None,)
@@ -191,27 +168,6 @@ class TwoBodiesTrueDrive:
             x[1] = -self.Omega if 1 in zero else x[1]
             x[3] = self.Omega + x[1] if 0 in zero else x[3]
         return x
-
-    def advance(self, mode, x, t):
-        """Return the state a short time t [s] after x in a mode, by the series of the flow."""
-        A, b, _, _ = self.data(mode)
-        term, total = t * (A @ x + b), x.copy()
-        for k in range(2, 60):
-            total = total + term
-            term = t / k * (A @ term)
-            if np.abs(term).max() == 0 or (np.abs(term) <= 1e-19 * np.abs(total)).all():
-                break
-        return total
-
-    def lasts(self, mode, x, zero):
-        """A mode lasts if its flow fulfils its conditions a moment later; speeds that it ties must be zero."""
-        d, _, a = mode
-        ties = ({0} if d == 0 else set()) | ({1} if a == 0 else set())
-        if not ties <= zero:
-            return False
-        rows = self.data(mode)[2]
-        later = self.advance(mode, x, LOOK_AHEAD)
-        return bool((rows[:, :4] @ later + rows[:, 4] > 0).all())
 
     def choose(self, x, zero, after=None):
         """Mode at a state with the speeds ``zero`` on zero; ``after``: sign of the impulse of a seizure."""
@@ -246,52 +202,3 @@ class TwoBodiesTrueDrive:
         assert sign * slip > 0
         after = x + np.array([0, jump[0], 0, jump[1]])
         return self.tie(after, {0}), sign
-
-
-def simulate(drive, start, t_end, step):
-    """Follow a motion; returns (final state, mode, events)."""
-    x, t, events = np.array(start, dtype=float), 0.0, []
-    zero = set()
-    slip = drive.speeds(x)[0]
-    mode = (int(np.sign(slip)), -int(np.sign(slip)), None) if drive.painleve and slip else drive.choose(x, zero)
-    while True:
-        A, b, rows, kinds = drive.data(mode)
-        augmented = np.zeros((5, 5))
-        augmented[:4, :4], augmented[:4, 4] = A * step, b * step
-        power, flow = np.eye(5), np.eye(5)
-        for k in range(1, 40):
-            power = power @ augmented / k
-            flow = flow + power
-        full = np.append(x, 1.0)
-        origin, count = t, 0
-        while True:
-            ahead = flow @ full
-            inside = rows @ ahead > 0
-            if t + step >= t_end or not inside.all():
-                break
-            full, count = ahead, count + 1
-            t = origin + count * step
-        x = full[:4]
-        low, high = 0.0, min(step, t_end - t)
-        end = drive.advance(mode, x, high)
-        if (rows[:, :4] @ end + rows[:, 4] > 0).all():
-            return end, mode, events
-        for _ in range(200):
-            middle = 0.5 * (low + high)
-            if middle in (low, high):
-                break
-            there = drive.advance(mode, x, middle)
-            low, high = (middle, high) if (rows[:, :4] @ there + rows[:, 4] > 0).all() else (low, middle)
-        x, t = drive.advance(mode, x, high), t + high
-        fired = int(np.argmin(rows[:, :4] @ x + rows[:, 4] > 0))
-        zero = ({0} if mode[0] == 0 else set()) | ({1} if mode[2] == 0 else set())
-        if kinds[fired] is not None:
-            zero.add(kinds[fired])
-        seizure = drive.painleve and mode[0] != 0 and kinds[fired] is None
-        after = None
-        if seizure:
-            x, after = drive.impact(x)
-            zero = {0}
-        x = drive.tie(x, zero)
-        mode = drive.choose(x, zero, after)
-        events.append(SteppedEvent(t, mode, x, seizure))

@@ -1,0 +1,165 @@
+"""What the motions of drives with more than two states end on, share by share, in processes of their own.
+
+The tables of drives with compliant threads are made at once (:mod:`lsvib.drives.many_threads`), those of other models
+one by one. The search is that for one drive (:func:`lsvib.cycles.attractors.steady_state`), so all results are the same
+to the last bit, and do not depend on how the drives are shared out.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from multiprocessing import get_context
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.cycles.ending import Ending, Endings
+from lsvib.cycles.impulses import event_impulses
+from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.drives.many import ManyDrives
+from lsvib.drives.many_threads import threads_automata
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import Model, find_model, seizures_only_by_contact
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import enter
+from lsvib.errors import EngineError
+
+_SHARE = 1024  # most drives whose tables are made at once: arrays pay, and a process has some seconds of work
+_LEAST = 64  # drives that a process takes at a time where there are few
+_WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED, Attractor.RECURRENT)
+
+Done = TypeVar("Done")
+
+
+class Prepared(NamedTuple):
+    """A drive by its index, with its automaton – None if the engine has none –, and how its states begin."""
+
+    index: int
+    model: Model
+    drives: ManyDrives
+    automaton: Automaton | None
+    mismatch: float | None
+
+    def drive(self) -> RigidParameters:
+        """Return the drive."""
+        return self.drives.one(self.index)
+
+    def state(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
+        if self.mismatch is None:
+            return self.model.initial_state(self.drive(), values)
+        return np.array([values["u"], values["w"], values.get("e", self.mismatch), values.get("v", 0.0)])
+
+
+def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
+    """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
+    model = find_model(drives.kind.model)
+    seizures_only_by_contact(drives.kind.model, resume)
+    made = threads_automata(drives) if drives.kind.model == "threads" else [None] * drives.size
+    for k, one in enumerate(made):
+        if one is not None:
+            yield Prepared(k, model, drives, *one)
+            continue
+        drive = drives.one(k)
+        terms = (*(term for term in model.terms if getattr(drive, term) != 0), *model.options)
+        try:
+            automaton = model.build(drive, terms, resume)
+        except EngineError:  # rates that lie too far apart: nothing can be told
+            automaton = None
+        yield Prepared(k, model, drives, automaton, None)
+
+
+def ending_of(one: Prepared, state: np.ndarray) -> Ending:
+    """Return what the motion of a drive from a state ends on."""
+    automaton = one.automaton
+    if automaton is None:
+        return Ending.without_numbers(Attractor.UNRESOLVED)
+    found = steady_state(automaton, state)
+    force = automaton.observables["normal_force"]
+    if found.label in _WITHOUT_NUMBERS or (found.orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
+        return Ending.without_numbers(found.label)
+    if found.orbit is None:
+        mode, _ = enter(automaton, found.state)
+        low, high = found.extremes(force[mode])
+        return Ending.without_numbers(found.label)._replace(
+            amplitude=0.0, peak_normal_force=max(abs(low), abs(high)), peak_normal_impulse=0.0
+        )
+    try:
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(found.orbit, force)))
+    except EngineError:  # the rates of a mode lie too far apart to find the extremes
+        amplitude = peak = np.nan
+    impulse = 0.0
+    if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
+        impulse = float(np.abs(event_impulses(one.drive(), found.orbit).normal).max())
+    return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
+
+
+def happens(model: Model, found: SteadyState) -> int:
+    """Return what happens on a cycle, as :class:`lsvib.cycles.ending.Ending` has it."""
+    orbit = found.orbit
+    if orbit is None:
+        return 0
+    codes = orbit.automaton.codes[orbit.arcs()[0]]
+    reversal = next(kind for kind in model.events if kind.name == "CONTACT_REVERSAL")
+    return (
+        SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
+        + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
+        + REVERSES * bool((orbit.kind == reversal).any())
+    )
+
+
+def compliant_endings(
+    drives: ManyDrives,
+    starts: np.ndarray,
+    others: Mapping[str, float],
+    resume: str,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> Endings:
+    """Return what the motions of drives (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+
+    ``others``: values of the other states by name, where they are not those that the model begins with. Numbers do not
+    depend on ``workers``, the number of processes; ``progress`` is told how many of how many are done.
+    """
+    found = Endings.unknown(drives.size)
+    parts = in_shares(partial(_share, others=dict(others), resume=resume), drives, (starts,), workers, progress)
+    for places, part in parts:
+        found.put(places, part)
+    return found
+
+
+def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Endings:
+    found = Endings.unknown(drives.size)
+    for one in prepared(drives, resume):
+        u, w = starts[one.index].tolist()
+        found.put(one.index, ending_of(one, one.state({"u": u, "w": w, **others})))
+    return found
+
+
+def in_shares(
+    work: Callable[..., Done],
+    drives: ManyDrives,
+    columns: Sequence[np.ndarray],
+    workers: int,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[tuple[slice, Done]]:
+    """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
+    size = max(_LEAST, min(_SHARE, -(-drives.size // (2 * workers))))
+    places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+    cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
+
+    def told(parts: Any) -> Iterator[tuple[slice, Done]]:
+        for here, part in zip(places, parts, strict=True):
+            yield here, part
+            if progress is not None:
+                progress(here.stop, drives.size)
+
+    if workers == 1 or len(places) == 1:
+        yield from told(work(*case) for case in cases)
+        return
+    with get_context("spawn").Pool(min(workers, len(places))) as pool:
+        yield from told(pool.imap(partial(_on_case, work), cases))
+
+
+def _on_case(work: Callable[..., Done], case: tuple) -> Done:
+    return work(*case)

@@ -1,0 +1,21 @@
+"""Rotating nut (Sect. 5.8): the kinematic constraint (8.33)."""
+
+from typing import Any
+
+from lsvib.drives.linear_parts import Polynomial
+from lsvib.drives.parameters import NutParameters
+from lsvib.steady_sliding import nut_conditions
+from lsvib.steady_sliding.said_of_models import condition, quantity
+
+
+def said(drive: NutParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
+    """Return conditions and quantities of a drive; arguments as of ``said_of``."""
+    inertia = nut_conditions.kinematic_inertia(drive, law, exact=True)
+    return {
+        "conditions": {"kinematic": condition(negative_effective_inertia=-inertia)},
+        "quantities": {
+            "kinematic_inertia": quantity(inertia, "kg m2"),
+            "effective_screw_inertia": quantity(nut_conditions.effective_screw_inertia(drive, exact=True), "kg m2"),
+            "kinematic_mass": quantity(nut_conditions.kinematic_mass(drive) if law > 0 else None, "kg"),
+        },
+    }
