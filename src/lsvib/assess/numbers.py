@@ -6,6 +6,8 @@ _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, 
 _PREFIXED = {"N": "N", "m": "m", "m/s": "m/s", "Hz": "Hz", "N s": "N s", "N/m": "N/m", "N m/rad": "N m/rad", "s": "s"}
 _READABLE = {
     "kg m2": "kg m²",
+    "kg m^2": "kg m²",
+    "kg/m^3": "kg/m³",
     "N m rad-1": "N m/rad",
     "N m s rad-1": "N m s/rad",
     "N s m-1": "N s/m",

@@ -37,6 +37,7 @@ _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
 # Pushes that are tried with springy threads, in times of the one that stiff threads survive, or of the speed; a fatal
 # one is closed in on until the ends of the bracket are some 1 % apart.
 _TRIED, _HALVINGS = (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0), 6
+STRONG = 5.0  # times the speed: a push that shows what a strong one does, and the largest that has to be tried
 _WORK_TRIED = 20_000  # units for each of them, a tenth of a second or two
 _MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
 
@@ -239,9 +240,14 @@ def springy_push(
     low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
     try:
         automaton = kind.build(drive, options, "contact_sign")
-        if ends(_NUDGE**2 * scale) != "steady sliding":
-            return 0.0, "Steady running is unstable with springy threads."
-        for size in (scale * part for part in _TRIED):
+        slightest = ends(_NUDGE**2 * scale)
+        if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
+            known = slightest not in ("neutral family", "unresolved")
+            return (0.0, "Steady running is unstable with springy threads.") if known else (None, "")
+        sizes = [scale * part for part in _TRIED]
+        while sizes[-1] < STRONG * abs(drive.input_speed):
+            sizes.append(2 * sizes[-1])
+        for size in sizes:
             found = {sign: ends(sign * size) for sign in (1, -1)}
             fatal = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
