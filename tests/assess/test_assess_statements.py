@@ -10,10 +10,12 @@ pytest.importorskip("scipy")
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
+from lsvib.assess.chart import charts
 from lsvib.assess.friction import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, drive_of, reserves
 from lsvib.assess.plain_values import as_json
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
@@ -237,6 +239,15 @@ def test_the_push_that_springy_threads_survive_is_told_by_their_own_motions(stif
 
     assert ends(0.99) == {Attractor.STEADY_SLIDING}
     assert ends(1.02) != {Attractor.STEADY_SLIDING}
+
+
+def test_friction_that_rises_is_said_to_be_missing_from_the_motion():
+    """Nothing else damps this drive: its motion neither grows nor dies away, although it runs steadily."""
+    given = sheet(friction={"coefficient": 0.15, "slope": "0.9 s/m"}, damping={})
+    found = assess(given, samples=64)
+    assert (found.verdict, found.nominal.vibration.attractor) == ("steady", "neutral family")
+    page = report(found, charts(given, found.values))
+    assert "the damping that its rise with speed adds is not in this motion" in page
 
 
 def test_every_end_of_a_motion_has_plain_words():

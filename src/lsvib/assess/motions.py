@@ -6,7 +6,7 @@ import yaml
 
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment, Mechanism, Motion
-from lsvib.assess.drive import random_entries
+from lsvib.assess.drive import point, random_entries
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
 from lsvib.assess.words import ATTRACTORS, entry_name
@@ -134,6 +134,8 @@ def _taken(motion: Motion, assessment: Assessment) -> str:
     parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
     stiff = " and ".join(name for name, given in parts.items() if given and name != model)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
-    if sheet.friction.curve is not None or motion.values["friction_slope"] != 0:
-        text += " Friction is taken as constant at its value there."
+    slope = float(point(sheet, motion.values, *motion.corner).slope)
+    if slope != 0:
+        effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
+        text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
     return text
