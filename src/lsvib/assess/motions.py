@@ -18,10 +18,9 @@ def where(one: Mechanism | Motion, assessment: Assessment) -> str:
     lead = assessment.values["lead"] / (2 * math.pi)
     way = "outward" if direction > 0 else "back"
     side = "against" if force >= 0 else "in the direction of"
-    return (
-        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with "
-        f"{shown(abs(force), 'N')} {side} outward travel"
-    )
+    load = f"{shown(abs(force), 'N')} {side} outward travel" if force else "no force on the load"
+    weight = " besides its weight" if assessment.values["tilt"] != 0 else ""
+    return f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {load}{weight}"
 
 
 def rigid(assessment: Assessment) -> bool:
