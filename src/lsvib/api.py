@@ -172,11 +172,11 @@ class _Drive(RigidParameters):
         return steady_state(automaton, state)
 
     def cycles(self, *, resume: str = "contact_sign", physics: Sequence[str] | None = None) -> "Cycles":
-        """Return the cycles of the drive, attracting ones first; of the rigid drive repelling ones as well.
+        """Return the cycles of the drive that are found, attracting ones first, repelling ones as well.
 
         Arguments as of :meth:`automaton`. Each of ``cycles`` has period, itinerary, extremes, means, work, impulses and
-        Floquet multipliers with a bound of their error (see docs/cycles.md); ``proved`` says what else is certain.
-        Raises ``InputError``, ``EngineError``.
+        Floquet multipliers with a bound of their error (see docs/cycles.md); ``proved`` says what else is certain,
+        ``searched`` where cycles were looked for. Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> found = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()

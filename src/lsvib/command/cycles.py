@@ -19,7 +19,7 @@ def cycles(
     resume: Annotated[str, RESUME] = "contact_sign",
     as_json: AsJson = False,
 ) -> None:
-    """Find the cycles of a drive: period, multipliers, amplitude, work; of the rigid drive the repelling ones as well.
+    """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
 
@@ -33,8 +33,9 @@ def cycles(
     if as_json:
         print_json(found)
         return
-    if found["proved"]:
-        print(found["proved"])
+    for sentence in (found["proved"], found["searched"]):
+        if sentence:
+            print(sentence)
     if not found["cycles"]:
         print("no cycle found")
     for cycle in found["cycles"]:
@@ -102,7 +103,7 @@ def follow(
 
 def _print_cycle(cycle: dict[str, Any]) -> None:
     """Print a cycle in a few lines."""
-    work = cycle["work"]
+    put_in, taken = cycle["work"], {name: 0 - value for name, value in cycle["work"].items()}
     numbers = ", ".join(
         f"{m:.9g}" if isinstance(m, float) else f"{m[0]:.9g} {m[1]:+.9g}i" for m in cycle["multipliers"]
     )
@@ -110,6 +111,6 @@ def _print_cycle(cycle: dict[str, Any]) -> None:
     print(f"  period {cycle['period']:.12g} s, amplitude {cycle['amplitude']:.12g} rad")
     print(f"  multipliers {numbers} (± {cycle['multiplier_error']:.1g}), residual {cycle['residual']:.1g}")
     print(
-        f"  work per cycle [J]: motor {work['motor']:.6g}, load {work['load']:.6g}, friction {-work['friction']:.6g}, "
-        f"damping {-work['damping']:.6g}, impacts {-work['impacts']:.6g}"
+        f"  work per cycle [J]: motor {put_in['motor']:.6g}, load {put_in['load']:.6g}, "
+        f"friction {taken['friction']:.6g}, damping {taken['damping']:.6g}, impacts {taken['impacts']:.6g}"
     )

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import drifts, leaps
-from lsvib.cycles.return_map import MARGIN, ROUNDING, FixedPoint, ReturnSection, conserves, section_key
+from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves
+from lsvib.cycles.return_section import MARGIN, ROUNDING, section_key
 from lsvib.cycles.settling import settles_after
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch, flow_planar

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.cycles.moving_section import MovingSection
-from lsvib.cycles.periodic import Cycle, multipliers
+from lsvib.cycles.multipliers import multipliers
+from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.variational import derivative
 from lsvib.drives.parameters import RigidParameters

@@ -21,7 +21,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from lsvib.cycles.return_map import ReturnSection, section_key
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
@@ -166,7 +167,9 @@ class _Linear(NamedTuple):
             return total @ self.step, power @ self.step
 
     def _length(self, place: np.ndarray) -> float:
-        """Return the size of a step (d) on the section, in sizes of the motion."""
+        """Return the size of a step (d) on the section, in sizes of the motion; infinite where it left the numbers."""
+        if not np.isfinite(place).all():
+            return math.inf
         return float((np.abs(self.section.directions) @ np.abs(place) / self.section.size).max(initial=0.0))
 
     def most(self, doublings: int) -> int:
@@ -188,7 +191,10 @@ class _Linear(NamedTuple):
         ε / (1 − λ), but not by more than ε times the number of returns.
         """
         way, step = self._ahead(doublings)
-        expected = np.linalg.matrix_power(self.slopes, _RETURNS - 1) @ step
+        with np.errstate(over="ignore", invalid="ignore"):  # slopes across a touched surface may be huge
+            expected = np.linalg.matrix_power(self.slopes, _RETURNS - 1) @ step
+        if not np.isfinite(expected).all():
+            return False
         gap = self.section.place(states[-1]) - self.section.place(states[-2]) - expected
         values, vectors = np.linalg.eig(self.slopes)
         try:

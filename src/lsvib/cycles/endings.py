@@ -13,7 +13,7 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lsvib.cycles import attractors, leaps, return_map
+from lsvib.cycles import attractors, leaps, return_map, return_section
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.cycles.compliant_endings import compliant_endings
 from lsvib.cycles.ending import Ending, Endings
@@ -37,12 +37,12 @@ _SEARCH = kernels.Search(
     repeats=attractors.REPEATS[0],
     corner=attractors.CORNERS[0],
     few=leaps.FEW,
-    patience_of_return=return_map.PATIENCE,
-    longest=return_map.LONGEST,
+    patience_of_return=return_section.PATIENCE,
+    longest=return_section.LONGEST,
     secants=return_map.SECANTS,
     wider=return_map.WIDER,
     widest=return_map.WIDEST,
-    slope_step=return_map.SLOPE_STEP,
+    slope_step=return_section.SLOPE_STEP,
 )
 
 

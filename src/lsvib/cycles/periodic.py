@@ -3,10 +3,6 @@ r"""Periodic motions of any model, attracting or repelling, by Newton's method o
 A section is the set of states with which an event of one kind ends (:mod:`lsvib.cycles.return_map`); the return map P
 of it is followed from event to event in closed form, and its derivative P′ is the exact product of
 :mod:`lsvib.cycles.variational`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
-
-Floquet multipliers: the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
-has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
-eigenvalue; what the uncertainty of the fixed point changes; and, for defective eigenvalues, the root of the former.
 """
 
 import math
@@ -19,18 +15,16 @@ import numpy as np
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes
 from lsvib.cycles.energy import Work, means, work
 from lsvib.cycles.impulses import Impulses, event_impulses
-from lsvib.cycles.return_map import ReturnSection, section_key
-from lsvib.cycles.variational import Derivative, derivative, eigenvalues
+from lsvib.cycles.multipliers import AT_REST, multipliers, section_derivative
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 
 _NEWTON = 40  # steps; a start that Newton's method likes needs six
-_AT_REST = 4 * flow_planar.EPS  # of a step: rounding
-_SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
 _LONGER = 2.0  # a return may take so many times what it did
 
 
@@ -40,7 +34,7 @@ class Cycle:
 
     ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: change of the state over it, relative to
     the size of the motion; ``multipliers`` (n − 1), complex, the largest first, and ``multiplier_error``, a bound of
-    their errors; ``found_by``: how it was found.
+    their errors (of stiff contacts an estimate); ``found_by``: how it was found.
     """
 
     drive: RigidParameters
@@ -136,7 +130,7 @@ class Cycle:
 
     def to_json(self) -> dict[str, Any]:
         """Return what :class:`Cycle` says, as plain numbers and names."""
-        impulses, taken = self.impulses, self.work
+        taken = self.work
         return {
             "label": self.label.name.lower(),
             "attracting": self.attracting,
@@ -148,7 +142,7 @@ class Cycle:
             "state": [float(x) for x in self.state],
             "residual": self.residual,
             "found_by": self.found_by,
-            "itinerary": [{"event": kind, "mode": mode} for kind, mode in self.itinerary],
+            "itinerary": self._events(),
             "extremes": {name: list(ends) for name, ends in self.extremes.items()},
             "means": self.means,
             "work": {
@@ -160,8 +154,23 @@ class Cycle:
                 "balance": taken.balance,
                 "efficiency": taken.efficiency,
             },
-            "normal_impulses": [float(x) for x in impulses.normal if x],
         }
+
+    def _events(self) -> list[dict[str, Any]]:
+        """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""
+        impulses, seized = self.impulses, np.isin(self.orbit.kind, self.orbit.automaton.sprag_kinds)
+        found, names = [], iter(self.itinerary)
+        for k in np.flatnonzero(self.orbit.kind != GRAZE_KIND):
+            kind, mode = next(names)
+            event: dict[str, Any] = {"event": kind, "mode": mode, "time": float(self.orbit.time[k])}
+            if seized[k]:
+                event |= {
+                    "normal_impulse": float(impulses.normal[k]),
+                    "axial_impulse": float(impulses.axial[k]),
+                    "torque_impulse": float(impulses.torque[k]),
+                }
+            found.append(event)
+        return found
 
 
 def _number(value: complex) -> float | list[float]:
@@ -191,7 +200,7 @@ def solve(section: ReturnSection) -> tuple[Motion, float] | None:
         if step is None or (not better and np.abs(step).max() < _CLOSE):
             break
         place = place + step
-        if np.abs(step).max() <= _AT_REST * max(1.0, float(np.abs(place).max())):
+        if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
             break
     return best if best is not None and best[1] < _CLOSE else None
 
@@ -208,39 +217,6 @@ def newton_step(slopes: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
     except np.linalg.LinAlgError:
         return None
     return step if np.isfinite(step).all() else None
-
-
-def section_derivative(section: ReturnSection, orbit: Motion) -> Derivative:
-    """Return P′ (d, d) of a section along a motion that returns to it, with the bound of its rounding."""
-    total, axes, along = derivative(orbit), section.axes, section.directions
-    return Derivative(axes @ total.matrix @ along, np.abs(axes) @ total.rounding @ np.abs(along))
-
-
-def multipliers(section: ReturnSection, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
-    """Return the n − 1 multipliers of a cycle, the largest first, and a bound of their errors [1]; nan without P′."""
-    count = max(section.origin.size - 1, section.dimension)
-    found = section_derivative(section, orbit)
-    if not np.isfinite(found.matrix).all():
-        return np.full(count, math.nan, dtype=complex), math.nan
-    if section.dimension == 0:
-        return np.zeros(count, dtype=complex), 0.0
-    values, condition = eigenvalues(found.matrix)
-    lost = found.rounding * orbit.automaton.condition
-    uncertain = (residual + _AT_REST) / max(_least(np.eye(section.dimension) - found.matrix), flow_planar.EPS)
-    place = section.place(orbit.start_state)
-    for direction in np.eye(section.dimension):
-        beside = section.come_back(section.state(place + _SENSITIVITY * direction))
-        if beside is not None:
-            change = np.abs(section_derivative(section, beside).matrix - found.matrix) / _SENSITIVITY
-            lost = lost + np.where(np.isfinite(change), change, 0.0) * min(uncertain, _SENSITIVITY)
-    size = float(np.linalg.norm(lost))
-    error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
-    padded = np.concatenate([values, np.zeros(count - len(values))])
-    return padded[np.argsort(-np.abs(padded), kind="stable")], error
-
-
-def _least(matrix: np.ndarray) -> float:
-    return float(np.linalg.svd(matrix, compute_uv=False).min())
 
 
 def cycle_from(

@@ -1,7 +1,7 @@
 """The return map that a motion induces where its events happen, and the fixed points of it that attract.
 
 The events of one kind that enter one mode lie on one surface, or on the intersection of several, as on release from
-rest. The states there form an affine *section*; d is its number of dimensions.
+rest. The states there form an affine *section* (:mod:`lsvib.cycles.return_section`); d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
   its right, so a fixed point lies between.
@@ -17,37 +17,21 @@ modes of a cycle preserve volumes, because nothing damps: then it is one of a ne
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles.variational import derivative, eigenvalues
+from lsvib.cycles.return_section import MARGIN, ROUNDING, Section
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
-from lsvib.engine.motion import Budget, Motion, follow
-from lsvib.errors import EngineError, WorkSpentError
 
-ROUNDING = flow_planar.ROUNDING  # sums below it, relative to their terms, count as zero, as they do in the engine
 SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
 WIDER = 4.0  # factor from one interval tried around a fixed point to the next
 WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
-SLOPE_STEP = 1e-5  # half step of the central difference for P′ on a line
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
-_JACOBIAN_STEP = 1e-6  # half step of the central differences for P′ on a section of more dimensions
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
-MARGIN = 2e-8  # by which multipliers must lie inside the unit circle, well beyond the rounding of P′, 1e-10
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
-_FINER = 1e-12  # the same where P′ is an exact product: beyond its rounding over some hundred events
 _NEUTRAL = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
-_FEW_EVENTS = 64  # in a return whose derivative is an exact product, each factor of which costs
-_FACTOR = 60.0  # so much, in units of a budget: some hundred microseconds
 _THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
-LONGEST = 1000  # events in one return
-PATIENCE = 10  # time that the next return may take, in times of the longest return seen
-_ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
-_LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
-_MADE = 30.0  # cost of a section, in units of a budget: some hundred microseconds
 _DOUBLINGS = 40  # of the number of terms in the sum that makes the norm: 2⁴⁰ terms, more than a slow multiplier needs
 
 
@@ -66,163 +50,8 @@ class FixedPoint:
     neutral: bool = False
 
 
-class Return(NamedTuple):
-    """One return to a line: P(y) − y, and its events as told by ``Section.outcome``."""
-
-    excess: float
-    events: tuple[bytes, bytes] | None
-
-
-def section_key(motion: Motion) -> tuple[int, int] | None:
-    """Return kind and mode of the rarest events in the later half of a motion; None if it only touches guards.
-
-    If several kinds are equally rare, take the latest one (two states) or the one that lies on the most surfaces (more
-    states), because its section has the fewest dimensions and does not lie where the contact force passes zero, where
-    the map is steep.
-    """
-    ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
-    pairs, states = np.stack([motion.kind[ours], motion.mode[ours]], axis=1), motion.after[ours]
-    if not len(pairs):
-        return None
-    half = len(pairs) // 2
-    found, first, counts = np.unique(pairs[half:][::-1], axis=0, return_index=True, return_counts=True)
-    order, size = np.argsort(first), np.abs(motion.after).max(axis=0)
-    rarest = [k for k in order if counts[k] == counts.min()]
-    if size.size > 2:
-        rarest.sort(key=lambda k: -len(_surfaces(motion.automaton, states[len(pairs) - 1 - first[k]], size)))
-    kind, mode = found[rarest[0]].tolist()
-    return kind, mode
-
-
-def _surfaces(automaton: Automaton, state: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Return the normals (k, n) of the surfaces on which a state (n) lies."""
-    rows = automaton.tables.surfaces
-    values = rows[:, :-1] @ state + rows[:, -1]
-    return rows[np.abs(values) <= ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1])), :-1]
-
-
-class ReturnSection:
-    """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
-
-    A state is ``origin`` + ``directions`` (n, d) · y. With two states y is measured in scales of the motion, ``size``
-    (n); with more, in the origin's own coordinates, because an unloaded contact is far from its peak. One return of the
-    map is made of ``returns`` returns to the section; ``longest`` [s] is the longest of them that was seen. Motions
-    draw on a ``budget``, if there is one.
-    """
-
-    def __init__(
-        self,
-        automaton: Automaton,
-        key: tuple[int, int],
-        origin: np.ndarray,
-        size: np.ndarray,
-        returns: int,
-        longest: float,
-        budget: Budget | None = None,
-    ) -> None:
-        self.automaton, self.key, self.returns, self.origin, self.size = automaton, key, returns, origin, size
-        self._limit, self.budget = PATIENCE * longest, budget
-        if budget is not None:
-            budget.spend(_MADE)
-        met = _surfaces(automaton, origin, size)
-        if origin.size > 2:
-            scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
-            normals = met * scales
-            lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-            normals /= np.where(lengths == 0, 1.0, lengths)
-            _, lengths, basis = np.linalg.svd(normals)
-            axes = basis[np.count_nonzero(lengths > _ONE_PLANE) :]
-            self.directions, self._axes = (axes * scales).T, axes / scales
-        elif len(met) == 1:
-            tangent = np.array([-met[0, 1], met[0, 0]])
-            direction = tangent / np.abs(tangent / size).max()
-            chosen = np.argmax(np.abs(direction / size))
-            self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
-        else:
-            self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
-
-    @property
-    def dimension(self) -> int:
-        """Number d of directions along the section."""
-        return len(self._axes)
-
-    @property
-    def axes(self) -> np.ndarray:
-        """Rows (d, n) that give y of a displacement along the section."""
-        return self._axes
-
-    def state(self, place: np.ndarray) -> np.ndarray:
-        """Return the state (n) at y = ``place`` (d)."""
-        return self.origin + self.directions @ place
-
-    def place(self, states: np.ndarray) -> np.ndarray:
-        """Return y (..., d) of states (..., n) on the section."""
-        return (states - self.origin) @ self._axes.T
-
-    def distance(self, place: float) -> float:
-        """Return the distance of a place on a line from where its free coordinate is zero, in the scale of y."""
-        free = int(np.argmax(np.abs(self._axes[0])))
-        return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
-
-    def come_back(self, state: np.ndarray) -> Motion | None:
-        """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""
-        motion, events, here = None, 0, state
-        for _ in range(self.returns):
-            try:
-                motion = follow(
-                    self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST,
-                    budget=self.budget,
-                )  # fmt: skip
-            except WorkSpentError:
-                raise
-            except EngineError:
-                return None
-            if motion.status != Status.STOP_EVENT:
-                return None
-            here, events = motion.end_state, events + motion.time.size
-        if self.returns > 1:
-            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events, budget=self.budget)
-        return motion
-
-    def excess(self, place: np.ndarray) -> np.ndarray:
-        """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""
-        return self.outcome(place)[0]
-
-    def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
-        """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
-
-        The result is nan and None if the motion does not come back, or if it leaves the section the moment it starts,
-        because there the surface is crossed the other way.
-        """
-        motion = self.come_back(self.state(place))
-        if motion is None or motion.time[0] == 0.0:
-            return np.full(self.dimension, math.nan), None
-        return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
-
-    def return_from(self, place: float) -> Return:
-        """Follow one return from y = ``place`` on a line."""
-        excess, events = self.outcome(np.array([place]))
-        return Return(float(excess[0]), events)
-
-    def jacobian(self, place: np.ndarray) -> np.ndarray:
-        """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""
-        step = SLOPE_STEP if self.dimension == 1 else _JACOBIAN_STEP
-        offsets = step * np.eye(self.dimension)
-        columns = [(self.excess(place + h) - self.excess(place - h)) / (2 * step) for h in offsets]
-        return np.reshape(columns, offsets.shape).T + np.eye(self.dimension)
-
-    def slopes(self, place: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return P′ (d, d) at y = ``place`` (d), and by how much its eigenvalues are uncertain [1]; nan as above."""
-        motion = self.come_back(self.state(place))
-        if motion is not None and 0 < motion.time.size <= _FEW_EVENTS:
-            if self.budget is not None:
-                self.budget.spend(_FACTOR * motion.time.size)
-            exact = derivative(motion)
-            found = self._axes @ exact.matrix @ self.directions
-            if np.isfinite(found).all():
-                lost = np.abs(self._axes) @ exact.rounding @ np.abs(self.directions) * self.automaton.condition
-                return found, min(max(eigenvalues(found)[1] * float(np.linalg.norm(lost)), _FINER), MARGIN)
-        return self.jacobian(place), MARGIN
+class ReturnSection(Section):
+    """A section of return with the fixed points of its map."""
 
     def fixed_point(self, earlier: np.ndarray) -> FixedPoint | None:
         """Return the fixed point that attracts the origin, or None; ``earlier`` (k, n) are the states before it."""
@@ -343,4 +172,6 @@ def _contracting(slopes: np.ndarray) -> np.ndarray:
         for _ in range(_DOUBLINGS):
             form = form + power.T @ form @ power
             power = power @ power
+            if not power.any():  # underflown: nothing more is added
+                break
     return form

@@ -5,7 +5,9 @@ lasts; with rest it is superstable, hence reached from starts. So the return map
 P(y) = y: their displacement P(y) − y is sampled in both directions over seven decades, and closer and closer towards
 the places beyond which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero
 is narrowed down first, since two cycles that are about to meet lie on either side of it. Cycles are then solved by
-Newton's method. A search is no proof: what a map does between two samples without an extremum that shows stays unseen.
+Newton's method. Of drives with four states the edges between what the starts end on are followed instead
+(:mod:`lsvib.cycles.edges`). A search is no proof: what a map does between two samples without an extremum that shows
+stays unseen.
 """
 
 import math
@@ -15,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.cycles.edges import edge_cycles
 from lsvib.cycles.periodic import Cycle, cycle_from, cycle_of, cycle_on
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.coefficients import coefficients
@@ -33,6 +36,7 @@ _CLOSER = np.append(
     0.7 ** np.arange(1, 40), 0.0
 )  # Close to an end return maps bend, so samples go down to a millionth.
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
+_MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another could not be told to its end
 _SWINGS = 200.0  # turns of the slowest oscillator that a return may take
 
 
@@ -60,13 +64,22 @@ def starts(drive: RigidParameters) -> list[tuple[float, float]]:
     return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
 
 
+@dataclass(frozen=True)
+class Search:
+    """The ``cycles`` that a search found, attracting ones first; one of each neutral family; what was ``searched``."""
+
+    cycles: tuple[Cycle, ...]
+    families: tuple[SteadyState, ...]
+    searched: str
+
+
 def search(
     drive: RigidParameters,
     automaton: Automaton,
     states: Iterable[np.ndarray],
     seeds: Sequence[Seed] = (),
-) -> tuple[list[Cycle], list[SteadyState]]:
-    """Return the cycles found from seeds, from ``states`` (n), and for two states on the lines; and neutral families.
+) -> Search:
+    """Search for cycles from seeds, from ``states`` (n), on the lines (two states) and on edges of basins (more).
 
     Attractors that cannot be told are left out. The attracting cycles come first, then by period.
     """
@@ -74,16 +87,38 @@ def search(
     families: list[SteadyState] = []
     for seed in seeds:
         _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
+    endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
-        steady = steady_state(automaton, state)
+        lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+        steady = steady_state(automaton, state, max_events=_LESS if lost else _MOST)
+        endings.append((state, steady))
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
         _add(found, cycle_of(drive, steady))
-    if len(automaton.states) == 2 and not automaton.contracts:
-        for key, line in _lines(automaton):
+    untold = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+    searched = f"motions from {len(endings)} starts"
+    searched += f", of which {untold} could not be told to their end" if untold else ""
+    if len(automaton.states) > 2:
+        edges = list(edge_cycles(drive, automaton, endings))
+        for cycle in edges:
+            _add(found, cycle)
+        hits = sum(cycle is not None for cycle in edges)
+        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was followed")
+    elif not automaton.contracts:
+        lines = _lines(automaton)
+        for key, line in lines:
             for cycle in _on_line(drive, automaton, key, line):
                 _add(found, cycle)
-    return sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period)), families
+        searched += f"; return maps of {len(lines)} lines over seven decades on both sides"
+    return Search(
+        tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched
+    )
+
+
+def _edges(count: int, hits: int) -> str:
+    if count == 1:
+        return f"the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
+    return f"{count} edges between their basins, {hits} of them with a cycle on it"
 
 
 def _add(found: list[Cycle], cycle: Cycle | None) -> None:

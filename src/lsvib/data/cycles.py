@@ -14,7 +14,7 @@ from lsvib.basins.exact_basin import Basin, Boundary, basin
 from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.cycles.continuation import CycleBranch, follow_cycle
 from lsvib.cycles.periodic import Cycle
-from lsvib.cycles.search import Seed, search, starts
+from lsvib.cycles.search import Search, Seed, search, starts
 from lsvib.data.attributes import attributes, flags
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
@@ -28,46 +28,54 @@ from lsvib.errors import InputError, LsvibError
 class Cycles:
     """The ``cycles`` of a drive, attracting ones first, and ``families`` of neutral oscillations, one of each.
 
-    ``proved`` is a sentence on what is certain beyond the cycles themselves; empty if nothing is.
+    ``proved`` is a sentence on what is certain beyond the cycles themselves, empty if nothing is; ``searched`` one on
+    where cycles were looked for, empty where none can be.
     """
 
     cycles: tuple[Cycle, ...]
     families: tuple[SteadyState, ...]
     proved: str
+    searched: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the cycles, the families and what is proved, as plain numbers and names."""
+        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names."""
         return {
             "cycles": [cycle.to_json() for cycle in self.cycles],
             "neutral_families": [{"period": family.period, "state": family.state.tolist()} for family in self.families],
             "proved": self.proved,
+            "searched": self.searched,
         }
 
 
 def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
 
-    Of the rigid drive attracting and repelling ones, of others those that some starts reach.
+    Of the rigid drive by its return maps and the exact basin, of others from starts and on the edges of basins.
     """
     if len(automaton.states) > 2:
         model = find_model(drive.model)
         states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
-        return Cycles(*map(tuple, search(drive, automaton, states)), "")
+        found = search(drive, automaton, states)
+        return Cycles(found.cycles, found.families, "", _sentence(found))
     if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     try:
-        found = basin(drive)
+        exact = basin(drive)
     except LsvibError:  # steady sliding attracts nothing, or its basin is of a shape that is not covered
-        found = None
-    if found is not None and found.boundary == Boundary.NONE:
+        exact = None
+    if exact is not None and exact.boundary == Boundary.NONE:
         return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
     states = [np.array(start) for start in starts(drive)]
-    cycles, families = search(drive, automaton, states, _boundary(found, automaton) if found else ())
+    found = search(drive, automaton, states, _boundary(exact, automaton) if exact else ())
     proved = ""
-    if found is not None:
-        kind = found.boundary.name.lower().replace("_", " ")
+    if exact is not None:
+        kind = exact.boundary.name.lower().replace("_", " ")
         proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
-    return Cycles(tuple(cycles), tuple(families), proved)
+    return Cycles(found.cycles, found.families, proved, _sentence(found))
+
+
+def _sentence(found: Search) -> str:
+    return f"Searched: {found.searched}."
 
 
 def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:

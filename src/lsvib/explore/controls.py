@@ -8,6 +8,7 @@ from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 from lsvib.api import DRIVES
 from lsvib.drives.parameters import RigidParameters, allowed_range, described
 from lsvib.explore.view import View
+from lsvib.figures.drawing import style
 
 _STEPS = 200  # of a slider from end to end, finer than a hand
 _REACH = 2.0  # times its value, as far as a slider goes
@@ -32,11 +33,12 @@ class Controls:
 
     def __init__(self, view: View, presets: Mapping[str, View], asked: Asked) -> None:
         self._asked, self._silent = asked, False
-        self.preset = Select(title="Figure of the chapter", options=["", *presets], value="", width=300)
+        choices = [("", "– choose one –"), *((name, name) for name in presets)]
+        self.preset = Select(title="Figure of the chapter", options=choices, value="", width=300)
         self.model = Select(title="Model of the drive", options=list(DRIVES), value=view.drive.model, width=300)
-        self.over = Select(title="Parameter of the amplitude curve", width=220)
+        self.over = Select(title="Parameter of the amplitude curve", width=190)
         self.texts = {
-            key: TextInput(title=title, width=110)
+            key: TextInput(title=title, width=90)
             for key, title in (
                 ("u", "Start u [rad]"),
                 ("w", "Start u′ [rad/s]"),
@@ -45,9 +47,9 @@ class Controls:
                 ("high", "Curve to"),
             )
         }
-        self.fit = Button(label="Fit the window", width=130)
-        self.play = Toggle(label="Play", width=100)
-        self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=330)
+        self.fit = Button(label="Fit the window", width=110, align="end")
+        self.play = Toggle(label="Play", width=80)
+        self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=280)
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")
@@ -84,8 +86,7 @@ class Controls:
         self.fields, self.sliders = {}, {}
         for key in kind.model_fields:
             about = described(kind, key)
-            unit = "" if about["unit"] == "1" else f" [{about['unit']}]"
-            name = f"{about['long_name']} {about['symbol']}{unit}"
+            name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
             self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)
             self.sliders[key] = Slider(
                 start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",

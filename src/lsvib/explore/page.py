@@ -10,7 +10,7 @@ import numpy as np
 from bokeh.document import Document
 from bokeh.events import RangesUpdate, Tap
 from bokeh.layouts import column, row
-from bokeh.models import CustomJS, Div
+from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
 from lsvib.basins.clipping import Window
@@ -23,8 +23,9 @@ from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-_THROTTLE = 8  # ms that requests are gathered for before they are answered; more come while an answer is made
-_REST = 300  # ms without a request, after which the hand is taken to rest
+_THROTTLE = 8  # ms that requests are gathered for which came while an answer was made
+_PAUSE = 0.02  # s after an answer; a request that comes later is alone, and is answered at once
+_REST = 500  # ms without a request, after which the hand is taken to rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
 _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, 8 s
@@ -34,6 +35,15 @@ _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
 if (link) window.history.replaceState(null, "", link.getAttribute("href"));
 """
+
+
+_HEADING = """
+<h1 style="font-size:1.3em;margin:0 0 .2em">lsvib explorer</h1>
+A motor turns a screw through a spring, the screw pushes a mass, and its threads rub. Drag a slider to change the drive;
+click in the phase plane to push the screw: colours say where the motion from there ends.
+"""
+_TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">{% endblock %}"""
+_NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 
 class Page:
@@ -46,6 +56,7 @@ class Page:
         self.seconds = 0.0  # of the last answer at once
         self._asked: dict[str, str] = {}
         self._waiting = False
+        self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
         self._slow: Iterator[None] = iter(())
         self._stepping = False
@@ -54,9 +65,11 @@ class Page:
         self._alert = Div(
             text=escape(complaint), name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"}
         )
-        self._words = Div(name="words", width=620, html_attributes={"role": "status", "aria-live": "polite"})
-        self._legend = Div(name="legend", width=620)
-        self._links = Div(name="links", width=620)
+        self._words = Div(
+            name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
+        )
+        self._legend = Div(name="legend", sizing_mode="stretch_width")
+        self._links = Div(name="links", sizing_mode="stretch_width")
         # The first link in the text, that to this view, becomes the address of the page.
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
@@ -71,7 +84,8 @@ class Page:
         self._asked[key] = text
         if not self._waiting:
             self._waiting = True
-            self.document.add_timeout_callback(self._answer, _THROTTLE)
+            alone = perf_counter() > self._answered + _PAUSE
+            self.document.add_timeout_callback(self._answer, 0 if alone else _THROTTLE)
 
     def start_at(self, u: float, w: float) -> None:
         """Start the motion in a point of the phase plane."""
@@ -106,6 +120,7 @@ class Page:
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
             self.controls.show(self.view)
+        self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
         """The view with what was asked for."""
@@ -227,20 +242,24 @@ class Page:
             )
         try:
             stability = view.drive.stability()  # type: ignore[attr-defined]
-            words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'}: {_name(stability.kind)}.")
+            words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({_name(stability.kind)}).")
         except InputError as error:
             words.append(str(error))
         if self._shares:
             parts = [f"{_name(kind)} {share:.1%}" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
         if points:
-            for near, where in ((True, "next to steady sliding"), (False, "where the motion does")):
-                here = [point for point in points if point.near == near]
-                vibrating = [point.value for point in here if point.amplitude > 0]
-                words.append(
-                    f"Over {view.over} from {view.low:g} to {view.high:g}, started {where}, {len(vibrating)} of "
-                    f"{len(here)} drives vibrate{f', the first at {vibrating[0]:.4g}' if vibrating else ''}."
-                )
+            counts = []
+            for near in (True, False):
+                vibrating = [point.value for point in points if point.near == near and point.amplitude > 0]
+                first = f", the first at {vibrating[0]:.4g}" if vibrating else ""
+                counts.append((f"{len(vibrating) or 'none'}", first))
+            (near_count, near_first), (count, first) = counts
+            drives = f"{len(points) // 2} drives with {view.over} from {view.low:g} to {view.high:g}"
+            words.append(
+                f"Of {drives}, {near_count} vibrate when started next to steady sliding{near_first}, and {count} when "
+                f"started where the motion does{first}."
+            )
         self._say(self._words, escape(" ".join(words)))
         patches = [
             f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[_name(kind)]};opacity:.5">'
@@ -267,10 +286,9 @@ class Page:
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        self.plots.draw_moment(self.view.drive, shown, k)
-        kind = find_model(self.view.drive.model)
-        mode = _name(kind.modes(int(shown.mode[k])))
-        self.plots.contact.title.text = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+        mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
+        words = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+        self.plots.draw_moment(self.view.drive, shown, k, words)
 
     def _play(self, playing: bool) -> None:
         if self._frames is not None:
@@ -294,13 +312,20 @@ class Page:
     def _lay_out(self) -> None:
         c = self.controls
         left = column(c.preset, c.model, c.parameters)
-        start = row(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
-        middle = column(self.plots.plane, start, self._alert, self._words, self._legend, self._links)
-        curve = row(c.over, c.texts["low"], c.texts["high"])
-        right = column(self.plots.curve, curve, self.plots.force, self.plots.contact, row(c.play, c.moment))
-        heading = Div(text="<h1 style='font-size:1.2em;margin:0'>lsvib explorer</h1>", name="heading")
-        self.document.add_root(column(heading, row(left, middle, right)))
+        start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
+        middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
+        curve = _line(c.over, c.texts["low"], c.texts["high"])
+        moment = _line(c.play, c.moment)
+        right = column(self.plots.curve, curve, self.plots.force, self.plots.contact, moment, **_NARROW)
+        heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
+        self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
+        self.document.template = _TEMPLATE
+
+
+def _line(*parts: Any) -> Row:
+    """Parts side by side, or below each other on a narrow screen."""
+    return row(*parts, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 
 
 def _name(kind: Any) -> str:

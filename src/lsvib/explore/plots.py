@@ -14,6 +14,7 @@ from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
     ColumnDataSource,
+    DataRange1d,
     LinearScale,
     LogScale,
     LogTicker,
@@ -35,10 +36,11 @@ _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
 _SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
+_NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _COLUMNS = {  # of the sources
     "map": "image x y dw dh",
     "scene": "motion_u motion_w cycle_u cycle_w line_u line_w stop_u stop_w start_u start_w time force",
-    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip",
+    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip words",
     "curve": "x y colour",
     "near": "x y colour",
     "marks": "x name",
@@ -57,10 +59,11 @@ class Plots:
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
+        self.curve.y_range.syncable = False  # it follows its data in the browser, and the server need not hear of it
 
     def _plane(self) -> figure:
         made = figure(
-            width=620, height=470, tools=_TOOLS, title="Phase plane: click where a motion shall start",
+            width=620, height=470, **_NARROW, tools=_TOOLS, title="Phase plane: click where a motion shall start",
             x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
@@ -79,12 +82,13 @@ class Plots:
         made.scatter([0], [0], marker="cross", size=10, color=style.BLACK)
         made.legend.background_fill_alpha = 0.6
         made.legend.location = "top_right"
+        made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
         return made
 
     def _curve(self) -> figure:
         made = figure(
-            width=470, height=270, tools=_TOOLS, title="Amplitude of the steady vibration",
-            x_range=Range1d(0, 1), y_axis_label="amplitude [rad]", name="curve",
+            width=470, height=270, **_NARROW, tools=_TOOLS, title="Amplitude of the steady vibration",
+            x_range=Range1d(0, 1), y_range=DataRange1d(default_span=0.02), y_axis_label="amplitude [rad]", name="curve",
             html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
         )  # fmt: skip
         made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
@@ -104,8 +108,8 @@ class Plots:
 
     def _force(self) -> figure:
         made = figure(
-            width=470, height=210, tools=_TOOLS, title="Normal force of the threads (without impulses)",
-            x_axis_label="time [s]", y_axis_label="N [N]", name="force",
+            width=470, height=210, **_NARROW, tools=_TOOLS, title="Normal force of the threads (without impulses)",
+            x_range=Range1d(0, 1), y_range=Range1d(-1, 1), x_axis_label="time [s]", y_axis_label="N [N]", name="force",
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
         made.multi_line("time", "force", source=self.sources["scene"], color=style.BLUE)
@@ -115,8 +119,9 @@ class Plots:
 
     def _contact(self) -> figure:
         made = figure(
-            width=470, height=190, tools="", title="Contact", x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
-            name="contact", html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
+            width=470, height=190, **_NARROW, tools="", title="Contact of screw and nut", name="contact",
+            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 1.15),
+            html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
         )  # fmt: skip
         made.axis.visible = made.grid.visible = False
         made.toolbar_location = None
@@ -129,6 +134,8 @@ class Plots:
         made.patches("tooth_x", "tooth_y", source=source, color=style.SKY, line_color=style.BLUE)
         made.segment(0, "foot", 0, "tip", source=source, color=style.VERMILION, line_width=3)
         made.scatter(0, "tip", source=source, color=style.VERMILION, size=8)
+        # A title would have to be laid out anew with the whole page when it changes, which takes longer than all else.
+        made.text(-1.95, 0.98, "words", source=source, text_font_size="12px")
         return made
 
     def set_window(self, window: Window) -> None:
@@ -164,9 +171,13 @@ class Plots:
             "time": [shown.time],
             "force": [shown.force],
         }
+        end = float(shown.time[-1])
+        self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
+        low, high = _steady_range(shown.force)
+        self.force.y_range.update(start=low, end=high)
 
-    def draw_moment(self, drive: RigidParameters, shown: Followed, k: int) -> None:
-        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut.
+    def draw_moment(self, drive: RigidParameters, shown: Followed, k: int, words: str) -> None:
+        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut, with ``words``.
 
         N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.
         """
@@ -190,6 +201,7 @@ class Plots:
             "marks_y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel()],
             "foot": [side * 0.25],
             "tip": [side * (0.25 - 0.42 * abs(force) / most)],
+            "words": [words],
         }
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
@@ -199,7 +211,7 @@ class Plots:
         self.curve.x_scale = LogScale() if decades else LinearScale()
         self.curve.xaxis.ticker = LogTicker() if decades else BasicTicker()
         self.curve.xaxis.formatter = LogTickFormatter() if decades else BasicTickFormatter()
-        self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} [{about['unit']}]"
+        self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
         self.curve.x_range.update(start=view.low, end=view.high)
         self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
@@ -218,3 +230,13 @@ class Plots:
                 "y": [point.amplitude for point in here],
                 "colour": [COLOURS[point.label.name.lower().replace("_", " ")] for point in here],
             }
+
+
+def _steady_range(values: np.ndarray) -> tuple[float, float]:
+    """Ends of a range around values and zero that mostly stay while the values change a little.
+
+    An axis whose labels change their width lets the whole page be laid out anew.
+    """
+    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    step = 0.25 * 10 ** math.floor(math.log10(high - low or 1.0))  # four to forty of it from end to end
+    return (math.floor(low / step) - 0.25) * step, (math.ceil(high / step) + 0.25) * step

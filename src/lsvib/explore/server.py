@@ -11,6 +11,7 @@ from bokeh.document import Document
 from bokeh.server.server import Server
 from tornado.web import RequestHandler
 
+from lsvib.api import RigidDrive
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -20,6 +21,10 @@ from lsvib.explore.presets import presets
 from lsvib.explore.view import View
 
 HOST = "localhost"  # nobody else is let in
+# What is shown first: the drive on the front page of the documentation, which slides or vibrates by the push.
+FRONT = View(
+    RigidDrive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5
+)
 
 
 class Export(RequestHandler):
@@ -58,7 +63,7 @@ def make_server(port: int) -> Server:
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
         try:
-            Page(document, View.of(query), known)
+            Page(document, View.of(query) if query else FRONT, known)
         except LsvibError as error:
             document.clear()
             Page(document, View(), known, f"The link cannot be shown: {error}")
@@ -82,7 +87,7 @@ def serve(port: int, show: bool) -> None:
     asyncio.set_event_loop(asyncio.new_event_loop())
     server = make_server(port)
     compile_engine()
-    answers.labels(View().drive, answers.window_around(View().drive, answers.followed(View())), answers.DRAGGED)
+    answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
     address = f"http://{HOST}:{server.port}/"
     print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
     server.start()

@@ -2,9 +2,9 @@
 
 Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of
 ``two_bodies_laws.py``, here in mpmath numbers; the closed form of the motion and the search for roots are those of
-``threads_digits.py``. Speeds that a mode ties are eliminated from its field, so that the rates left over are the modal
-ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if its
-first derivative along the mode's own flow that is not zero is positive.
+``exponential_sums.py``. Speeds that a mode ties are eliminated from its field, so that the rates left over are the
+modal ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if
+its first derivative along the mode's own flow that is not zero is positive.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,8 @@ from functools import cached_property
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.reference.threads_digits import SPARE_DIGITS, Function, ThreadsTrueArc, first_root
+from lsvib.bench.reference.exponential_sums import Function, ThreadsTrueArc, first_root
+from lsvib.bench.reference.threads_digits import SPARE_DIGITS
 from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive
 
 _ZERO = mpf(10) ** -30  # of its terms: a condition that an event, or the start, has put on zero
