@@ -115,7 +115,9 @@ def test_the_readme_names_what_is_declared():
     assert f"Python {project['requires-python'].replace('>=', '≥ ')} with pip" in text
     assert "Operating System :: POSIX :: Linux" in project["classifiers"]
     assert "You need Linux," in text
-    assert set(re.findall(r"pip install '\.\[(\w+)\]'", text)) == {"explore"} <= set(project["optional-dependencies"])
+    extras = set(re.findall(r"pip install '\.\[(\w+)\]'", text))
+    assert extras == {"explore", "assess"} <= set(project["optional-dependencies"])
+    assert all((ROOT / name).is_file() for name in re.findall(r"examples/\w+\.yaml", text))
     assert project["license"] == (ROOT / "LICENSE").read_text(encoding="utf-8").split()[0] == "MIT"
     page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")
     told = run("lsvib --help", ROOT)

@@ -12,11 +12,13 @@ import xarray as xr
 
 import lsvib
 from lsvib.cycles.behaviour import Behaviour
+from lsvib.data import chart as charts
 from lsvib.data.chart import Plane
 from lsvib.data.chart_tiles import chart_tile, gather_chart
 from lsvib.data.writer import write_dataset
 from lsvib.drives.coefficients import coefficients
 from lsvib.errors import NoThreshold
+from lsvib.figures.chart.picture import draw
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, stops_again
 
@@ -192,6 +194,73 @@ def test_chart_is_a_dataset(tmp_path):
     plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
     np.testing.assert_array_equal(plane.labels(workers=3), found.label)
     np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
+
+
+def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, float], count: int) -> tuple[int, int]:
+    """Numbers of cells of a (k_c, c_c) chart compared with the exact stability of steady sliding, and not resolved.
+
+    A cell is compared if its four corners and its middle are alike. The first motion begins next to steady sliding, so
+    that it comes back to it where that is stable, and nowhere else.
+    """
+    plane = Plane.of(
+        lsvib.ThreadsDrive(mass=9), ("contact_stiffness", *stiffness, count), ("contact_damping", *damping, count)
+    )
+    labels = plane.labels(workers=2 if count > 20 else 1)
+
+    def stable(columns, rows) -> np.ndarray:
+        places = [[{"contact_stiffness": k, "contact_damping": c} for k in columns] for c in rows]
+        return np.array([[plane.drive.replace(**place).stability().stable for place in row] for row in places])
+
+    nodes = stable(plane.x.edges().tolist(), plane.y.edges().tolist())
+    middles = stable(plane.x.centres().tolist(), plane.y.centres().tolist())
+    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
+    whole = (corners == middles).all(axis=0)
+    comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE])
+    open_ends = labels == Behaviour.UNRESOLVED  # one of the two motions, chaotic or too slow
+    np.testing.assert_array_equal(comes_back[whole & ~open_ends], middles[whole & ~open_ends])
+    assert middles[whole].any()
+    assert not middles[whole].all()
+    return int(whole.sum()), int((whole & open_ends).sum())
+
+
+def test_contact_chart_agrees_with_flutter():
+    compared, unresolved = compare_with_flutter((1e5, 1e9), (3e3, 1e9), 6)
+    assert compared > 24
+    assert unresolved <= 2
+
+
+@pytest.mark.long
+def test_large_contact_chart_agrees_with_flutter():
+    compared, unresolved = compare_with_flutter((1e5, 1e9), (3e3, 1e9), 400)
+    assert compared > 150_000
+    assert unresolved <= 0.02 * compared
+
+
+@pytest.mark.slow
+def test_processes_change_nothing(monkeypatch):
+    """Labels and curves that processes share are those of one, in the same order."""
+    drive, axes = lsvib.RigidDrive(translation_damping=1000), (("mass", 1, 12, 9), ("axial_force", 0, 60, 7))
+    alone, told = drive.chart(*axes), []
+    monkeypatch.setattr(charts, "_WORTH", 1)
+    monkeypatch.setitem(charts._BLOCK, "rigid", 18)
+    xr.testing.assert_identical(drive.chart(*axes, workers=2, progress=lambda *n: told.append(n)), alone)
+    assert told[-1] == (63, 63)
+
+
+def test_both_readings_of_the_text_are_marked():
+    """m = 1 or 8 kg of Sect. 8.5.1, 10 or 11 kg of Fig. 8.14: on charts of these drives, and on no others."""
+    axes = ("mass", 0.5, 14.0, 2), ("axial_force", -60.0, 80.0, 2)
+    for changes, masses in (
+        ({"translation_damping": 1000.0}, [1.0, 8.0]), ({"support_damping": 1e-3}, [10.0, 11.0]),
+        ({"support_damping": 1e-3, "axial_force": -10.0}, [10.0, 11.0]), ({"translation_damping": 999.0}, None),
+    ):  # fmt: skip
+        frame = Plane.of(lsvib.RigidDrive(**changes), *axes).frame(curves={})
+        assert (frame.reading_mass.values.tolist() if "reading_mass" in frame else None) == masses
+    assert "reading_mass" not in Plane.of(lsvib.RigidDrive(translation_damping=1000), axes[1], (
+        "friction_coefficient", 0.1, 0.3, 2)).frame(curves={})  # fmt: skip
+    found = lsvib.RigidDrive(translation_damping=1000).chart(*axes)
+    texts = [text.get_text() for text in draw(found).axes[0].texts]
+    assert sum("Sect. 8.5.1" in text for text in texts) == 2, texts
 
 
 def test_a_chart_in_tiles_is_the_chart(tmp_path):

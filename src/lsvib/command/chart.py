@@ -19,7 +19,9 @@ def chart(
     model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
     resume: Annotated[str, RESUME] = "contact_sign",
-    workers: Annotated[str, Parameter(help="Number of threads; of compliant threads, of processes.")] = "1",
+    workers: Annotated[
+        str, Parameter(help="Number of processes; of threads for a small chart of the rigid drive.")
+    ] = "1",
     out: Annotated[
         Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
     ] = None,

@@ -6,6 +6,8 @@ A cell depends on nothing but its own drive, so a large chart can be cut into ti
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
 from typing import Any, Self
 
 import numpy as np
@@ -16,15 +18,19 @@ from lsvib.basins.grid import Axis
 from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
 from lsvib.data.attributes import attributes, flags
-from lsvib.data.parameter_origins import GIVEN, VARIED, parameter
+from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import number_of, product_of
+from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import Resume
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves
+from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves, curves_of
 
 Progress = Callable[[int, int], None]
+Curves = dict[Boundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
+_WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
+_BLOCK = {"rigid": 8192, "threads": 1024}  # cells that a process takes at a time: half a second, and some seconds
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,7 @@ class Plane:
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""
         return xr.Dataset(
-            coords={axis.name: (axis.name, axis.centres(), _coordinate(axis)) for axis in (self.y, self.x)},
+            coords={one.name: (one.name, one.centres(), _coordinate(one)) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
@@ -134,14 +140,49 @@ class Plane:
             },
         )
 
-    def frame(self, resume: Resume = "contact_sign") -> xr.Dataset:
-        """Return the chart without its cells: axes, attributes, the other parameters of the drive, exact curves."""
-        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
-        return self.axes(resume).assign(fixed | self._curves())
+    def frame(self, resume: Resume = "contact_sign", curves: Curves | None = None) -> xr.Dataset:
+        """Return the chart without its cells: axes, attributes, the other parameters of the drive, exact curves.
 
-    def _curves(self) -> dict[str, tuple]:
+        ``curves``: those of :meth:`curves`, if they are there already.
+        """
+        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+        points = self._points(self.curves() if curves is None else curves)
+        return self.axes(resume).assign(fixed | points | self._readings())
+
+    def _readings(self) -> dict[str, tuple]:
+        """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
+        free = {self.x.name, self.y.name, "axial_force"}
+        ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
+        if ends is None or self.drive.model != "rigid":
+            return {}
+        own, found = {name: value for name, value in self.drive if name not in free}, []
+        for place, reading in enumerate(chapter.READINGS):
+            theirs = dict(RigidParameters(**reading.drive))
+            if all(value == theirs[name] for name, value in own.items()):
+                found += [(reading.stated, place, 0), (reading.needed, place, 1)]
+        found = [one for one in found if ends[0] <= one[0] <= ends[1]]
+        if not found:
+            return {}
+        masses, places, kinds = (list(column) for column in zip(*found, strict=True))
+        words = " ".join(reading.source.replace(" ", "_") for reading in chapter.READINGS)
+        flagged = {"flag_values": np.arange(len(chapter.READINGS), dtype=np.int8), "flag_meanings": words}
+        both = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "as_stated as_needed"}
+        return {
+            **axis("reading_mass", masses, "reading"),
+            "reading_place": (
+                "reading", np.array(places, dtype=np.int8),
+                attributes("1", "place where the text contradicts itself", **flagged),
+            ),
+            "reading_kind": ("reading", np.array(kinds, dtype=np.int8), attributes("1", "which reading it is", **both)),
+        }  # fmt: skip
+
+    def curves(self, *kinds: Boundary) -> Curves:
+        """Return the exact curves of some kinds, by default of all."""
+        ends = (self.x.name, self.x.ends), (self.y.name, self.y.ends)
+        return boundary_curves(self.drive, *ends, kinds or None)
+
+    def _points(self, found: Curves) -> dict[str, tuple]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
-        found = boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
         lines = [(kind, line) for kind, parts in found.items() for line in parts]
         if not lines:
             return {}
@@ -172,12 +213,43 @@ def chart(
 
     Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
     (parameter, start, stop, count) with values in SI units; rule of resuming; number of ``workers``, which changes no
-    label; ``progress``, called with numbers of motions followed and in all. Variables: ``label`` (rows of y, columns of
+    label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane = Plane.of(drive, x, y)
-    labels = plane.labels(resume=resume, workers=number_of(workers), progress=progress)
-    return plane.frame(resume).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
+    plane, processes = Plane.of(drive, x, y), number_of(workers)
+    if processes > 1 and plane.x.axis.count * plane.y.axis.count >= _WORTH:
+        labels, curves = _in_processes(plane, resume, processes, progress)
+    else:
+        labels, curves = plane.labels(resume=resume, workers=processes, progress=progress), plane.curves()
+    return plane.frame(resume, curves).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
+
+
+def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
+    """Return labels and curves of a large chart.
+
+    The curves are a good part of the work, and Python alone, so that threads would wait for each other: processes take
+    them one by one, and then blocks of rows.
+    """
+    count, cells = plane.y.axis.count, plane.x.axis.count * plane.y.axis.count
+    size = max(1, _BLOCK[plane.drive.model] // plane.x.axis.count)
+    blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
+    labels, curves, done = np.empty((count, plane.x.axis.count), dtype=np.int8), Curves(), 0
+    with get_context("spawn").Pool(workers) as pool:
+        work = partial(_part, plane, resume)
+        for part, found in pool.imap_unordered(work, [*reversed(curves_of(plane.drive)), *blocks]):
+            if isinstance(part, Boundary):
+                curves |= found
+                continue
+            labels[part] = found
+            done += found.size
+            if progress is not None:
+                progress(done, cells)
+    return labels, {kind: curves[kind] for kind in sorted(curves)}
+
+
+def _part(plane: Plane, resume: Resume, part: Boundary | slice) -> tuple[Boundary | slice, Any]:
+    """Return a curve, or the labels of some rows, for a process of its own."""
+    return part, plane.curves(part) if isinstance(part, Boundary) else plane.labels(part, resume=resume)
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:

@@ -23,7 +23,8 @@ from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-_THROTTLE = 8  # ms that requests are gathered for before they are answered; more come while an answer is made
+_THROTTLE = 8  # ms that requests are gathered for which came while an answer was made
+_PAUSE = 0.02  # s after an answer; a request that comes later is alone, and is answered at once
 _REST = 500  # ms without a request, after which the hand is taken to rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
 _FRAME = 80  # ms of a frame of the animation
@@ -55,6 +56,7 @@ class Page:
         self.seconds = 0.0  # of the last answer at once
         self._asked: dict[str, str] = {}
         self._waiting = False
+        self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
         self._slow: Iterator[None] = iter(())
         self._stepping = False
@@ -82,7 +84,8 @@ class Page:
         self._asked[key] = text
         if not self._waiting:
             self._waiting = True
-            self.document.add_timeout_callback(self._answer, _THROTTLE)
+            alone = perf_counter() > self._answered + _PAUSE
+            self.document.add_timeout_callback(self._answer, 0 if alone else _THROTTLE)
 
     def start_at(self, u: float, w: float) -> None:
         """Start the motion in a point of the phase plane."""
@@ -117,6 +120,7 @@ class Page:
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
             self.controls.show(self.view)
+        self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
         """The view with what was asked for."""

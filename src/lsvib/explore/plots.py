@@ -59,8 +59,7 @@ class Plots:
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
-        for follows in (self.curve.y_range, self.force.x_range, self.force.y_range):
-            follows.syncable = False  # they follow their data in the browser, and the server need not hear of it
+        self.curve.y_range.syncable = False  # it follows its data in the browser, and the server need not hear of it
 
     def _plane(self) -> figure:
         made = figure(
@@ -110,7 +109,7 @@ class Plots:
     def _force(self) -> figure:
         made = figure(
             width=470, height=210, **_NARROW, tools=_TOOLS, title="Normal force of the threads (without impulses)",
-            x_axis_label="time [s]", y_axis_label="N [N]", name="force",
+            x_range=Range1d(0, 1), y_range=Range1d(-1, 1), x_axis_label="time [s]", y_axis_label="N [N]", name="force",
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
         made.multi_line("time", "force", source=self.sources["scene"], color=style.BLUE)
@@ -121,7 +120,7 @@ class Plots:
     def _contact(self) -> figure:
         made = figure(
             width=470, height=190, **_NARROW, tools="", title="Contact of screw and nut", name="contact",
-            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 0.8),
+            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 1.15),
             html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
         )  # fmt: skip
         made.axis.visible = made.grid.visible = False
@@ -136,7 +135,7 @@ class Plots:
         made.segment(0, "foot", 0, "tip", source=source, color=style.VERMILION, line_width=3)
         made.scatter(0, "tip", source=source, color=style.VERMILION, size=8)
         # A title would have to be laid out anew with the whole page when it changes, which takes longer than all else.
-        made.text(-1.95, 0.6, "words", source=source, text_font_size="12px")
+        made.text(-1.95, 0.98, "words", source=source, text_font_size="12px")
         return made
 
     def set_window(self, window: Window) -> None:
@@ -172,6 +171,10 @@ class Plots:
             "time": [shown.time],
             "force": [shown.force],
         }
+        end = float(shown.time[-1])
+        self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
+        low, high = _steady_range(shown.force)
+        self.force.y_range.update(start=low, end=high)
 
     def draw_moment(self, drive: RigidParameters, shown: Followed, k: int, words: str) -> None:
         """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut, with ``words``.
@@ -227,3 +230,13 @@ class Plots:
                 "y": [point.amplitude for point in here],
                 "colour": [COLOURS[point.label.name.lower().replace("_", " ")] for point in here],
             }
+
+
+def _steady_range(values: np.ndarray) -> tuple[float, float]:
+    """Ends of a range around values and zero that mostly stay while the values change a little.
+
+    An axis whose labels change their width lets the whole page be laid out anew.
+    """
+    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    step = 0.25 * 10 ** math.floor(math.log10(high - low or 1.0))  # four to forty of it from end to end
+    return (math.floor(low / step) - 0.25) * step, (math.ceil(high / step) + 0.25) * step

@@ -69,15 +69,22 @@ _FORCES: dict[Boundary, Callable[[RigidParameters], float]] = {
 Plane = tuple[str, tuple[float, float]]
 
 
-def boundary_curves(drive: RigidParameters, x: Plane, y: Plane) -> dict[Boundary, list[np.ndarray]]:
+def curves_of(drive: RigidParameters) -> tuple[Boundary, ...]:
+    """Return the names of the curves that a drive of the rigid model or with compliant threads can have."""
+    return (Boundary.FLUTTER,) if isinstance(drive, ThreadsParameters) else tuple(Boundary)[: Boundary.FLUTTER]
+
+
+def boundary_curves(
+    drive: RigidParameters, x: Plane, y: Plane, kinds: tuple[Boundary, ...] | None = None
+) -> dict[Boundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 
-    Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]. The
-    function that vanishes on a curve is evaluated with many digits at every point of it.
+    Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]; which of
+    the curves, by default all that the drive can have. The function that vanishes on a curve is evaluated with many
+    digits at every point of it.
     """
-    kinds = (Boundary.FLUTTER,) if isinstance(drive, ThreadsParameters) else tuple(Boundary)[: Boundary.FLUTTER]
     names, found = (x[0], y[0]), {}
-    for kind in kinds:
+    for kind in kinds or curves_of(drive):
         costly = kind is Boundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, _COSTLY_NODES if costly else _NODES, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)

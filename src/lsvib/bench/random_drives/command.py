@@ -76,7 +76,15 @@ def _report(records: list[Line]) -> str:
     if unclear := kinds(records):
         lines += ["", "| question | verdict | answers | drives | program / judge |", "|---" * 5 + "|"]
         lines += ["| " + " | ".join(map(str, row)) + " |" for row in unclear]
+    lines += _doubts(records)
     return "\n".join(lines)
+
+
+def _doubts(records: Iterable[Line]) -> list[str]:
+    """Return a line for each reason why answers are unresolved, with their number."""
+    notable = (entry for record in records for entry in record["notable"] if entry["verdict"] == UNRESOLVED)
+    counts = Counter((entry["stage"], entry["said"]) for entry in notable)
+    return [f"unresolved {stage}: {count} because {said}" for (stage, said), count in counts.most_common()]
 
 
 def _read(path: Path) -> dict[int, Line]:
