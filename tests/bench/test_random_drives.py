@@ -146,6 +146,14 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
     assert judges._at_corner(path, other, loaded) == ""
 
 
+@pytest.mark.parametrize(("index", "start"), [(8279, 17), (11789, 6)])
+def test_a_start_on_zero_to_rounding_is_moved_to_both_sides(index, start):
+    """Q is zero to rounding, and passes zero by less: digits decide whether and when, which not all moves show."""
+    wide = wide_drive("rigid", 9501, index, 32)
+    found = judges._motion(wide, start, watch.constants(dict(wide.drive)), rigid_automaton(wide.drive))
+    assert found.verdict == judges.BEYOND_INPUT
+
+
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
 def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
     """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""
@@ -202,6 +210,37 @@ def test_verdicts_that_let_a_run_pass():
     assert command.passed(command.summary([good, few]))
     assert not command.passed(command.summary([good, many]))
     assert not command.passed(command.summary([good, wrong]))
+
+
+def test_runs_are_added_up_and_what_is_not_right_is_named(tmp_path, capsys):
+    """Files of several runs make one table; a drive in two of them counts once; numbers do not split a kind."""
+    entry = {"stage": "label", "verdict": "unresolved", "start": 0, "said": "unresolved", "truth": "cycle (1.5e-3 N)"}
+    record = {"index": 0, "counts": {"label unresolved": 1}, "longest": 0.5, "notable": [entry]}
+    other = {**record, "index": 7, "notable": [{**entry, "truth": "cycle (-20 N)"}]}
+    right = {"index": 8, "counts": {"label right": 5000}, "longest": 0.1, "notable": []}
+    files = [tmp_path / "rigid-1.jsonl", tmp_path / "b" / "rigid-1.jsonl", tmp_path / "rigid-2.jsonl"]
+    files[1].parent.mkdir()
+    for path, lines in zip(files, ([record, right], [right, other], [record]), strict=True):
+        path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert command.main(["--summary", *map(str, files)]) == 0
+    said = capsys.readouterr().out
+    assert "| label | 5003 | 5000 | 3 |" in said
+    assert "| label | unresolved | 3 | 3 | unresolved / cycle (# N) |" in said
+    assert command.main(["--summary", str(files[2])]) == 1
+    with pytest.raises(SystemExit):
+        command.main(["--summary", str(tmp_path / "rigid-3.jsonl")])
+
+
+def test_starts_that_soon_settle_are_those_that_the_judge_of_fates_sees_settle():
+    """What is told of many starts at once is what is told of each."""
+    told = 0
+    for index in range(12):
+        wide = wide_drive("rigid", SEED, index, 20)
+        constants = watch.constants(dict(wide.drive))
+        for start in wide.starts[watch.come_to_rest(constants, wide.starts)]:
+            told += 1
+            assert fate(constants, *start).name == "steady_sliding"
+    assert told > 40
 
 
 @pytest.mark.slow

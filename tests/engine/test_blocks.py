@@ -119,6 +119,16 @@ def test_frozen_coordinate_keeps_its_value():
     assert out == pytest.approx([float(x) for x in exact(rows, state, 0.05)], rel=1e-13)
 
 
+def test_at_rest_an_angle_is_not_rounded_to_the_size_of_a_constant():
+    """The angle of a nut that rests while its screw's support creeps: it has a block of its own with a zero rate."""
+    speed, start, time = 0.017746, -4.025e-10, 3.577e-07
+    rows = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -9912.7, -411.43, -39.292]]
+    flow = block_flow([block_mode(exact_field(rows, [0.41, speed, 0.004, 0.1], {1: speed}))])
+    out = np.empty(4)
+    dispatch.advance(flow, 0, np.array([start, speed, -21.0, 4.5e-07]), time, out)
+    assert out[0] == pytest.approx(start + speed * time, rel=1e-14)
+
+
 def bound_holds(flow, state, guard, left, step, share=1.0) -> bool:
     """Whether a share of the bounds of the derivatives 2 to 4 of a guard bounds them on [left, left + step]."""
     matrix, growth = flow.matrix[0], flow.growth[0]

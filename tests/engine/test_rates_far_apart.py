@@ -3,6 +3,8 @@
 The motions are held against the references with 40 digits, in which nothing is far apart.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,10 @@ from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import automaton
-from lsvib.drives.parameters import NutParameters, ThreadsParameters
+from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.exact.flow_choice import flow_of, linear_mode
+from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 
@@ -188,3 +193,35 @@ def test_a_vibrating_contact_does_not_hold_the_search_down():
     assert motion.time.size < 10
     states, modes = motion.at(np.sort(np.random.default_rng(1).uniform(motion.time[-1], case.duration, 50_000)))
     assert motion.automaton.observe("normal_force", states, modes).min() > 0.0
+
+
+def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
+    """Steady sliding that repels at 1.2e5 1/s: a motion from it stays there, for 0.2 s and whenever it is looked at."""
+    drive = RigidParameters.of(
+        pitch_radius=0.03806244679962706,
+        lead_angle=0.12264428665884365,
+        screw_inertia=1.2429230549627857e-06,
+        coupling_stiffness=0.003946670052215552,
+        support_damping=9.60114218189808e-07,
+        friction_coefficient=0.1608478915598803,
+        input_speed=0.1696369958396299,
+        mass=0.09625457766977397,
+        translation_damping=10800.043519753883,
+        axial_force=632.0047383503252,
+    )
+    motion = follow(rigid_automaton(drive), (0.0, 0.0), 0.2)
+    assert motion.time.size == 0
+    assert motion.end_state.tolist() == [0.0, 0.0]
+    assert not motion.at([0.001, 0.1, 0.2])[0].any()
+
+
+def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
+    """The same of a growing pair of a field of four states, beside a pair that decays and swings."""
+    rows = [[0, 1, 0, 0, 0], [-1e10, 3e5, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -100, -1, 0]]
+    flow = flow_of([linear_mode(rows, [1.0] * 4)])
+    out, turning = np.empty(4), math.sqrt(99.75)
+    dispatch.advance(flow, 0, np.array([0.0, 0.0, 1.0, 0.0]), 0.1, out)
+    assert out[:2].tolist() == [0.0, 0.0]
+    assert out[2] == pytest.approx(
+        math.exp(-0.05) * (math.cos(0.1 * turning) + 0.5 / turning * math.sin(0.1 * turning)), rel=1e-12
+    )

@@ -164,7 +164,7 @@ def _last_same(section: ReturnSection, here: float, there: float, events, step: 
 def _passes(section: ReturnSection, here: float, there: float, way: float, events) -> float | None:
     """Return ``there`` if f has one sign up to it, a place beyond the first zero if not, None if that is unclear."""
     places = here + 0.5 * (_PLACES + 1) * (there - here)
-    found = [section.return_from(float(y)) for y in places]
+    found = section.returns_from(places)
     if any(one.events != events for one in found):
         return None
     values = way * np.array([one.excess for one in found])

@@ -99,6 +99,10 @@ class ReturnSection(Section):
         if width >= WIDEST:
             return None
         slope = float(self.jacobian(old)[0, 0])
+        if 1 <= slope < 1 + _NEUTRAL and self._inward(old, WIDEST):
+            # Over so short a step it is rounding whether P′ is below one; the mean over a longer one shows it.
+            left, right = (float(self.excess(old + side * WIDEST)[0]) for side in (-1, 1))
+            slope = 1 + (right - left) / (2 * WIDEST)
         if not abs(slope) < 1:
             return None
         return FixedPoint(self.state(old), slope, width)

@@ -8,7 +8,7 @@ import numpy as np
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import event_loop, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError, WorkSpentError
@@ -21,6 +21,7 @@ _FINER = 1e-12  # the same where P′ is an exact product: beyond its rounding o
 _FEW_EVENTS = 64  # in a return whose derivative is an exact product, each factor of which costs
 _FACTOR = 60.0  # so much, in units of a budget: some hundred microseconds
 LONGEST = 1000  # events in one return
+_ROOM = 64  # events of each of many returns that are followed together; one with more is followed alone
 PATIENCE = 10  # time that the next return may take, in times of the longest return seen
 _ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
 _LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
@@ -167,6 +168,25 @@ class Section:
         """Follow one return from y = ``place`` on a line."""
         excess, events = self.outcome(np.array([place]))
         return Return(float(excess[0]), events)
+
+    def returns_from(self, places: np.ndarray) -> list[Return]:
+        """Follow one return from each of some places (k) on a line, as :meth:`return_from` does, of two states."""
+        if self.returns > 1 or self.budget is not None:
+            return [self.return_from(float(place)) for place in places]
+        states = np.array([self.state(np.array([place])) for place in places.tolist()])
+        counts = np.empty(len(states), dtype=np.int64)
+        kinds, modes = (np.empty((len(states), _ROOM), dtype=kind) for kind in (np.int8, np.int64))
+        event_loop.returns(self.automaton.tables, self.key[1], states, self._limit, self.key[0], kinds, modes, counts)
+        found = []
+        for k, count in enumerate(counts.tolist()):
+            if count < 0:
+                found.append(self.return_from(float(places[k])))
+            elif count == 0:
+                found.append(Return(math.nan, None))
+            else:
+                excess = self.place(states[k]) - places[k : k + 1]
+                found.append(Return(float(excess[0]), (kinds[k, :count].tobytes(), modes[k, :count].tobytes())))
+        return found
 
     def jacobian(self, place: np.ndarray) -> np.ndarray:
         """Return P′ (d, d) at y = ``place`` (d) by central differences; nan if a motion does not come back."""

@@ -24,7 +24,12 @@ def model_module(name: str) -> str:
     """Return the name of the module of a model; ``InputError`` if there is no model of that name."""
     if not isinstance(name, str) or name not in _files():
         raise InputError(f"model = {shown(name)} is not one of {', '.join(model_names())}.")
-    inside = _files()[name].relative_to(Path(__file__).parent).with_suffix("")
+    return _module_of(_files()[name])
+
+
+@cache  # one motion asks for its model some thirty times
+def _module_of(file: Path) -> str:
+    inside = file.relative_to(Path(__file__).parent).with_suffix("")
     return ".".join((__package__, *inside.parts))
 
 

@@ -1,12 +1,14 @@
 """Rates of the motion near steady sliding, from the references' statements of Newton's laws, with 120 digits."""
 
 import math
+from functools import lru_cache
 
 from mpmath import mp
 
 from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
 from lsvib.bench.sweeps.wide_drives import WideDrive
+from lsvib.drives.parameters import RigidParameters
 
 _DIGITS = 120  # so that a double rate has 60
 _REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
@@ -14,24 +16,27 @@ _REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as e
 
 def rates(wide: WideDrive) -> list:
     """Rates [1/s] of the motion near steady sliding, two or four."""
-    parameters = dict(wide.drive)
+    return _rates(wide.model, wide.drive, wide.physics)
+
+
+@lru_cache(maxsize=2)  # several questions about one drive begin with them
+def _rates(model: str, drive: RigidParameters, physics: tuple[str, ...]) -> list:
+    parameters = dict(drive)
     with mp.workdps(_DIGITS):
-        turning = 1 if wide.drive.input_speed > 0 else -1
-        if wide.model == "rigid":
+        turning = 1 if drive.input_speed > 0 else -1
+        if model == "rigid":
             d = rigid_digits.RigidTrueDrive(parameters, _DIGITS)
             law = d.s0 or 1
             a, b = d.C(law) / (2 * d.Gamma(law)), d.k / d.Gamma(law)
             root = mp.sqrt(a * a - b)
             first = -a - root if mp.re(-a) < 0 else -a + root
             return [first, b / first]
-        if wide.model == "threads":
+        if model == "threads":
             d = threads_digits.ThreadsTrueDrive(parameters)
             law = 1 if (d.R - d.r * d.tan * d.cx * d.Omega) * turning >= 0 else -1
             matrix, _ = d.matrix(lambda x: d.slip(law, x))
         else:
-            d = ClosedFormDrive(
-                wide.model, parameters, "slide_friction" in wide.physics, "bearing_friction" in wide.physics
-            )
+            d = ClosedFormDrive(model, parameters, "slide_friction" in physics, "bearing_friction" in physics)
             axial = d.p["axial_force"] - d.p["translation_damping"] * d.reach * d.Omega - d.F0 * turning
             sign = 1 if axial >= 0 else -1
             rows = d.row_of_field((turning, sign, turning if d.second else None))

@@ -133,8 +133,10 @@ def _judge_global(drive: RigidParameters, force: float, rng) -> tuple[str, str, 
     beyond = _at(drive, force, -_ASIDE, size)
     if not (force - _onset(drive)) * drive.input_speed < 0:
         return "wrong", f"{force} N", "a force short of the onset"
-    lasting = [fate(before, u, w) for u, w in (*_widest(before), *_starts(before, rng))]
-    if all(found.name == "steady_sliding" for found in lasting):
+    starts = _drawn(before, rng)
+    if all(
+        fate(before, u, w).name == "steady_sliding" for u, w in starts[~watch.come_to_rest(before, starts)].tolist()
+    ):
         # Next to the threshold the starts of motions that go on may be few: these need not be among them.
         return "undecided", f"{force} N: some motion goes on at {_ASIDE:+g}", "none of the starts does"
     return _all_come_to_rest(beyond, f"{force} N at {-_ASIDE:+g}", rng)
@@ -152,9 +154,14 @@ def _starts(c: watch.WatchConstants, rng) -> list[tuple[float, float]]:
     return [(x * math.cos(a), x * math.sin(a) * abs(c.speed) / _size_of(c)) for x, a in zip(size, angle, strict=True)]
 
 
+def _drawn(c: watch.WatchConstants, rng) -> np.ndarray:
+    return np.array([*_widest(c), *_starts(c, rng)])
+
+
 def _all_come_to_rest(c: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
     unknown = 0
-    for u, w in (*_widest(c), *_starts(c, rng)):
+    starts = _drawn(c, rng)
+    for u, w in starts[~watch.come_to_rest(c, starts)].tolist():  # most of them settle at once
         found = fate(c, u, w)
         unknown += found.name == "unknown"
         if found.name not in ("steady_sliding", "unknown"):

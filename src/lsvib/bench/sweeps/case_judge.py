@@ -180,9 +180,13 @@ def _weigh(
     If the reference's own answer changes as much as the engine's is wrong, the verdict becomes BEYOND_INPUT.
     """
     known, moved = len(path.kinds) + 1, 0.0
-    for _ in range(_PERTURBED):
+    drawn, shared = [_last_places(case, rng) for _ in range(_PERTURBED)], _shared(path, exact, case)
+    for k, places in enumerate((*drawn, *(-x for x in drawn))):
+        # Four moves may all put a start that is on a guard to one side of it; their opposites do not.
+        if k == _PERTURBED and (outcome.verdict in _GOOD or known <= shared):
+            break
         try:
-            other = truth(case, *_moved(case, rng))
+            other = truth(case, *_moved(case, places))
         except InputError:  # the moved input is outside the allowed ranges
             continue
         if other is None:
@@ -192,7 +196,8 @@ def _weigh(
             moved = max(moved, float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration)
             moved = max(moved, distance(other.end, exact)) if exact.complete else moved
     outcome.sensitivity = moved
-    undecided = outcome.verdict is Verdict.WRONG and known <= _common(path.kinds, exact.kinds)
+    late = outcome.verdict is Verdict.INACCURATE and shared < len(path.kinds)
+    undecided = (outcome.verdict is Verdict.WRONG or late) and known <= shared
     error = np.fmax(outcome.state_error, outcome.time_error)  # the first is nan if the motion was cut off
     if undecided or (outcome.verdict is Verdict.INACCURATE and error <= 4 * moved):
         outcome.verdict = Verdict.BEYOND_INPUT
@@ -206,13 +211,24 @@ def _common(left: list[str], right: list[str]) -> int:
                 min(len(left), len(right)))  # fmt: skip
 
 
-def _moved(case: Case, rng: np.random.Generator) -> tuple[RigidParameters, tuple[float, ...]]:
-    def move(value: float) -> float:
-        return value * (1 + rng.uniform(-_LAST_PLACES, _LAST_PLACES) * _EPS)
+def _shared(path: Record, exact: Record, case: Case) -> int:
+    """Number of leading events that two motions share, at the same times where they have the same events."""
+    count = min(len(path.kinds), len(exact.kinds))
+    late = np.flatnonzero(np.abs(path.times[:count] - exact.times[:count]) > TOLERANCE * case.duration)
+    same = _common(path.kinds, exact.kinds)
+    return int(late[0]) if late.size and same > count else same
 
-    values = {key: move(value) for key, value in case.drive}
+
+def _last_places(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """Draw by how many last places each parameter and each coordinate of the start is moved."""
+    return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
+
+
+def _moved(case: Case, places: np.ndarray) -> tuple[RigidParameters, tuple[float, ...]]:
+    parts = iter((1 + places * _EPS).tolist())
+    values = {key: value * next(parts) for key, value in case.drive}
     # On θ′ = 0 to the last digit it has to stay: a motion that starts there is one that has just stopped.
-    start = list(map(move, case.start))
+    start = [value * next(parts) for value in case.start]
     if case.start[1] == -case.drive.input_speed:
         start[1] = -values["input_speed"]
     return type(case.drive).model_construct(**values), tuple(start)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import lru_cache
 
 import numpy as np
 from mpmath import mpf
@@ -30,7 +31,7 @@ MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a
 _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
 _MOST_STEPS = 100_000  # steps of the stepper; motions that need more go to the reference
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
-_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _CORNER = "corner"
 _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
@@ -159,6 +160,7 @@ def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> 
     return strides_path(moved, case_ladders(moved, case.duration))
 
 
+@lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
 def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
@@ -239,7 +241,7 @@ def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, comple
     for k, kind in enumerate(kinds):
         if times[k] <= instant:
             continue
-        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
+        if kept and (kinds[kept[-1]], kind) in TOUCHES and times[k] - times[kept[-1]] <= instant:
             kept.pop()
             continue
         kept.append(k)

@@ -189,11 +189,13 @@ def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
     """The block's own coordinates, or z = R y where these make |B| smaller.
 
     The exponential of B loses digits if the rates of |B|, which no choice of units changes, exceed those of B. In its
-    own coordinates the B of a drive is close to triangular; the B of a chain in general position is not.
+    own coordinates the B of a drive is close to triangular; the B of a chain in general position is not. Where it is
+    triangular with zero rates, as at rest, its own coordinates stay: others would round u to the size of a constant.
     """
     d = block.matrix.rows
+    own = _rate_of_sizes(block)
     turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
-    if _rate_of_sizes(turned) < _rate_of_sizes(block):
+    if float(_SAME * mpmath.mnorm(block.matrix, mpmath.inf)) < own > _rate_of_sizes(turned):
         return turned, _Norm(mpmath.eye(d), mpmath.eye(d), norm.growth)
     # Each coordinate in the unit whose norm is one, which makes B small.
     lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]

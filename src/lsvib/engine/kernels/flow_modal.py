@@ -69,7 +69,10 @@ def carry(flow, mode, start, t, out):
         row = flow.oscillators[mode, pair]
         u, w, rate = start[k], start[k + 1], own_rate(row)
         c, s, turned, _, _, _ = responses(row, t)
-        out[k], out[k + 1] = u * c + (w - rate * u) * s, w * turned + (rate * w - row[A0] * u) * s
+        if u == 0.0 and w == 0.0 and not math.isfinite(c + s + turned):
+            out[k], out[k + 1] = 0.0, 0.0  # growth beyond all numbers does not move what is in equilibrium
+        else:
+            out[k], out[k + 1] = u * c + (w - rate * u) * s, w * turned + (rate * w - row[A0] * u) * s
         k += 2
     for single in range(flow.singles[mode]):
         rate, push = flow.rates[mode, single], flow.pushes[mode, single]

@@ -96,6 +96,8 @@ def advance(flow, mode, state, t, out):
         force = row[B] - row[A0] * u
         out[0] = u + (w * s + force * integrated_response(row, t))
         out[1] = w * s_rate + force * s
+    elif u == row[EQUILIBRIUM] and w == 0.0 and not math.isfinite(c + s + s_rate):
+        out[0], out[1] = u, w  # growth beyond all numbers does not move what is in equilibrium
     else:
         y = u - row[EQUILIBRIUM]
         out[0] = row[EQUILIBRIUM] + (y * c + w * s)

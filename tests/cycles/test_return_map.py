@@ -1,0 +1,43 @@
+"""The return map of a line: many returns at once are what each of them is alone."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.cycles import return_section
+from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import section_key
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.motion import follow
+
+DRIVES = {
+    "seizures": {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0},
+    "contact reversals": {"translation_damping": 1e3, "axial_force": 25.0},
+    "hardly damped": {"support_damping": 1e-9, "axial_force": 0.0},
+}
+
+
+@pytest.mark.parametrize("room", [1, 64])
+@pytest.mark.parametrize("name", DRIVES)
+def test_many_returns_at_once_are_those_of_each_place(monkeypatch, name, room):
+    """The same excess to the last bit and the same events, whether or not the room for these suffices."""
+    automaton = rigid_automaton(RigidParameters.of(DRIVES[name]))
+    motion = follow(automaton, (0.1, 0.0), math.inf, max_events=40)
+    key, size = section_key(motion), np.abs(motion.after).max(axis=0)
+    assert key is not None
+    watched = (motion.kind == key[0]) & (motion.mode == key[1])
+    longest = float(np.diff(motion.time[watched]).max())
+    section = ReturnSection(automaton, key, motion.after[watched][-1], size, 1, longest)
+    if section.dimension == 0:
+        pytest.skip("a section that is a point")
+    monkeypatch.setattr(return_section, "_ROOM", room)
+    places = np.linspace(-1.5, 1.5, 31)
+    came_back = 0
+    for place, one in zip(places.tolist(), section.returns_from(places), strict=True):
+        alone = section.return_from(place)
+        assert one.events == alone.events
+        assert one.excess == alone.excess or (math.isnan(one.excess) and math.isnan(alone.excess))
+        came_back += one.events is not None
+    assert came_back >= 5
