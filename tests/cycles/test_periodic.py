@@ -164,6 +164,18 @@ def test_every_attractor_of_random_starts_is_listed(seed):
     assert starts(drive)
 
 
+def test_a_touch_is_no_cycle():
+    """The return map of this drive has a fixed point where two contact reversals lie 2e-96 s apart."""
+    drive = lsvib.RigidDrive(
+        mass=8.78277598116115,
+        translation_damping=122.41990896457544,
+        support_damping=1.0194153802344125e-05,
+        axial_force=9.016768013690344,
+    )
+    (cycle,) = drive.cycles().cycles
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(8))
 def test_at_most_one_cycle_of_pure_slip(seed):
