@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -113,6 +114,14 @@ def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
         error = cycle.multiplier_error + again.multiplier_error
         assert abs(cycle.leading - again.leading) <= max(2 * error, 1e-15)
     assert seen or len(cycle.itinerary) == 1
+
+
+def test_a_cycle_without_derivative_is_written_without_multipliers():
+    (cycle,) = SLIP.cycles().cycles
+    written = replace(cycle, multipliers=np.array([complex(math.nan)]), multiplier_error=math.nan).to_json()
+    assert written["stability"] == "not known"
+    assert written["label"] == "other_cycle"
+    assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
 
 
 def test_the_mean_coupling_torque_is_the_work_of_the_motor():

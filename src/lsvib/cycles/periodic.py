@@ -125,8 +125,8 @@ class Cycle:
         """Impulses of each event of the period; zero but for seizures."""
         return event_impulses(self.drive, self.orbit)
 
-    def to_json_multipliers(self) -> list[float | list[float]]:
-        """Return the multipliers: numbers, or real and imaginary parts."""
+    def to_json_multipliers(self) -> list[float | list[float] | None]:
+        """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
         return [_number(value) for value in self.multipliers]
 
     def to_json(self) -> dict[str, Any]:
@@ -139,7 +139,7 @@ class Cycle:
             "period": self.period,
             "amplitude": self.amplitude,
             "multipliers": self.to_json_multipliers(),
-            "multiplier_error": self.multiplier_error,
+            "multiplier_error": _finite(self.multiplier_error),
             "state": [float(x) for x in self.state],
             "residual": self.residual,
             "found_by": self.found_by,
@@ -153,7 +153,7 @@ class Cycle:
                 "damping": taken.damping,
                 "impacts": taken.impacts,
                 "balance": taken.balance,
-                "efficiency": taken.efficiency,
+                "efficiency": _finite(taken.efficiency),
             },
         }
 
@@ -180,8 +180,14 @@ class Cycle:
         return found
 
 
-def _number(value: complex) -> float | list[float]:
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _number(value: complex) -> float | list[float] | None:
     """A real multiplier as a number, a complex one as its real and imaginary part."""
+    if not np.isfinite(value):
+        return None
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
