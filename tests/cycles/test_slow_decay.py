@@ -59,12 +59,28 @@ def test_a_cycle_with_a_multiplier_of_nearly_one():
     assert 1 - cycle.multiplier == pytest.approx(-slow * cycle.period, rel=0.01)
 
 
+def test_a_cycle_is_looked_for_between_leaps():
+    """A second slow oscillation moves the motion with every leap, and Newton's method would reach the cycle at once."""
+    automaton, state = scene("support", 71, 17, 0)
+    motion = follow(automaton, state, math.inf, max_events=1024)
+    found = steady_state(automaton, motion.end_state, mode=motion.end_mode, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert 1 - found.multiplier == pytest.approx(3.0939e-6, rel=1e-3)
+
+
 def test_a_decay_without_end_is_no_cycle():
     """With R = 0 nothing has a size: contact reversals go on for ever, and the motion shrinks by 1.4e-4 in a turn."""
     automaton, state = scene("support", 7, 33, 1)
     assert steady_state(automaton, state, max_events=60_000).label not in CYCLES
     sizes = [np.abs(followed(automaton, state, events).after[-1000:]).max(axis=0) for events in (20_000, 200_000)]
     assert (sizes[1] < 0.9 * sizes[0]).all()
+
+
+def test_what_rounding_leaves_of_a_motion_is_no_cycle():
+    """With R = 0 the motion shrinks by a third in a return, down to numbers that repeat; the map has no derivative."""
+    automaton, state = scene("threads", 72, 26, 3)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
 
 
 def test_steady_sliding_on_the_surface_of_no_force():

@@ -15,8 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lsvib.cycles.attractors import CORNERS, Attractor, SteadyState, steady_state
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.periodic import Cycle, cycle_on
+from lsvib.cycles.recurrences import CORNERS
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
