@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -115,6 +116,14 @@ def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
     assert seen or len(cycle.itinerary) == 1
 
 
+def test_a_cycle_without_derivative_is_written_without_multipliers():
+    (cycle,) = SLIP.cycles().cycles
+    written = replace(cycle, multipliers=np.array([complex(math.nan)]), multiplier_error=math.nan).to_json()
+    assert written["stability"] == "not known"
+    assert written["label"] == "other_cycle"
+    assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
+
+
 def test_the_mean_coupling_torque_is_the_work_of_the_motor():
     cycle, _ = cycle_after(*FOUND[3])
     drive = cycle.drive
@@ -162,6 +171,18 @@ def test_every_attractor_of_random_starts_is_listed(seed):
         if steady.orbit is not None and steady.label != Attractor.NEUTRAL_FAMILY:
             assert any(abs(period - steady.period) <= 1e-6 * period for period in listed)
     assert starts(drive)
+
+
+def test_a_touch_is_no_cycle():
+    """The return map of this drive has a fixed point where two contact reversals lie 2e-96 s apart."""
+    drive = lsvib.RigidDrive(
+        mass=8.78277598116115,
+        translation_damping=122.41990896457544,
+        support_damping=1.0194153802344125e-05,
+        axial_force=9.016768013690344,
+    )
+    (cycle,) = drive.cycles().cycles
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
 
 
 @pytest.mark.long

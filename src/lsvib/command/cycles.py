@@ -103,14 +103,21 @@ def follow(
 
 def _print_cycle(cycle: dict[str, Any]) -> None:
     """Print a cycle in a few lines."""
-    put_in, taken = cycle["work"], {name: 0 - value for name, value in cycle["work"].items()}
-    numbers = ", ".join(
-        f"{m:.9g}" if isinstance(m, float) else f"{m[0]:.9g} {m[1]:+.9g}i" for m in cycle["multipliers"]
-    )
+    work = cycle["work"]
+    taken = {name: 0 - work[name] for name in ("friction", "damping", "impacts")}
+    multipliers = ", ".join(map(_shown, cycle["multipliers"]))
+    if cycle["multiplier_error"] is not None:
+        multipliers += f" (± {cycle['multiplier_error']:.1g})"
     print(f"{cycle['label'].replace('_', ' ')}, {cycle['stability']} (found by: {cycle['found_by']})")
     print(f"  period {cycle['period']:.12g} s, amplitude {cycle['amplitude']:.12g} rad")
-    print(f"  multipliers {numbers} (± {cycle['multiplier_error']:.1g}), residual {cycle['residual']:.1g}")
+    print(f"  multipliers {multipliers}, residual {cycle['residual']:.1g}")
     print(
-        f"  work per cycle [J]: motor {put_in['motor']:.6g}, load {put_in['load']:.6g}, "
+        f"  work per cycle [J]: motor {work['motor']:.6g}, load {work['load']:.6g}, "
         f"friction {taken['friction']:.6g}, damping {taken['damping']:.6g}, impacts {taken['impacts']:.6g}"
     )
+
+
+def _shown(multiplier: float | list[float] | None) -> str:
+    if multiplier is None:
+        return "none"
+    return f"{multiplier:.9g}" if isinstance(multiplier, float) else f"{multiplier[0]:.9g} {multiplier[1]:+.9g}i"

@@ -92,7 +92,7 @@ def _cycle_between(
         motion, gaps, others = both
         for section in _sections(motion, gaps):
             cycle = cycle_on(drive, section, "edge of a basin")
-            if cycle is not None and not cycle.attracting and not _vanishes(cycle):
+            if cycle is not None and cycle.repelling and not _vanishes(cycle):
                 return cycle
         if finest:
             later = int(np.searchsorted(gaps, _LATER))

@@ -84,8 +84,8 @@ class Cycle:
 
     @property
     def neutral(self) -> bool:
-        """Whether the largest multiplier is on the unit circle, to its error."""
-        return not (self.attracting or self.repelling)
+        """Whether the largest multiplier is on the unit circle, to its error; not if there are none."""
+        return math.isfinite(self.leading) and not (self.attracting or self.repelling)
 
     @property
     def itinerary(self) -> tuple[tuple[str, str], ...]:
@@ -125,8 +125,8 @@ class Cycle:
         """Impulses of each event of the period; zero but for seizures."""
         return event_impulses(self.drive, self.orbit)
 
-    def to_json_multipliers(self) -> list[float | list[float]]:
-        """Return the multipliers: numbers, or real and imaginary parts."""
+    def to_json_multipliers(self) -> list[float | list[float] | None]:
+        """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
         return [_number(value) for value in self.multipliers]
 
     def to_json(self) -> dict[str, Any]:
@@ -135,11 +135,11 @@ class Cycle:
         return {
             "label": self.label.name.lower(),
             "attracting": self.attracting,
-            "stability": "attracting" if self.attracting else "repelling" if self.repelling else "neutral",
+            "stability": self._stability(),
             "period": self.period,
             "amplitude": self.amplitude,
             "multipliers": self.to_json_multipliers(),
-            "multiplier_error": self.multiplier_error,
+            "multiplier_error": _finite(self.multiplier_error),
             "state": [float(x) for x in self.state],
             "residual": self.residual,
             "found_by": self.found_by,
@@ -153,9 +153,15 @@ class Cycle:
                 "damping": taken.damping,
                 "impacts": taken.impacts,
                 "balance": taken.balance,
-                "efficiency": taken.efficiency,
+                "efficiency": _finite(taken.efficiency),
             },
         }
+
+    def _stability(self) -> str:
+        for name in ("attracting", "repelling", "neutral"):
+            if getattr(self, name):
+                return name
+        return "not known"  # without multipliers, as infinitely many events have no derivative
 
     def _events(self) -> list[dict[str, Any]]:
         """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""
@@ -174,8 +180,14 @@ class Cycle:
         return found
 
 
-def _number(value: complex) -> float | list[float]:
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _number(value: complex) -> float | list[float] | None:
     """A real multiplier as a number, a complex one as its real and imaginary part."""
+    if not np.isfinite(value):
+        return None
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
@@ -209,9 +221,16 @@ def solve(section: ReturnSection) -> tuple[Motion, float] | None:
         place = place + step
         if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
             break
-    return best if best is not None and best[1] < _CLOSE else None
+    return best if best is not None and best[1] < _CLOSE and _moves(best[0], section.size) else None
 
 
+def _moves(orbit: Motion, size: np.ndarray) -> bool:
+    """Whether a return is no mere touch: two events that rounding tells apart come back to where they began as well."""
+    states, _ = orbit.at(orbit.end_time * np.array([0.25, 0.5, 0.75]))
+    return bool((np.abs(states - orbit.start_state) / size).max() > _MOVED)
+
+
+_MOVED = 1e-9  # way of a return, in sizes of the motion, that is no touch: a touch lasts for a few roundings
 _CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
 
 
