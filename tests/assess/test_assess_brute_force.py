@@ -159,7 +159,7 @@ def compare(case: str, count: int) -> None:
         low, high = found.probability[name].interval
         print(f"{case}, {name}: {share:.5f} of {count} drives, 95 % {low:.5f} to {high:.5f}")
         assert low - scatter <= share <= high + scatter, name
-    assert all(0.02 < shares[name] < 0.98 for name in CASES[case][1])
+    assert all(0.005 < shares[name] < 0.995 for name in CASES[case][1])
     worst = 0.0
     for one, part in some:
         expected, measured = measured_growth(one, part)

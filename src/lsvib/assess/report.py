@@ -195,7 +195,7 @@ def _single_changes(assessment: Assessment) -> list[Html]:
             CHANGES[row.quantity][0].upper() + CHANGES[row.quantity][1:],
             shown(row.value / row.factor, _UNITS[row.quantity]),
             shown(row.value, _UNITS[row.quantity]),
-            f"×{row.factor:.3g}, {change(row.factor)}",
+            f"×{row.factor:.3g}" + (f", {change(row.factor)}" if row.factor < 2 else ""),  # else it says the same twice
         )
         for row in assessment.margins
         if row.factor is not None and row.value is not None and 1 / _NEAR <= row.factor <= _NEAR
