@@ -71,6 +71,17 @@ def test_same_bits_for_any_number_of_processes():
     xr.testing.assert_identical(BASE.sweep(axial_force=forces[7:8]), alone.isel(axial_force=slice(7, 8)))
 
 
+@pytest.mark.slow
+def test_processes_change_no_bit_of_drives_with_four_states():
+    """However drives are shared out, and so put together in arrays."""
+    drive = lsvib.ThreadsDrive(mass=1, translation_damping=1000)
+    forces = np.linspace(1.0, 60.0, 130)
+    alone = drive.sweep(axial_force=forces)
+    xr.testing.assert_identical(drive.sweep(axial_force=forces, workers=2), alone)
+    part = slice(40, 47)
+    xr.testing.assert_identical(drive.sweep(axial_force=forces[part]), alone.isel(axial_force=part))
+
+
 def test_any_parameter_can_be_swept():
     for name, value in lsvib.RigidDrive():
         values = [value * 0.9, value * 1.1] if value else [1.0, 2.0]
