@@ -39,7 +39,9 @@ def assess(
     try:
         from lsvib.assess import run
     except ModuleNotFoundError as error:
-        raise InputError(f"assess needs the library {error.name}: pip install lsvib[assess].") from None
+        raise InputError(
+            f"lsvib assess needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
+        ) from None
 
     if share is not None:
         print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
