@@ -432,11 +432,15 @@ def drive_class(model: str) -> type[_Drive]:
 
 @dataclass(frozen=True)
 class AttractionMap:
-    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took."""
+    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took.
+
+    ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
+    """
 
     dataset: "xr.Dataset"
     counts: "Mapping[Attractor, int]"
     seconds: float
+    doubts: Mapping[str, int]
 
 
 def map_attraction(
@@ -471,10 +475,12 @@ def map_attraction(
     if refine and isinstance(mapped, PlanarMapper):
         blocks = refinement.refine(mapped, starts)
         seconds = perf_counter() - begin
-        return AttractionMap(refined_map(mapped, blocks), blocks.counts(), seconds)
+        counts, dataset = blocks.counts(), refined_map(mapped, blocks)
+        return AttractionMap(dataset, counts, seconds, mapped.doubts(counts))
     found = mapped.cells(starts, quantities=wanted, threads=workers, progress=progress)
     seconds = perf_counter() - begin
-    return AttractionMap(attraction_map(mapped, starts, found), refinement.count(found["label"]), seconds)
+    counts = refinement.count(found["label"])
+    return AttractionMap(attraction_map(mapped, starts, found), counts, seconds, mapped.doubts(counts))
 
 
 def rule(given: Any) -> Literal["contact_sign", "at_once"]:

@@ -10,13 +10,16 @@ pytest.importorskip("scipy")
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
+from lsvib.assess.chart import charts
 from lsvib.assess.friction import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, drive_of, reserves
 from lsvib.assess.plain_values import as_json
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.uncertainty import study
+from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
+from lsvib.assess.words import ATTRACTORS
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
 from lsvib.steady_sliding.conditions import conditions
@@ -192,31 +195,64 @@ def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
     assert found.nominal.vibration.attractor == "steady sliding"
 
 
-SPRINGY = {
-    "load": {"mass": {"low": "5 kg", "mode": "7 kg", "high": "10 kg"}, "force": "-50 N"},
-    "contact": {"stiffness": {"median": "1e5 N/m", "factor": 1.5}, "damping": {"median": "1e5 N*s/m", "factor": 1.3}},
-}
+def test_the_margin_in_lead_keeps_the_speed_that_the_sheet_gives():
+    """Of the load, if that is given: at R̃ = 0 on the brink of a load that begins to push, not at the screw's speed."""
+    damping = {"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
+    lever = 5.18e-3 * TANGENT
+    for speed, lead in (("40 rad/s", 2 * math.pi * 30 / (1000 * 40)), (f"{40 * lever} m/s", None)):
+        operation = {"speed": speed, "direction": "out"}
+        given = sheet(load={"mass": "1 kg", "force": "-30 N"}, operation=operation, damping=damping)
+        row = {row.quantity: row for row in margins(given, values_of(given))["negative_damping"]}["lead"]
+        if lead is not None:
+            assert row.value == pytest.approx(lead, rel=1e-9)
+            continue
+        # The load pushes at every lead, so that C_0 alone decides: (μ − t) t / (1 + μ t) = c / (c_x r_m²).
+        balance = 2e-4 / (1000 * 5.18e-3**2)
+        roots = np.roots([1.0, -(0.218 * (1 - balance)), balance])
+        leads = 2 * math.pi * 5.18e-3 * roots[np.isreal(roots)].real
+        assert min(abs(row.value / one - 1) for one in leads) < 1e-9
 
 
-@pytest.mark.long
-def test_probability_of_springy_threads_against_simulated_drives():
-    """Drives that are drawn independently and simulated with compliant threads, four states each."""
-    given, count = sheet(**SPRINGY), 1000
-    found = study(given, 8192, 3).probability["thread_contact"]
-    entries, rng = sheet(**SPRINGY).spreads(), np.random.default_rng(11)
-    model, hits = find_model("threads"), 0
-    for _ in range(count):
-        draw = {**sheets.nominal_draw(given), **{
-            path: float(entries[path].quantile(rng.random())) for path in sheets.random_entries(given)
-        }}  # fmt: skip
-        values = {key: float(value) for key, value in sheets.quantities(given, draw).items()}
-        drive = drive_of(given, values, *corners(given, values)[0], "contact")
-        start = model.initial_state(drive, {"u": 0.0, "w": 1e-6 * drive.input_speed})
-        end = steady_state(model.build(drive, tuple(model.options), "contact_sign"), start).label
-        hits += end != Attractor.STEADY_SLIDING
-    scatter = 3 * math.sqrt(found.value * (1 - found.value) / count)
-    assert 0.1 < found.value < 0.9
-    assert abs(hits / count - found.value) < scatter
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "share"), [("1e8 N/m", "1e8 N*s/m", 1.0), ("1e7 N/m", "1e3 N*s/m", 1.6)]
+)
+def test_the_push_that_springy_threads_survive_is_told_by_their_own_motions(stiffness, damping, share):
+    """Below it motions with springy threads come back, above it one does not; very stiff ones are as rigid ones."""
+    given = sheet(
+        load={"mass": "11 kg", "force": "10 N"},
+        damping={"rotational": "1e-3 N*m*s/rad"},
+        contact={"stiffness": stiffness, "damping": damping},
+    )
+    values = values_of(given)
+    corner = corners(given, values)[0]
+    stiff, _ = survived_push(given, values, corner)
+    push, sentence = springy_push(given, values, corner, stiff)
+    assert push == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
+    assert "perfectly stiff" in sentence
+    drive = drive_of(given, values, *corner, "contact")
+    model = find_model("threads")
+    automaton = model.build(drive, ("support_damping", "axial_force", "contact_damping"), "contact_sign")
+
+    def ends(part: float) -> set:
+        starts = [model.initial_state(drive, {"u": 0.0, "w": sign * part * push}) for sign in (1, -1)]
+        return {steady_state(automaton, start).label for start in starts}
+
+    assert ends(0.99) == {Attractor.STEADY_SLIDING}
+    assert ends(1.02) != {Attractor.STEADY_SLIDING}
+
+
+def test_friction_that_rises_is_said_to_be_missing_from_the_motion():
+    """Nothing else damps this drive: its motion neither grows nor dies away, although it runs steadily."""
+    given = sheet(friction={"coefficient": 0.15, "slope": "0.9 s/m"}, damping={})
+    found = assess(given, samples=64)
+    assert (found.verdict, found.nominal.vibration.attractor) == ("steady", "neutral family")
+    page = report(found, charts(given, found.values))
+    assert "the damping that its rise with speed adds is not in this motion" in page
+
+
+def test_every_end_of_a_motion_has_plain_words():
+    """Each attractor of the package, as the report names it."""
+    assert {label.name.lower().replace("_", " ") for label in Attractor} <= set(ATTRACTORS)
 
 
 @pytest.mark.parametrize("direction", ["out", "back"])

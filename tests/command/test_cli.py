@@ -367,7 +367,8 @@ def test_attraction_json_and_dataset(run):
                            "--out", "map.nc", "--figure", "map.png", "--json")  # fmt: skip
     assert code == 0
     result = json.loads(out)
-    assert set(result) == {"cells", "fractions", "unresolved", "exact_basin_area", "cells_per_second"}
+    keys = {"cells", "fractions", "unresolved", "unresolved_because", "exact_basin_area", "cells_per_second"}
+    assert set(result) == keys
     assert result["cells"] == 1200
     assert result["unresolved"] == 0
     assert sum(result["fractions"].values()) == pytest.approx(1.0, abs=1e-15)

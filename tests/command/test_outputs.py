@@ -1,6 +1,7 @@
 """Outputs are put in place all or none, links are followed; settings away from the repository; drives in every form."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -102,6 +103,7 @@ def test_figures_away_from_the_repository(run):
     assert code == 0
     assert Path("built/fig8_03.nc").is_file()
     assert "wrote built/fig8_03.png" in out
+    assert re.search(r"^All \d+ checks passed\.$", out, re.MULTILINE)
 
 
 def test_the_settings_of_the_package_are_those_of_the_repository():

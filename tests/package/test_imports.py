@@ -130,3 +130,13 @@ def test_kernels_need_no_linear_algebra():
             assert not product, f"{path.name}:{node.lineno} multiplies matrices"
             named = isinstance(node, ast.Attribute) and node.attr in {"dot", "vdot", "linalg", "matmul"}
             assert not named, f"{path.name}:{node.lineno} uses {getattr(node, 'attr', '')}"
+
+
+def test_nothing_lets_xarray_interpolate():
+    """Its interpolation calls scipy, which only assessments and benchmarks have."""
+    for path in PACKAGE.rglob("*.py"):
+        if path.relative_to(PACKAGE).parts[0] in ("assess", "bench"):
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute) and node.attr in {"interp", "interp_like", "interpolate_na"}:
+                assert ast.unparse(node.value) == "np", f"{path.name}:{node.lineno} uses {node.attr}"

@@ -14,7 +14,7 @@ from lsvib.assess.friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, worst_shares
-from lsvib.assess.vibration import Vibration, survived_push, vibration
+from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import VERDICTS
 from lsvib.errors import InputError
@@ -23,7 +23,6 @@ _BEYOND = (
     "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
     "yet, only the onset."
 )
-_PUSHED = 5.0  # times the speed: a start that shows what a strong push does
 
 WorstCase = tuple[float, NDArray[np.float64]]
 """Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it."""
@@ -246,11 +245,13 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
     if name == "falling_friction" and lowest[name].reserve[0] < 0:
         beyond = Vibration("rigid", "unknown", reason=_BEYOND)
         return Motion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
-    strong = {"push": -_PUSHED} if name == "push_needed" else {}
+    strong = {"push": -STRONG} if name == "push_needed" else {}
     moved = vibration(sheet, values, corner, part, **strong)
     if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
     push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
+    if part == "contact" and sheet.support is None:
+        push = springy_push(sheet, values, corner, push[0])
     return Motion(name, dict(entries), values, corner, moved, push)
 
 

@@ -64,13 +64,17 @@ def _absent_dampings(values: Mapping[str, Any]) -> dict[str, float]:
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
-def _scaled(values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
-    return {**values, **{key: values[key] * factors for key in keys}}
+def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
+    """Multiply some quantities; where the sheet gives the speed of the load, a larger lead turns the screw slower."""
+    changed = {**values, **{key: values[key] * factors for key in keys}}
+    if "lead" in keys and sheet.operation.speed.unit == "m/s":
+        changed |= {key: values[key] / factors for key in PAIRS["speed"]}
+    return changed
 
 
 def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: NDArray) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
-    found = worst(sheet, _scaled(values, keys, factors))
+    found = worst(sheet, _scaled(sheet, values, keys, factors))
     shape = factors.shape
     occurs = {
         name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
@@ -137,7 +141,7 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     lowest = worst(sheet, values)
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
     for quantity, keys in changeable(values).items():
-        changed = {key: complex(value) for key, value in _scaled(values, keys, 1 + 1j * _STEP).items()}
+        changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * _STEP).items()}
         moved = corners(sheet, changed)
         for name, one in lowest.items():
             if places:

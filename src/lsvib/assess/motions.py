@@ -6,10 +6,10 @@ import yaml
 
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment, Mechanism, Motion
-from lsvib.assess.drive import random_entries
+from lsvib.assess.drive import point, random_entries
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
-from lsvib.assess.words import ATTRACTORS
+from lsvib.assess.words import ATTRACTORS, entry_name
 
 
 def where(one: Mechanism | Motion, assessment: Assessment) -> str:
@@ -18,10 +18,9 @@ def where(one: Mechanism | Motion, assessment: Assessment) -> str:
     lead = assessment.values["lead"] / (2 * math.pi)
     way = "outward" if direction > 0 else "back"
     side = "against" if force >= 0 else "in the direction of"
-    return (
-        f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with "
-        f"{shown(abs(force), 'N')} {side} outward travel"
-    )
+    load = f"{shown(abs(force), 'N')} {side} outward travel" if force else "no force on the load"
+    weight = " besides its weight" if assessment.values["tilt"] != 0 else ""
+    return f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {load}{weight}"
 
 
 def rigid(assessment: Assessment) -> bool:
@@ -52,7 +51,8 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     if motion is assessment.worst and motion is not assessment.nominal:
         spreads = assessment.sheet.spreads()
         values = ", ".join(
-            f"{path} = {shown(motion.entries[path], spreads[path].unit)}" for path in random_entries(assessment.sheet)
+            f"{entry_name(path)} = {shown(motion.entries[path], spreads[path].unit)}"
+            for path in random_entries(assessment.sheet)
         )
         parts.append(page.paragraph(f"The values of this case: {values}."))
     return [
@@ -69,9 +69,12 @@ def _what_it_does(motion: Motion, start: str) -> Html:
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
     if moved.reason is not None:
         return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
-    if not moved.vibrates:
+    if moved.frequency is None:
+        swing = (
+            "" if moved.amplitude is None else f"; in the time shown the load swings by ± {shown(moved.amplitude, 'm')}"
+        )
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
-        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}.")
+        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
     (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
     heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
     rows = [
@@ -97,11 +100,10 @@ def _push_survived(motion: Motion, assessment: Assessment) -> list[Html]:
         return [
             page.paragraph(
                 f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
-                f"is {shown(lead * push, 'm/s')} at the load{'' if rigid(assessment) else ', with stiff threads'}. "
-                f"{sentence}"
+                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
             )
         ]
-    if push is not None and math.isinf(push) and rigid(assessment):
+    if push is not None and math.isinf(push):
         return [page.paragraph(sentence)]
     return []
 
@@ -131,6 +133,8 @@ def _taken(motion: Motion, assessment: Assessment) -> str:
     parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
     stiff = " and ".join(name for name, given in parts.items() if given and name != model)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
-    if sheet.friction.curve is not None or motion.values["friction_slope"] != 0:
-        text += " Friction is taken as constant at its value there."
+    slope = float(point(sheet, motion.values, *motion.corner).slope)
+    if slope != 0:
+        effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
+        text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
     return text

@@ -6,6 +6,8 @@ _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, 
 _PREFIXED = {"N": "N", "m": "m", "m/s": "m/s", "Hz": "Hz", "N s": "N s", "N/m": "N/m", "N m/rad": "N m/rad", "s": "s"}
 _READABLE = {
     "kg m2": "kg m²",
+    "kg m^2": "kg m²",
+    "kg/m^3": "kg/m³",
     "N m rad-1": "N m/rad",
     "N m s rad-1": "N m s/rad",
     "N s m-1": "N s/m",
@@ -44,6 +46,11 @@ def percent(value: float | None) -> str:
         return "–"
     share = 100 * value
     return f"{share:.3g} %" if share <= 99 or share == 100 else f"{share:.4g} %"
+
+
+def signed(value: float, places: int) -> str:
+    """Return a plain number with its sign and so many decimal places."""
+    return f"{value:+.{places}f}".replace("-", "−")
 
 
 def change(factor: float | None) -> str:

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from lsvib.assess.assessment import Assessment, Motion
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import CHANGES, MECHANISMS
+from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
 from lsvib.figures.drawing import style
 
 WIDTH = 3.7  # inch: on a phone one to one
@@ -99,7 +99,7 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
     axis.invert_yaxis()
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
-    span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.5 + 0.05
+    span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.8 + 0.05
     axis.set_xlim(-span, span)
     choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in _FACTORS]
     ticks = next((marks for marks in choices if len(marks) > 2), choices[-1])
@@ -168,7 +168,7 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     places = np.arange(len(names))
     axis.barh(places - 0.18, [first[key] for key in names], height=0.34, color=style.BLUE, label="alone")
     axis.barh(places + 0.18, [total[key] for key in names], height=0.34, color=style.SKY, label="with the others")
-    axis.set_yticks(places, names, fontsize=7)
+    axis.set_yticks(places, [entry_name(name) for name in names], fontsize=7)
     axis.invert_yaxis()
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
     axis.legend(fontsize=7)

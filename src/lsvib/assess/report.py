@@ -7,7 +7,7 @@ from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
 from lsvib.assess.drive import QUANTITIES
 from lsvib.assess.motions import motions, rigid, where
-from lsvib.assess.numbers import change, percent, shown
+from lsvib.assess.numbers import change, percent, shown, signed
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
 from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
@@ -100,10 +100,11 @@ def _cards(assessment: Assessment) -> list[tuple[str, str]]:
         ),
     ]
     worst = assessment.worst.vibration
-    if worst.vibrates:
+    if worst.frequency is not None:
         cards.append(
             (shown(worst.frequency, "Hz"), "frequency in the worst case" + (", audible" if worst.audible else ""))
         )
+    if worst.amplitude is not None:
         cards.append((shown(worst.amplitude, "m"), "swing of the load in the worst case, to either side"))
     return cards
 
@@ -125,7 +126,7 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
             verdict = Html(f"possible{page.small('computed with stiff threads and support; ' + place)}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
-        rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", f"{one.reserve:+.2f}", margin))
+        rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin))
     absent = []
     if "mode_coupling" not in assessment.mechanisms:
         absent.append("Mode coupling of the support was not examined: the data sheet gives no support.")
@@ -135,7 +136,8 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         page.heading("What can make it vibrate"),
         page.paragraph(
             "The reserve says how far each cause is from setting in: +1 means that nothing drives it, 0 is the brink, "
-            "below 0 it occurs. It is what keeps the drive steady less what drives the swing, over the sum of both."
+            "below 0 it occurs. It is what keeps the drive steady less what drives the swing, over the sum of both. "
+            "The operating window is every speed and force that the data sheet allows."
         ),
         page.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
         *(page.paragraph(sentence) for sentence in absent),
@@ -149,33 +151,62 @@ def _changes(assessment: Assessment) -> list[Html]:
     ]  # fmt: skip
     if not names:
         return []
-    first = names[0]
-    best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
-    text = (
-        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
-        f"{CHANGES[best[0]]}: 1 % more changes the reserve by {0.01 * best[1]:+.4f}."
-    )
-    return [
-        page.heading("How close it is, and what to change"),
-        page.paragraph(
-            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes. Bars "
-            "that would need more than a factor of ten either way are left out; the complete table is in "
-            "assessment.json."
-        ),
-        page.side_by_side(
-            *(
-                page.picture(
-                    pictures.embedded(pictures.margin_chart, assessment, name),
-                    f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
-                )
-                for name in names[:_MARGINS]
-            ),
+    charts = [
+        page.picture(
+            pictures.embedded(pictures.margin_chart, assessment, name),
+            f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
+        )
+        for name in names[:_MARGINS]
+    ]
+    text = []
+    # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
+    first = next((name for name in names if any(assessment.mechanisms[name].sensitivities.values())), None)
+    if first is not None:
+        best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
+        text.append(
+            page.paragraph(
+                f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
+                f"{CHANGES[best[0]]}: 1 % more changes the reserve by {signed(0.01 * best[1], 4)}."
+            )
+        )
+        charts.append(
             page.picture(
                 pictures.embedded(pictures.sensitivity_chart, assessment, first),
                 f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
-            ),
+            )
+        )
+    return [
+        page.heading("How close it is, and what to change"),
+        *_single_changes(assessment),
+        page.paragraph(
+            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes: ×0.5 "
+            "means half of it, ×3 three times as much. Bars that would need more than a factor of ten either way are "
+            "left out; the complete table is in assessment.json."
         ),
-        page.paragraph(text),
+        page.side_by_side(*charts),
+        *text,
+    ]
+
+
+def _single_changes(assessment: Assessment) -> list[Html]:
+    """Say in numbers which single changes alter the verdict on the whole drive, at the middle values."""
+    rows = [
+        (
+            CHANGES[row.quantity][0].upper() + CHANGES[row.quantity][1:],
+            shown(row.value / row.factor, _UNITS[row.quantity]),
+            shown(row.value, _UNITS[row.quantity]),
+            f"×{row.factor:.3g}, {change(row.factor)}",
+        )
+        for row in assessment.margins
+        if row.factor is not None and row.value is not None and 1 / _NEAR <= row.factor <= _NEAR
+    ]
+    if not rows:
+        return []
+    occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "push_needed")
+    effect = "ends all vibration that starts by itself" if occurs else "makes the drive start to vibrate by itself"
+    return [
+        page.paragraph(f"At the middle values each of these changes alone {effect}."),
+        page.table(["One change alone", "Given", "Needed" if occurs else "Limit", "That is"], rows),
     ]
 
 

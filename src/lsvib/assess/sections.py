@@ -7,7 +7,7 @@ from lsvib.assess.fields import Curve
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
 from lsvib.assess.spread import Spread
-from lsvib.assess.words import LEFT_OUT
+from lsvib.assess.words import LEFT_OUT, entry_name
 
 _KINDS = {"uniform": "anywhere in the range", "triangular": "triangular", "normal": "normal", "lognormal": "lognormal"}
 _TAKEN = {
@@ -26,7 +26,7 @@ def data_sheet(assessment: Assessment) -> list[Html]:
     for path, entry in sheet.entries():
         if entry is None:
             continue
-        rows.append((path.replace(".", ": ").replace("_", " "), _entry(entry), _origin(assessment, path)))
+        rows.append((entry_name(path), _entry(entry), _origin(assessment, path)))
     found = [(QUANTITIES[key][0], shown(value, QUANTITIES[key][1])) for key, value in assessment.values.items()]
     return [
         page.heading("The data sheet"),
@@ -91,9 +91,19 @@ def method(assessment: Assessment) -> list[Html]:
             "without time steps. Margins are found by root finding on those conditions."
         ),
         page.paragraph(
-            f"Samples: {assessment.uncertainty.samples} points of a scrambled Sobol sequence, seed "
-            f"{assessment.seed}. The intervals of probability are those of Clopper and Pearson at 95 %, as if the "
-            "samples were independent, which is on the safe side. All of the numbers are in assessment.json and, with "
-            "the chart and the motions, in assessment.nc."
+            f"{_samples(assessment)}All of the numbers are in assessment.json and, with the chart and the motions, in "
+            "assessment.nc."
         ),
     ]
+
+
+def _samples(assessment: Assessment) -> str:
+    """How the drives were drawn, in sentences; empty if nothing is uncertain."""
+    if assessment.uncertainty.samples == 1:
+        return ""
+    return (
+        f"Samples: {assessment.uncertainty.samples} drives, spread evenly over what is uncertain (random points that "
+        f"avoid each other: a scrambled Sobol sequence, seed {assessment.seed}). The intervals of probability hold the "
+        "true value in 95 of 100 cases (Clopper and Pearson); they are those of independent samples, which is on the "
+        "safe side. "
+    )

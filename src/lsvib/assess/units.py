@@ -33,7 +33,7 @@ _WORDS |= {"N": "a force", "N/m": "a stiffness", "rad/s": "a rotational speed", 
 _WORDS |= {"s/m": "a slope of the friction coefficient over the sliding speed", "": "a plain number or a percentage"}
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
 _LONGEST = 40  # characters of a unit; the longest sensible one has a dozen
-_LETTERS = re.compile(r"[A-Za-zµμ°²³%*/^·() 0-9.\-]*")
+_LETTERS = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]*")
 
 
 class NotQuantity(ValueError):

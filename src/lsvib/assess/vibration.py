@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.numbers import shown
 from lsvib.assess.sheet import Sheet
 from lsvib.basins.exact_basin import AttractsNothing, basin
 from lsvib.basins.resilience import smallest_push
@@ -29,10 +30,16 @@ _GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is sh
 _DOUBLINGS = 6  # of the time shown; slower growth is shown in part
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
 _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
-# Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more.
-_MOST_WORK = {"rigid": 4_000, "support": 200_000, "contact": 200_000}
+# Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of the
+# first 78 random sheets with a support 8 were unresolved with a tenth of it, and 1 is now: 7 vibrations never repeat.
+_MOST_WORK = {"rigid": 4_000, "support": 2_000_000, "contact": 2_000_000}
 _LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
 _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
+# Pushes that are tried with springy threads, in times of the one that stiff threads survive, or of the speed; a fatal
+# one is closed in on until the ends of the bracket are some 1 % apart.
+_TRIED, _HALVINGS = (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0), 6
+STRONG = 5.0  # times the speed: a push that shows what a strong one does, and the largest that has to be tried
+_WORK_TRIED = 20_000  # units for each of them, a tenth of a second or two
 _MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
 
 
@@ -65,8 +72,8 @@ class Vibration:
 
     @property
     def vibrates(self) -> bool:
-        """Whether the motion ends in a cycle."""
-        return self.frequency is not None
+        """Whether the motion ends in a cycle, or in a vibration that never repeats itself."""
+        return self.frequency is not None or self.attractor == _word(Attractor.RECURRENT)
 
     @property
     def audible(self) -> bool:
@@ -93,14 +100,14 @@ def vibration(
         end = steady_state(automaton, state, max_events=_MOST_WORK[part])
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
-    words = end.label.name.lower().replace("_", " ")
+    words = _word(end.label)
     try:
         start, span, times, states = _shown(drive, kind, automaton, start, end)
     except EngineError as error:
         return Vibration(model, words, reason=str(error))
     scene = {"model": model, "drive": drive.model_dump(), "start": start, "duration": span, "samples": _SAMPLES + 1}
     row = _load_row(drive, automaton.states)
-    shown = {
+    samples = {
         "scene": scene,
         "time": times,
         "deviation": states @ row,
@@ -108,8 +115,15 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
-        return Vibration(model, words, **shown)
-    return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **shown)
+        if end.label == Attractor.RECURRENT:  # of which there is no period: the swing is that of the time shown
+            samples["amplitude"] = 0.5 * float(np.ptp(samples["deviation"][times > 0.5 * span]))
+        return Vibration(model, words, **samples)
+    return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **samples)
+
+
+def _word(label: Attractor) -> str:
+    """An attractor by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
+    return label.name.lower().replace("_", " ")
 
 
 def _shown(
@@ -202,3 +216,51 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
     if found > _FARTHEST * abs(drive.input_speed):
         return math.inf, "Steady motion comes back after any push of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
+
+
+def springy_push(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
+) -> tuple[float | None, str]:
+    """The same with the springy threads of the sheet, by motions after pushes of either sign; nothing is proved.
+
+    ``stiff``: the push [rad/s] that the drive with stiff threads survives, around which pushes are tried. Returns the
+    largest push below which all that were tried come back, infinite if all do, None if a motion does not tell; and a
+    sentence.
+    """
+    drive = drive_of(sheet, values, *corner, "contact")
+    kind = find_model(_MODELS["contact"])
+    options = tuple(term for term in kind.terms if getattr(drive, term) != 0)
+
+    def ends(push: float) -> str:
+        state = kind.initial_state(drive, {"u": 0.0, "w": push})
+        return _word(steady_state(automaton, state, max_events=_WORK_TRIED).label)
+
+    known = stiff is not None and 0 < stiff < math.inf
+    scale = stiff if known else abs(drive.input_speed)
+    beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
+    low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
+    try:
+        automaton = kind.build(drive, options, "contact_sign")
+        slightest = ends(_NUDGE**2 * scale)
+        if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
+            known = slightest not in ("neutral family", "unresolved")
+            return (0.0, "Steady running is unstable with springy threads.") if known else (None, "")
+        sizes = [scale * part for part in _TRIED]
+        while sizes[-1] < STRONG * abs(drive.input_speed):
+            sizes.append(2 * sizes[-1])
+        for size in sizes:
+            found = {sign: ends(sign * size) for sign in (1, -1)}
+            fatal = [sign for sign, end in found.items() if end != "steady sliding"]
+            if "unresolved" in found.values():
+                return None, "How large a push it survives with springy threads was not found."
+            if fatal:
+                high = size
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (low + high)
+                    calm = all(ends(sign * middle) == "steady sliding" for sign in fatal)
+                    low, high = (middle, high) if calm else (low, middle)
+                return low, tried
+            low = size
+    except (InputError, EngineError) as error:
+        return None, str(error)
+    return math.inf, f"Pushes of up to {shown(low, 'rad/s')} were tried with the springy threads; all came back."

@@ -72,6 +72,7 @@ ATTRACTORS = {
     "sprag slip cycle": "sprag-slip: the screw is stopped by an impact of the threads in every cycle",
     "other cycle": "a swing of the speed about its mean, without standstill",
     "neutral family": "a swing that neither grows nor dies away, as nothing damps it",
+    "recurrent": "a vibration that goes on for ever without repeating itself",
     "unbounded": "a motion that grows without limit",
     "rest": "standstill",
     "unresolved": "a motion that does not settle into a pattern within the events that were computed",
@@ -106,3 +107,8 @@ LEFT_OUT = (
     "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",
 )
 """What the model does not know, in sentences."""
+
+
+def entry_name(path: str) -> str:
+    """Return an entry of the data sheet, such as coupling.gear_ratio, as a reader meets it: coupling: gear ratio."""
+    return path.replace(".", ": ").replace("_", " ")

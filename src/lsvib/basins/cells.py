@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.cycles.attractors import SteadyState
+from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
@@ -47,6 +47,10 @@ class Mapper(Protocol):
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
         int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
         """
+        ...
+
+    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
+        """Return why cells of the last map, counted by attractor, are unresolved: numbers by ends of sentences."""
         ...
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:

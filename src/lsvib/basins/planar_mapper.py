@@ -1,6 +1,6 @@
 """The region of attraction of models with two states: every start is looked up in a table of sections."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -9,11 +9,13 @@ from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
+from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
+_BOUNDARY = "the start lies on a boundary to rounding"
 _CELLS = 16384  # of a block, about; a thread works on one block at a time
 
 
@@ -79,6 +81,11 @@ class PlanarMapper:
 
         in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), threads, progress)
         return {name: found[name] for name in quantities}
+
+    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
+        """Return why cells of a map, counted by attractor, are unresolved: all for the same reason."""
+        unresolved = counts[Attractor.UNRESOLVED]
+        return {_BOUNDARY: unresolved} if unresolved else {}
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""

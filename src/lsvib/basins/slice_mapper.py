@@ -15,14 +15,18 @@ Known cycles are those that a few fixed starts reach, with less work; so the res
 or threads. Modes in blocks, whose rates lie so far apart that an event takes many times as long, have fewer events.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
-from lsvib.cycles import attractors
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
+from lsvib.cycles.patience import FEW, follow_patiently
+from lsvib.cycles.settling import settled
+from lsvib.cycles.steady_states import out_of_range
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
@@ -40,6 +44,19 @@ _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet 
 _STILL = 1e-12  # size of a step on the section that is rounding, in sizes of the cycle
 
 
+class Destiny(NamedTuple):
+    """What becomes of a motion: label, time [s], number of sprags, kind of the first event (−1: none), and any doubt.
+
+    The time is infinite where the label is unresolved; ``doubt`` says why it is.
+    """
+
+    label: Attractor
+    time: float
+    seizures: int
+    first_event: int
+    doubt: Doubt | None = None
+
+
 class StateMapper:
     """Maps planar slices of the starts of a drive to what becomes of them; an interface as ``Mapper`` has it.
 
@@ -54,8 +71,10 @@ class StateMapper:
         self.automaton = self.kind.build(drive, physics, resume)
         self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
+        self._doubts: Counter[str] = Counter()
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
-        self._rounds, self._events = _BLOCK_ROUNDS if in_blocks else _ROUNDS, _EVENTS
+        self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
+        self._events = _EVENTS
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
@@ -94,55 +113,69 @@ class StateMapper:
             "first_event": np.empty((y.size, x.size), dtype=np.int8),
         }
 
+        doubts: list[Doubt | None] = []
+
         def row(part: slice) -> None:
             """Map some rows, one start after the other."""
             for i in range(part.start, part.stop):
                 for j in range(x.size):
                     values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
                     state = self.kind.initial_state(self.drive, values)
-                    for array, value in zip(found.values(), self.destiny(state), strict=True):
+                    *destiny, doubt = self.destiny(state)
+                    doubts.append(doubt)
+                    for array, value in zip(found.values(), destiny, strict=True):
                         array[i, j] = value
 
         in_blocks(row, y.size, 1, threads, progress)
+        self._doubts = Counter(sorted(doubt for doubt in doubts if doubt is not None))
         return {name: found[name] for name in quantities}
+
+    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
+        """Return why cells of the last map are unresolved; ``counts`` of attractors are not needed."""
+        return dict(self._doubts)
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
         starts = (self.kind.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
         return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
 
-    def destiny(self, state: np.ndarray) -> tuple[Attractor, float, int, int]:
-        """Return label, time [s], number of sprags and first event of the motion from a state (n)."""
+    def destiny(self, state: np.ndarray) -> Destiny:
+        """Return what becomes of the motion from a state (n)."""
         mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(self._events)
         if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
-            return Attractor.STEADY_SLIDING, 0.0, 0, -1
+            return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
         for _ in range(self._rounds):
             try:
-                motion = attractors.followed(self.automaton, state, mode, _CHUNK, budget)
+                motion = follow_patiently(
+                    self.automaton, state, np.inf, mode=mode, max_events=self._chunk, budget=budget
+                )
             except EngineError as error:
-                unbounded = isinstance(error, DivergenceError) and not self.automaton.passive
-                label = Attractor.UNBOUNDED if unbounded else Attractor.UNRESOLVED
-                return label, np.inf, sprags, -1 if first is None else first
+                diverged = isinstance(error, DivergenceError)
+                end = out_of_range(self.automaton, state) if diverged else SteadyState.unresolved(state, error)
+                return Destiny(end.label, np.inf, sprags, -1 if first is None else first, end.doubt)
             if first is None:
                 first = int(motion.kind[0]) if motion.time.size else -1
             if motion.status == Status.SETTLED:
-                label = attractors.settled(self.automaton, motion).label
-                return label, time + motion.end_time, sprags + self._sprags(motion, motion.time.size), first
+                sprags += self._sprags(motion, motion.time.size)
+                return Destiny(settled(self.automaton, motion).label, time + motion.end_time, sprags, first)
             for cycle in self.attractors:
                 last = _joins(motion, cycle)
                 if last is not None:
-                    return cycle.label, time + float(motion.time[last]), sprags + self._sprags(motion, last + 1), first
+                    sprags += self._sprags(motion, last + 1)
+                    return Destiny(cycle.label, time + float(motion.time[last]), sprags, first)
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
-        label = self._end(state, mode).label
-        return label, time if label != Attractor.UNRESOLVED else np.inf, sprags, first
+        end = self._end(state, mode)
+        return Destiny(
+            end.label, time if end.doubt is None else np.inf, sprags, -1 if first is None else first, end.doubt
+        )
 
     def _end(self, state: np.ndarray, mode: int | None = None, work: int | None = None) -> SteadyState:
         """Return the attractor of a motion; unresolved if the engine does not decide or the work does not suffice."""
         try:
             return steady_state(self.automaton, state, mode=mode, max_events=work or self._events)
-        except EngineError:
-            return SteadyState(Attractor.UNRESOLVED, state)
+        except EngineError as error:
+            return SteadyState.unresolved(state, error)
 
     def _sprags(self, motion: Motion, count: int) -> int:
         """Count the first events of a motion that sprag or enter a mode that does."""

@@ -66,7 +66,7 @@ def attraction(
     found = map_attraction(drive, starts, quantities, resume, threads, refine, Progress())
     dataset, counts = found.dataset, found.counts
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
-    result = summary(counts, area, found.seconds)
+    result = summary(counts, found.doubts, area, found.seconds)
     with outputs.writing() as parts:
         write_dataset(dataset, parts[0], "lsvib.attraction")
         if pictures:

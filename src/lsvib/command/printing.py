@@ -72,7 +72,8 @@ def print_motion(result: Mapping[str, Any]) -> None:
     numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
     print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
     print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
-    print(f"attractor: {result['attractor'].replace('_', ' ')}")
+    doubt = result.get("unresolved_because")
+    print(f"attractor: {result['attractor'].replace('_', ' ')}{f', because {doubt}' if doubt else ''}")
     print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
     if result.get("peak_normal_impulse"):
         print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
@@ -110,6 +111,8 @@ def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
             share = f"a fraction of {cells / result['cells']:.6g}"
             print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
     print(f"unresolved: {result['unresolved']} cells")
+    for doubt, cells in result["unresolved_because"].items():
+        print(f"  {cells} because {doubt}")
     area = result["exact_basin_area"]
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
@@ -123,6 +126,9 @@ def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> Non
         return
     for check in checks:
         print(check.sentence())
+    failed = sum(not check.passed for check in checks)
+    if checks:
+        print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
     print(f"wrote {picture}, its PDF, dataset and checks")
 
 

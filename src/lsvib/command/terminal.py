@@ -48,7 +48,7 @@ class Progress:
         terminal = sys.stderr.isatty()
         percent = 100 * done // total
         step = percent if terminal else percent // 5
-        if step == self.shown:
+        if step == self.shown or total == 1:  # one piece of work is not far until it is done
             return
         self.shown = step
         end = "\n" if done == total or not terminal else ""

@@ -21,13 +21,14 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import ModalFlow
-from lsvib.engine.motion import Budget, Motion, follow
+from lsvib.engine.motion import Budget, Motion
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
@@ -43,6 +44,7 @@ _FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5
 _FEWER = 2  # doublings that are taken off after a leap that was too long
 _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
+_SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
@@ -74,17 +76,23 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust = None, 1.0
+    before, trust, moves = None, 1.0, 0
     while budget.left > 0:
-        found = ended(motion)
+        # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
+        found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
         leap = _by_returns(motion, budget)
+        moves = moves + 1 if leap.moved else 0
         leapt |= leap.moved
         if leap.moved:
-            motion = follow(automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget)
+            motion = follow_patiently(
+                automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
+            )
             continue
-        motion = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget)
+        motion = follow_patiently(
+            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
+        )
         trend = _trend(motion) if motion.time.size == window else None
         if trend is None:
             window = min(2 * window, _LAST_WINDOW)
@@ -92,7 +100,8 @@ def pursue(
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
             leapt, before = True, trend
-            motion, blank = follow(automaton, state, math.inf, mode=mode, max_events=window, budget=budget), 0
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
+            blank = 0
         elif trend.none and window == _LAST_WINDOW:
             blank += 1
             if blank == _BLANKS:
@@ -209,7 +218,9 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
     """Follow some returns; return the states (n) at them, and modes and sizes (n) of each return."""
     states, patterns, sizes = [state], [], []
     for _ in range(_RETURNS):
-        motion = follow(automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget)
+        motion = follow_patiently(
+            automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget
+        )
         if motion.status != Status.STOP_EVENT:
             break
         states.append(motion.end_state)

@@ -15,8 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lsvib.cycles.attractors import CORNERS, Attractor, SteadyState, steady_state
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.periodic import Cycle, cycle_on
+from lsvib.cycles.recurrences import CORNERS
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
 from lsvib.drives.parameters import RigidParameters
@@ -28,6 +29,7 @@ from lsvib.errors import EngineError
 _FINER = 1e-3  # factor by which two states come together between two attempts of Newton's method: ten halvings
 _FINEST = 1e-12  # distance, in sizes of the motion, beyond which halving meets the rounding of the motions
 _PARTED = 1e-2  # distance at which two motions no longer follow the edge
+_CLOSE = 1e-5  # distance at which they are still on the edge, to so many digits
 _LATER = 1e-4  # distance at which they are taken up again: eight digits were gained on the way
 _ROUNDS = 8  # attempts of Newton's method: four on the first line, the others from later events
 _EVENTS = 2000  # that two motions are followed side by side
@@ -88,7 +90,7 @@ def _cycle_between(
         if both is None:
             continue
         motion, gaps, others = both
-        for section in _sections(motion):
+        for section in _sections(motion, gaps):
             cycle = cycle_on(drive, section, "edge of a basin")
             if cycle is not None and not cycle.attracting and not _vanishes(cycle):
                 return cycle
@@ -152,8 +154,11 @@ def _side_by_side(
     return together, gaps[:count], other.after[:count]
 
 
-def _sections(motion: Motion) -> Iterator[ReturnSection]:
-    """Sections at the last events of a motion along an edge, for the numbers of returns that a period may have."""
+def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[ReturnSection]:
+    """Sections along an edge, for the numbers of returns that a period may have.
+
+    They lie where the motion is on the edge to some digits, and where it parts from the other.
+    """
     key = section_key(motion)
     if key is None:
         return
@@ -162,9 +167,11 @@ def _sections(motion: Motion) -> Iterator[ReturnSection]:
     size[size == 0] = 1.0
     points = motion.after[met]
     longest = float(np.diff(motion.time[met], prepend=0.0).max())
-    changes = [float(np.max(np.abs(points[-1] - points[-1 - r]) / size)) for r in range(1, min(_RETURNS + 1, len(met)))]
-    for returns in sorted(range(1, len(changes) + 1), key=lambda r: changes[r - 1]) or [1]:
-        yield ReturnSection(motion.automaton, key, points[-1], size, returns, _LONGER * longest)
+    for last in sorted({max(int(np.searchsorted(gaps[met], near)) - 1, 0) for near in (_CLOSE, _PARTED)}):
+        earlier = range(1, min(_RETURNS, last) + 1)
+        changes = {r: float(np.max(np.abs(points[last] - points[last - r]) / size)) for r in earlier}
+        for returns in sorted(changes, key=lambda r: changes[r]) or [1]:
+            yield ReturnSection(motion.automaton, key, points[last], size, returns, _LONGER * longest)
 
 
 def _vanishes(cycle: Cycle) -> bool:

@@ -13,13 +13,14 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lsvib.cycles import attractors, leaps, return_map, return_section
-from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.cycles import leaps, more_states, recurrences, return_map, return_section
+from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.compliant_endings import compliant_endings
 from lsvib.cycles.ending import Ending, Endings
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings as kernels
 from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
@@ -29,13 +30,13 @@ from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError
 
 _SEARCH = kernels.Search(
-    chunk=attractors.CHUNK,
-    patience=attractors.LONG,
-    returns=attractors.PERIODS,
-    solved=attractors.SOLVED,
-    fewest=attractors.FEWEST,
-    repeats=attractors.REPEATS[0],
-    corner=attractors.CORNERS[0],
+    chunk=more_states.CHUNK,
+    patience=more_states.LONG,
+    returns=recurrences.PERIODS,
+    solved=recurrences.SOLVED,
+    fewest=recurrences.FEWEST,
+    repeats=recurrences.REPEATS[0],
+    corner=recurrences.CORNERS[0],
     few=leaps.FEW,
     patience_of_return=return_section.PATIENCE,
     longest=return_section.LONGEST,

@@ -25,6 +25,7 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 
 _NEWTON = 40  # steps; a start that Newton's method likes needs six
+_HALVINGS = 8  # of a step that leads to where motions do not come back
 _LONGER = 2.0  # a return may take so many times what it did
 
 
@@ -185,10 +186,15 @@ def solve(section: ReturnSection) -> tuple[Motion, float] | None:
     growth of neighbours over a period.
     """
     place, best = np.zeros(section.dimension), None
+    step, halved = np.zeros(section.dimension), 0
     for _ in range(_NEWTON):
         orbit = section.come_back(section.state(place))
         if orbit is None or orbit.time.size == 0 or orbit.time[-1] == 0.0:
-            break
+            if not step.any() or halved == _HALVINGS:
+                break
+            step, halved = 0.5 * step, halved + 1  # beyond what comes back: half the way, and half of that
+            place = place - step
+            continue
         gap = section.place(orbit.end_state) - place
         residual = float(np.max(np.abs(orbit.end_state - orbit.start_state) / section.size))
         better = best is None or residual < best[1]
@@ -196,9 +202,10 @@ def solve(section: ReturnSection) -> tuple[Motion, float] | None:
             best = orbit, residual
         if section.dimension == 0:
             break
-        step = newton_step(section_derivative(section, orbit).matrix, gap)
-        if step is None or (not better and np.abs(step).max() < _CLOSE):
+        found = newton_step(section_derivative(section, orbit).matrix, gap)
+        if found is None or (not better and np.abs(found).max() < _CLOSE):
             break
+        step, halved = found, 0
         place = place + step
         if np.abs(step).max() <= AT_REST * max(1.0, float(np.abs(place).max())):
             break

@@ -29,6 +29,7 @@ WIDER = 4.0  # factor from one interval tried around a fixed point to the next
 WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
+_NOISE = 4 * flow_planar.EPS  # rounding of P(y) − y, in scales of the section
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
 _NEUTRAL = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
 _THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
@@ -66,7 +67,10 @@ class ReturnSection(Section):
         here = np.zeros(self.dimension)
         if self.origin.size == 2:
             return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
-        leading, neutral = largest(self.jacobian(here)), self._is_neutral(*self.slopes(here))
+        leading, (exact, margin) = largest(self.jacobian(here)), self.slopes(here)
+        neutral = self._is_neutral(exact, margin)
+        if math.isnan(leading):  # a motion beside does not come back
+            leading = largest(exact)
         return FixedPoint(self.origin, leading, math.nan, neutral)
 
     def _is_neutral(self, slopes: np.ndarray, margin: float) -> bool:
@@ -122,7 +126,8 @@ class ReturnSection(Section):
                 return None
             step = np.linalg.lstsq(np.eye(self.dimension) - slopes, gap, rcond=None)[0]
             place, last, length = place + step, length, np.abs(step).max()
-            if length <= _CONVERGED:
+            nearest = np.abs(1 - np.linalg.eigvals(slopes)).min()  # P(y) − y is rounding at this distance from zero
+            if length <= max(_CONVERGED, min(_NOISE / max(nearest, _NOISE), _THERE)):
                 break
             if not length < last:
                 return None

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
@@ -129,10 +130,7 @@ class Section:
         motion, events, here = None, 0, state
         for _ in range(self.returns):
             try:
-                motion = follow(
-                    self.automaton, here, self._limit, mode=self.key[1], stop=self.key, max_events=LONGEST,
-                    budget=self.budget,
-                )  # fmt: skip
+                motion = self._follow(here, self._limit, LONGEST, self.key)
             except WorkSpentError:
                 raise
             except EngineError:
@@ -141,8 +139,14 @@ class Section:
                 return None
             here, events = motion.end_state, events + motion.time.size
         if self.returns > 1:
-            motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events, budget=self.budget)
+            motion = self._follow(state, math.inf, events)
         return motion
+
+    def _follow(self, state: np.ndarray, t_end: float, events: int, stop: tuple[int, int] = (-1, -1)) -> Motion:
+        if self.budget is None:
+            return follow(self.automaton, state, t_end, mode=self.key[1], stop=stop, max_events=events)
+        mode, budget = self.key[1], self.budget
+        return follow_patiently(self.automaton, state, t_end, mode=mode, stop=stop, max_events=events, budget=budget)
 
     def excess(self, place: np.ndarray) -> np.ndarray:
         """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""
@@ -173,6 +177,8 @@ class Section:
 
     def slopes(self, place: np.ndarray) -> tuple[np.ndarray, float]:
         """Return P′ (d, d) at y = ``place`` (d), and by how much its eigenvalues are uncertain [1]; nan as above."""
+        if self.dimension == 0:  # the section is a point
+            return np.zeros((0, 0)), MARGIN
         motion = self.come_back(self.state(place))
         if motion is not None and 0 < motion.time.size <= _FEW_EVENTS:
             if self.budget is not None:

@@ -126,7 +126,7 @@ def event_derivative(automaton: Automaton, mode: int, kind: int, after: int, bef
     f, f_size = field(automaton, mode, before)
     normal = tables.surfaces[tables.guard_surface[guard], :-1] if guard >= 0 else np.zeros(n)
     speed = normal @ f
-    if speed == 0.0:
+    if not speed * speed > 0.0:  # one whose square has underflown is that of what rounding leaves of a motion
         return Derivative(np.full((n, n), math.nan), np.full((n, n), math.nan))
     matrix = np.eye(n) - np.outer(f, normal) / speed
     # The quotient's own rounding, that of its parts, and of the difference in gᵀf.

@@ -179,13 +179,19 @@ def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
     }
 
 
-def summary(counts: Mapping[Attractor, int], exact_basin_area: float | None, seconds: float) -> dict[str, Any]:
-    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells, ``cells_per_second``, exact area."""
+def summary(
+    counts: Mapping[Attractor, int], doubts: Mapping[str, int], exact_basin_area: float | None, seconds: float
+) -> dict[str, Any]:
+    """Summarise a map for JSON.
+
+    ``fractions`` by attractor, ``unresolved`` cells, in all and by why they are, ``cells_per_second``, exact area.
+    """
     cells = sum(counts.values())
     return {
         "cells": cells,
         "fractions": {kind.name.lower(): n / cells for kind, n in counts.items() if n and kind >= 0},
         "unresolved": counts[Attractor.UNRESOLVED],
+        "unresolved_because": dict(doubts),
         "exact_basin_area": exact_basin_area,
         "cells_per_second": cells / seconds,
     }

@@ -124,8 +124,9 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
+    doubt = {} if steady.doubt is None else {"comment": f"unresolved, because {steady.doubt}"}
     return dataset.assign_coords(parameters).assign(
-        attractor=((), np.int8(steady.label), flag(phase_plane.ATTRACTOR, Attractor)),
+        attractor=((), np.int8(steady.label), flag(phase_plane.ATTRACTOR, Attractor) | doubt),
         amplitude=((), steady.amplitude, attributes("rad", phase_plane.AMPLITUDE)),
         period=((), steady.period, attributes("s", phase_plane.PERIOD, "$T$")),
     )
@@ -155,13 +156,15 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
     """Summarise a motion for JSON; ``steady``, its attractor, is found unless it is given.
 
     ``final_state`` (the keys of the start, and the mode), ``events`` (count by kind), ``attractor`` (where the
-    motion goes on to, decided by the return map), ``peak_normal_force`` (largest |N| [N] along the motion, without the
-    impulses of seizures), ``status``; for models that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure
-    [N s], zero without one; the impulse of each is in the motion's dataset).
+    motion goes on to, decided by the return map; ``unresolved_because`` says why that is not known),
+    ``peak_normal_force`` (largest |N| [N] along the motion, without the impulses of seizures), ``status``; for models
+    that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure [N s], zero without one; the impulse of each is
+    in the motion's dataset).
     """
     kind, automaton = scene.kind, motion.automaton
     counts = np.bincount(motion.kind, minlength=len(kind.events))
     keys = (*kind.required, *kind.optional)
+    steady = steady or attractor_of(motion)
     result = {
         "model": scene.model,
         "duration": scene.duration,
@@ -170,10 +173,12 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
             "mode": kind.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
         "events": {event.name.lower(): int(counts[event]) for event in kind.events if counts[event]},
-        "attractor": (steady or attractor_of(motion)).label.name.lower(),
+        "attractor": steady.label.name.lower(),
         "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
         "status": motion.status.name.lower(),
     }
+    if steady.doubt is not None:
+        result["unresolved_because"] = str(steady.doubt)
     if automaton.sprag_kinds:
         impulses = event_impulses(scene.drive, motion).normal
         result["peak_normal_impulse"] = float(np.max(np.abs(impulses), initial=0.0))

@@ -10,7 +10,14 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.errors import DivergenceError, EngineError, InputError, WorkSpentError
+from lsvib.errors import (
+    AccumulationError,
+    DivergenceError,
+    EngineError,
+    InputError,
+    UndecidedError,
+    WorkSpentError,
+)
 
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
@@ -180,9 +187,9 @@ def _complain(status: Status, time: float, state: np.ndarray) -> None:
     if status == Status.DIVERGED:
         raise DivergenceError(f"the motion grows without bound ({where}); shorten the duration or add damping.")
     if status == Status.ACCUMULATED:
-        raise EngineError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
+        raise AccumulationError(f"infinitely many events accumulate {where}, and the model does not say what follows.")
     if status == Status.UNDECIDED:
-        raise EngineError(
+        raise UndecidedError(
             f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
         )
     if status == Status.NO_BRANCH:

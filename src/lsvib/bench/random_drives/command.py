@@ -249,6 +249,13 @@ def _report(table: dict[str, Counter[str]]) -> str:
     return "\n".join(lines)
 
 
+def _doubts(records: Iterable[Line]) -> list[str]:
+    """Return a line for each reason why answers are unresolved, with their number."""
+    notable = (entry for record in records for entry in record["notable"] if entry["verdict"] == UNRESOLVED)
+    counts = Counter((entry["stage"], entry["said"]) for entry in notable)
+    return [f"unresolved {stage}: {count} because {said}" for (stage, said), count in counts.most_common()]
+
+
 def _read(path: Path) -> list[Line]:
     if not path.exists():
         return []
@@ -295,6 +302,8 @@ def main(arguments: list[str] | None = None) -> int:
                 print(f"{done} of {len(missing)} drives, {rate:.0f} cases/s, {bad} bad", file=sys.stderr, flush=True)
     table = summary(records)
     print(_report(table))
+    for line in _doubts(records):
+        print(line)
     return 0 if passed(table) else 1
 
 

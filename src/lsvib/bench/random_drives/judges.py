@@ -15,6 +15,7 @@ import numpy as np
 from mpmath import mp
 
 from lsvib.basins.mapper import mapper
+from lsvib.basins.slice_mapper import Destiny
 from lsvib.bench.random_drives import linear_judge, long_run, threshold_judge
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
@@ -35,7 +36,7 @@ from lsvib.bench.sweeps.paths import (
 )
 from lsvib.bench.sweeps.paths import automaton as built
 from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
-from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
@@ -95,8 +96,8 @@ def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
         truth = lru_cache(lambda k: long_run.fate(wide, k, *long()))
         mapped = lru_cache(lambda: mapper(wide.drive, wide.model, wide.physics))
         asked = (
-            ("attractor", lambda state: steady_state(model(), state).label),
-            ("label", lambda state: mapped().destiny(state)[0]),
+            ("attractor", lambda state: steady_state(model(), state)),
+            ("label", lambda state: mapped().destiny(state)),
         )
         for question, answer in asked:
             for k in range(len(wide.starts)):
@@ -197,10 +198,14 @@ def _four_motion(
 
 
 def _four_label(
-    wide: WideDrive, k: int, answer: Callable[[np.ndarray], Attractor], truth: Callable[[int], long_run.Fate]
+    wide: WideDrive,
+    k: int,
+    answer: Callable[[np.ndarray], SteadyState | Destiny],
+    truth: Callable[[int], long_run.Fate],
 ) -> Callable[[], list[Finding]]:
     """Name where a motion of a drive with four states ends; a long run by strides judges, as far as it decides."""
-    name = answer(wide.starts[k]).name.lower()
+    found = answer(wide.starts[k])
+    name = found.label.name.lower()
 
     def judged() -> list[Finding]:
         """Compare the name with the long run, which takes no part of the program's time."""
@@ -208,13 +213,13 @@ def _four_label(
         told = f"{fate.name} ({fate.reason})"
         if name == "unbounded" and wide.model != "threads":
             return [Finding(WRONG, k, name, told)]
-        if name == "unresolved":
-            return [Finding(UNRESOLVED, k, name, told)]
+        if found.doubt is not None:
+            return [Finding(UNRESOLVED, k, found.doubt, told)]
         if fate.name == "unknown":
             return [Finding(UNDECIDED, k, name, told)]
         if name == fate.name:
             return [Finding(RIGHT, k)]
-        near = {answer(wide.starts[k] * part).name.lower() for part in _BESIDE}
+        near = {answer(wide.starts[k] * part).label.name.lower() for part in _BESIDE}
         return [Finding(CORNER if fate.name in near else WRONG, k, name, told)]
 
     return judged
@@ -292,7 +297,7 @@ def motion_case(wide: WideDrive, k: int) -> Case:
 
 def _attractor(wide: WideDrive, k: int, truth: Fate, automaton: Automaton) -> Finding:
     found = steady_state(automaton, wide.starts[k])
-    return compared(wide, k, truth, found.label.name.lower())
+    return compared(wide, k, truth, found.label.name.lower(), found.doubt or "")
 
 
 def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
@@ -307,13 +312,13 @@ def _thresholds(wide: WideDrive) -> list[Finding]:
     return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
 
 
-def compared(wide: WideDrive, k: int, truth: Fate, name: str) -> Finding:
-    """Verdict on the name of an attractor, by the fate of the motion."""
+def compared(wide: WideDrive, k: int, truth: Fate, name: str, doubt: str = "") -> Finding:
+    """Verdict on the name of an attractor, by the fate of the motion; ``doubt``: why it is unresolved."""
     told = f"{truth.name} ({truth.reason})"
     if name == "unbounded":  # see lsvib.bench.second_opinions.fate
         return Finding(WRONG, k, name, told)
     if name == "unresolved":
-        return Finding(UNRESOLVED, k, name, told)
+        return Finding(UNRESOLVED, k, doubt or name, told)
     if name == truth.name or (truth.edge and name in _EDGE):
         return Finding(RIGHT, k)
     if truth.name == "unknown":

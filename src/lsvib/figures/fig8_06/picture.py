@@ -1,5 +1,6 @@
 """Figure 8.6: amplitude of the steady vibration against the axial force, with phase portraits as insets."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -46,7 +47,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         ylim=(-0.02 * top, top),
     )
     marks = {"color": "white", "markeredgecolor": style.BLACK, "markersize": 4.5, "zorder": 4}
-    curve = dataset.swept_amplitude.interp(swept_axial_force=dataset.axial_force)
+    # xarray's own interpolation needs scipy, which the package does not.
+    curve = np.interp(dataset.axial_force, dataset.swept_axial_force, dataset.swept_amplitude, np.nan, np.nan)
     axes.plot(dataset.axial_force, curve, "o", **marks, label="force of a phase portrait")
     insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):

@@ -1,0 +1,68 @@
+"""The attractor of a motion with more than two states."""
+
+import math
+
+import numpy as np
+
+from lsvib.cycles import drifts
+from lsvib.cycles.patience import FEW, follow_patiently
+from lsvib.cycles.recurrences import recurrence
+from lsvib.cycles.settling import settled
+from lsvib.cycles.steady_states import Attractor, Doubt, SteadyState, out_of_range
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
+from lsvib.engine.motion import Budget, Motion, enter
+from lsvib.errors import DivergenceError, EngineError
+
+CHUNK = 64  # events that are looked at first; every further look takes twice as many
+LONG = 1000  # events after which returns that hardly move are leapt over
+_LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
+_APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
+
+
+def at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
+    """Whether a motion with more than two states starts in steady sliding, to the last bit."""
+    if state.size == 2 or state.any():
+        return False
+    return not automaton.tables.flow.field[enter(automaton, state)[0], :, -1].any()
+
+
+def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
+    """Find the attractor of a motion with more than two states; the budget may be spent twice."""
+
+    def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
+        if part.status == Status.SETTLED:
+            return settled(automaton, part)
+        return recurrence(automaton, part, budget, apart)
+
+    found: SteadyState | drifts.Recurrence | None = None
+    doubt = Doubt.EVENTS
+    used, chunk = 0, FEW if isinstance(automaton.tables.flow, BlockFlow) else CHUNK
+    try:
+        while found is None and used < LONG:
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
+            found, state, mode = ended(motion, math.inf), motion.end_state, motion.end_mode
+            used, chunk = used + motion.time.size, 2 * chunk
+        if found is None:
+            again = Budget(budget.left)
+            found, leapt = drifts.pursue(motion, budget, ended)
+            if leapt and found is not None:  # a leap loses the phase of fast oscillations
+                budget = again
+                later = follow_patiently(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
+                second, _ = drifts.pursue(later, budget, ended)
+                found, doubt = (found, doubt) if _name(second) == _name(found) else (None, Doubt.FORK)
+    except DivergenceError:
+        return out_of_range(automaton, state)
+    except EngineError as error:
+        return SteadyState.unresolved(state, error)
+    if isinstance(found, drifts.Recurrence):
+        return SteadyState(Attractor.RECURRENT, found.state)
+    return found or SteadyState.unresolved(state, doubt)
+
+
+def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
+    """Return the label of a result of leaps."""
+    if isinstance(found, SteadyState):
+        return found.label
+    return Attractor.UNRESOLVED if found is None else Attractor.RECURRENT

@@ -1,0 +1,104 @@
+"""Follow a motion with more than two states over times that take the search for events too long."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lsvib.cycles.quiet import beats, quiet_until
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import dispatch
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
+from lsvib.engine.motion import Budget, Motion, enter, follow
+from lsvib.errors import BeatError, EndlessSearchError, UndecidedError
+
+_EACH = 90.0  # work of an event, at most as a rule; so a search is left before it has taken all steps that it may
+FEW = 16  # events in blocks of the first search; each further one may have twice as many
+_FIRST = 2000.0  # more work of some events after which quiet times are looked for
+_SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
+_TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
+
+
+def follow_patiently(
+    automaton: Automaton,
+    state: np.ndarray,
+    t_end: float,
+    *,
+    mode: int | None,
+    stop: tuple[int, int] = (-1, -1),
+    max_events: int,
+    budget: Budget,
+) -> Motion:
+    """Follow a motion; arguments, result and errors as of :func:`lsvib.engine.motion.follow`.
+
+    Where a search takes long, times that are surely quiet are left out (:func:`lsvib.cycles.quiet.quiet_until`), in
+    turn with searches over short times, each twice as long as the last one until a time is quiet again. Raises
+    ``EndlessSearchError`` where neither finds the next event, ``BeatError`` where there must be one nevertheless.
+    """
+    if mode is None:
+        mode, state = enter(automaton, state)
+    in_blocks = isinstance(automaton.tables.flow, BlockFlow)
+    pieces: list[Motion] = []
+    time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else max_events
+    while True:
+        here, most = min(max_events - count, most), 2 * most
+        work = (_FIRST if reach == math.inf else _SEARCH) + _EACH * here
+        piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
+        found, last = piece.time.size, t_end - time <= reach
+        pieces.append(replace(piece, start_time=time, time=piece.time + time, end_time=piece.end_time + time))
+        time, count, state, mode = pieces[-1].end_time, count + found, piece.end_state, piece.end_mode
+        over = last if piece.status == Status.TIME_REACHED else count == max_events
+        if over or piece.status not in (Status.TIME_REACHED, Status.EVENTS_FULL, Status.WORK_SPENT):
+            return _joined(pieces, piece.status)
+        if found and piece.status != Status.WORK_SPENT:
+            reach = math.inf
+            continue
+        if piece.status == Status.WORK_SPENT and not found and reach < math.inf:
+            kind = BeatError if beats(automaton, mode, state) else EndlessSearchError
+            raise kind("the search for the next event takes more work than is allowed.")
+        quiet = quiet_until(automaton, mode, state, budget)
+        if quiet == t_end - time == math.inf:
+            return _joined(pieces, Status.SETTLED)
+        quiet = min(quiet, t_end - time)
+        there = np.empty_like(state)
+        dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
+        state, time = there, time + quiet
+        fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
+        reach = 2 * reach if quiet == 0 and reach < math.inf else _TURNS / float(fastest)
+
+
+def _searched(
+    automaton: Automaton,
+    state: np.ndarray,
+    t_end: float,
+    mode: int,
+    stop: tuple[int, int],
+    max_events: int,
+    work: float,
+    budget: Budget,
+) -> Motion:
+    """Follow a motion with so much work of a budget; a search that does not end has taken all of it."""
+    part = Budget(min(budget.left, work))
+    before = part.left
+    try:
+        return follow(automaton, state, t_end, mode=mode, stop=stop, max_events=max_events, budget=part)
+    except UndecidedError:
+        still = follow(automaton, state, 0.0, mode=mode)
+        return replace(still, status=Status.WORK_SPENT)
+    finally:
+        budget.spend(before - part.left)
+
+
+def _joined(pieces: Sequence[Motion], status: Status) -> Motion:
+    """Return one motion for several that follow each other."""
+    if len(pieces) == 1:
+        return replace(pieces[0], status=status)
+    columns = {
+        name: np.concatenate([getattr(piece, name) for piece in pieces])
+        for name in ("time", "kind", "sign", "mode", "before", "after")
+    }
+    last = pieces[-1]
+    ends = {"end_time": last.end_time, "end_mode": last.end_mode, "end_state": last.end_state}
+    return replace(pieces[0], status=status, **columns, **ends)

@@ -1,0 +1,95 @@
+"""Why an attractor is unresolved is said wherever its label is: by the search, the mapper, the commands and the judge.
+
+The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter's.
+"""
+
+import pytest
+
+from lsvib.basins.grid import Grid
+from lsvib.basins.mapper import mapper
+from lsvib.bench.random_drives import command, judges
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.command.printing import print_map, print_motion
+from lsvib.cycles.attractors import Attractor, Doubt, steady_state
+from lsvib.data import attraction_map, simulation
+from lsvib.drives.registry import find_model
+from lsvib.errors import (
+    AccumulationError,
+    BeatError,
+    DivergenceError,
+    EndlessSearchError,
+    EngineError,
+    UndecidedError,
+    WorkSpentError,
+)
+
+ERRORS = {
+    DivergenceError: Doubt.RANGE,
+    AccumulationError: Doubt.ACCUMULATION,
+    UndecidedError: Doubt.UNDECIDED,
+    BeatError: Doubt.BEAT,
+    EndlessSearchError: Doubt.SEARCH,
+    WorkSpentError: Doubt.EVENTS,
+    EngineError: Doubt.ENGINE,
+}
+
+
+def scene(model: str, seed: int, index: int, start: int):
+    """Automaton and start of a motion of a random drive."""
+    wide = wide_drive(model, seed, index, 4)
+    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+
+
+def test_every_error_of_the_engine_has_a_doubt_of_its_own():
+    assert {kind: Doubt.of(kind("")) for kind in ERRORS} == ERRORS
+    assert set(ERRORS.values()) | {Doubt.FORK} == set(Doubt)
+
+
+@pytest.mark.parametrize(("key", "doubt"), [(("nut", 71, 28, 3), Doubt.ACCUMULATION)])
+def test_search_and_mapper_say_why(key, doubt):
+    automaton, state = scene(*key)
+    found = steady_state(automaton, state)
+    assert (found.label, found.doubt) == (Attractor.UNRESOLVED, doubt)
+    wide = wide_drive(*key[:3], 4)
+    destiny = mapper(wide.drive, wide.model, wide.physics).destiny(state)
+    assert (destiny.label, destiny.doubt) == (Attractor.UNRESOLVED, doubt)
+
+
+def test_what_is_resolved_leaves_no_doubt():
+    automaton, state = scene("nut", 21, 25, 1)
+    assert steady_state(automaton, state).doubt is None
+
+
+def test_motions_maps_and_the_judge_say_why(capsys, tmp_path, monkeypatch):
+    """The events of this nut accumulate, and nothing says what follows."""
+    wide = wide_drive("nut", 71, 28, 4)
+    kind = find_model("nut")
+    start = dict(zip((*kind.required, *kind.optional), wide.starts[3].tolist(), strict=True))
+    given = {"model": "nut", "duration": 1e-4, "start": start}
+    checked = simulation.as_scene(None, given, dict(wide.drive))
+    result = simulation.summary(checked, simulation.run(checked))
+    print_motion(result)
+    assert f"attractor: unresolved, because {Doubt.ACCUMULATION}\n" in capsys.readouterr().out
+
+    mapped = mapper(wide.drive, "nut", wide.physics)
+    axes = [f"{key}={start[key] - 1e-3}:{start[key] + 1e-3}:1" for key in ("u", "w")]
+    grid = Grid.parse([*axes, *(f"{key}={start[key]}" for key in kind.optional)])
+    labels = mapped.cells(grid, quantities=("label",))["label"]
+    assert labels.tolist() == [[Attractor.UNRESOLVED]]
+    counts = {kind: int((labels == kind).sum()) for kind in Attractor}
+    assert mapped.doubts(counts) == {Doubt.ACCUMULATION: 1}
+    print_map(attraction_map.summary(counts, mapped.doubts(counts), None, 1.0), counts)
+    assert f"unresolved: 1 cells\n  1 because {Doubt.ACCUMULATION}\n" in capsys.readouterr().out
+
+    record = command.judged("nut", 71, 28, ("attractor",))
+    said = {(entry["start"], entry["said"]) for entry in record["notable"] if entry["verdict"] == judges.UNRESOLVED}
+    assert (3, Doubt.ACCUMULATION) in said
+    monkeypatch.setattr(command, "_asked", lambda options, missing: [record])
+    command.main(["--model", "nut", "--cases", "4", "--out", str(tmp_path)])
+    assert f"unresolved attractor: {len(said)} because {Doubt.ACCUMULATION}" in capsys.readouterr().out
+
+
+def test_a_section_that_is_a_point_has_no_multipliers():
+    """A support whose motion repeats on a section without directions once ended the search by a traceback."""
+    wide = wide_drive("support", 71, 26, 4)
+    assert mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[0]).doubt is None

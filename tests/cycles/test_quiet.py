@@ -1,0 +1,101 @@
+"""Times that are surely quiet, by the parts of a mode, against the events of the engine and against long runs."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.bench.random_drives.long_run import constants_of, fate
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.patience import follow_patiently
+from lsvib.cycles.quiet import parts_of, quiet_until
+from lsvib.drives.registry import find_model
+from lsvib.engine.kernels import dispatch
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
+from lsvib.engine.motion import Budget, follow
+from lsvib.errors import EngineError
+
+PLACES = (0.0, 0.1, 0.5, 0.9, 0.999)  # parts of an arc at which the rest of it is asked about
+ALIKE = 1e-9  # of the size of a motion: parts of modes whose conditions are below 1e6
+
+
+def scene(model: str, seed: int, index: int, start: int):
+    """Automaton and start of a motion of a random drive."""
+    wide = wide_drive(model, seed, index, 4)
+    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+
+
+@pytest.mark.parametrize("model", ["threads", "support", "nut"])
+def test_no_event_comes_before_a_quiet_time_ends(model):
+    """On every arc of random motions, from several places of it; and a time without end means that none comes."""
+    asked = told = 0
+    for index in range(5):
+        automaton, state = scene(model, 61, index, 0)
+        try:
+            motion = follow(automaton, state, math.inf, max_events=12, budget=Budget(20_000))
+        except EngineError:
+            continue
+        modes, starts, _, durations = motion.arcs()
+        settled = motion.status == Status.SETTLED
+        for arc, (mode, start, duration) in enumerate(zip(modes, starts, durations, strict=True)):
+            last = arc == durations.size - 1
+            if (last and not settled) or (duration == 0 and not last):
+                continue
+            there = np.empty_like(start)
+            for place in PLACES:
+                dispatch.advance(automaton.tables.flow, mode, start, place * duration, there)
+                quiet, asked = quiet_until(automaton, mode, there, Budget(math.inf)), asked + 1
+                assert last or quiet <= duration * (1 - place) * (1 + 1e-12)
+                told += quiet > 0.1 * duration
+    assert asked > 50
+    assert told > 0.05 * asked
+
+
+@pytest.mark.parametrize(("model", "index"), [("threads", 16), ("support", 6), ("nut", 11), ("nut", 27)])
+def test_parts_add_up_to_the_motion(model, index):
+    """In slip and at rest, in modal form and in blocks."""
+    automaton, state = scene(model, 71, index, 0)
+    flow = automaton.tables.flow
+    for mode in range(len(automaton.codes)):
+        found = parts_of(flow, mode, state)
+        fastest = np.abs(found.rates).max()
+        for time in (0.0, 0.3 / fastest, 5 / fastest):
+            there = np.empty_like(state)
+            dispatch.advance(flow, mode, state, time, there)
+            terms = found.along * np.exp(found.rates * time)
+            sizes = np.abs(terms).sum(axis=1) + np.abs(found.drift).sum(axis=1) + np.abs(there)
+            ours = terms.real.sum(axis=1) + found.drift @ [1.0, time, time**2]
+            assert (np.abs(ours - there) <= ALIKE * sizes).all()
+
+
+@pytest.mark.parametrize(("index", "period"), [(11, 413.27256499013), (27, 20261470.7945)])
+def test_a_cycle_with_a_long_rest_is_told(index, period):
+    """The rest ends when the coupling has turned far enough; till then the nut vibrates at 1e4 to 1e5 1/s."""
+    automaton, state = scene("nut", 71, index, 0)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    found = steady_state(automaton, state, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.period == pytest.approx(period, rel=1e-10)
+    assert abs(found.multiplier) < 1e-6
+
+
+def test_an_oscillation_that_has_just_touched_is_left_to_die_away():
+    """After each release the screw comes to within 1e-6 of standstill again; the search took a million steps."""
+    automaton, state = scene("support", 71, 6, 0)
+    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=1000, budget=Budget(300_000))
+    assert motion.status == Status.SETTLED
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_a_cycle_whose_slowest_multiplier_is_almost_one():
+    """Its distance from one, 4e-9, is the slow rate of the support times the period."""
+    automaton, state = scene("support", 71, 11, 2)
+    found = steady_state(automaton, state)
+    assert found.label == Attractor.STICK_SLIP_CYCLE
+    flow = automaton.tables.flow
+    slow = flow.rates[2, : flow.singles[2]].max()
+    assert 1 - found.multiplier == pytest.approx(-slow * found.period, rel=0.01)
+    wide = wide_drive("support", 71, 11, 4)
+    assert fate(wide, 2, *constants_of(wide)).name in ("stick_slip_cycle", "unknown")
