@@ -20,7 +20,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.errors import NoThreshold
 from lsvib.figures.chart.picture import draw
 from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.boundary_curves import Boundary, boundary_curves, stops_again
+from lsvib.steady_sliding.boundary_curves import Boundary, _function, boundary_curves, stops_again
 
 DAMPED = {"support_damping": 1e-3, "translation_damping": 300.0}
 PAIRS = {  # of parameters, with the ends of both axes and the drive
@@ -197,7 +197,7 @@ def test_chart_is_a_dataset(tmp_path):
 
 
 def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, float], count: int) -> tuple[int, int]:
-    """Numbers of cells of a (k_c, c_c) chart compared with the exact stability of steady sliding, and not resolved.
+    """Numbers of cells of a (k_c, c_c) chart compared with the exact curve of flutter, and not resolved.
 
     A cell is compared if its four corners and its middle are alike. The first motion begins next to steady sliding, so
     that it comes back to it where that is stable, and nowhere else.
@@ -207,9 +207,10 @@ def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, f
     )
     labels = plane.labels(workers=2 if count > 20 else 1)
 
+    flutter = _function(plane.drive, Boundary.FLUTTER, ("contact_stiffness", "contact_damping"))  # zero on the curve
+
     def stable(columns, rows) -> np.ndarray:
-        places = [[{"contact_stiffness": k, "contact_damping": c} for k in columns] for c in rows]
-        return np.array([[plane.drive.replace(**place).stability().stable for place in row] for row in places])
+        return np.array([[flutter(k, c) > 0 for k in columns] for c in rows])
 
     nodes = stable(plane.x.edges().tolist(), plane.y.edges().tolist())
     middles = stable(plane.x.centres().tolist(), plane.y.centres().tolist())
