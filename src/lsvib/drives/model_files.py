@@ -22,15 +22,16 @@ def model_names() -> tuple[str, ...]:
 
 def model_module(name: str) -> str:
     """Return the name of the module of a model; ``InputError`` if there is no model of that name."""
-    if not isinstance(name, str) or name not in _files():
+    if not isinstance(name, str) or name not in _modules():
         raise InputError(f"model = {shown(name)} is not one of {', '.join(model_names())}.")
-    return _module_of(_files()[name])
+    return _modules()[name]
 
 
 @cache  # one motion asks for its model some thirty times
-def _module_of(file: Path) -> str:
-    inside = file.relative_to(Path(__file__).parent).with_suffix("")
-    return ".".join((__package__, *inside.parts))
+def _modules() -> dict[str, str]:
+    """Return the module of each model by its name."""
+    inside = {name: file.relative_to(Path(__file__).parent).with_suffix("") for name, file in _files().items()}
+    return {name: ".".join((__package__, *path.parts)) for name, path in inside.items()}
 
 
 @cache
