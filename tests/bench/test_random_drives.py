@@ -67,7 +67,7 @@ def test_the_watcher_has_the_events_of_the_reference():
     assert compared >= 36
 
 
-@pytest.mark.parametrize("model", [pytest.param("threads", marks=pytest.mark.slow), "support", "nut"])
+@pytest.mark.parametrize("model", [pytest.param("threads", marks=pytest.mark.long), "support", "nut"])
 def test_strides_have_the_events_of_the_reference(model):
     """Strides by propagators agree with 40 digits over the full ranges, or say that they cannot tell."""
     compared = 0

@@ -69,11 +69,11 @@ def test_kills_at_random_moments_leave_whole_files_and_the_next_run_goes_on(fres
 @pytest.mark.parametrize(
     ("room", "job", "name"),  # [bytes] too little for the dataset, or enough for it and too little for the picture
     [
-        pytest.param(40_000, "dataset/fig8_08", "datasets/fig8_08.nc", marks=pytest.mark.long),
+        (40_000, "dataset/fig8_08", "datasets/fig8_08.nc"),
         (110_000, "figure/fig8_08", "figures/fig8_08.png"),
     ],
 )
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_full_disk_is_one_sentence_and_leaves_no_part_of_a_file(fresh, finished, room, job, name):
     """No file may grow beyond a limit, as on a disk that is full; with room again, the next run completes the rest."""
     run = subprocess.run(

@@ -59,7 +59,7 @@ def finished_tiles(project):
     return {tile.name: (tile.stat().st_ino, tile.stat().st_mtime_ns) for tile in tiles}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_killed_run_goes_on_with_the_tiles_that_are_missing(mapped):
     """SIGKILL to Snakemake and all its jobs when some tiles are there; the map is that of the run in one tile."""
     reference = read_dataset(mapped.folder / MAP)

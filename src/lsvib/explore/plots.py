@@ -14,7 +14,6 @@ from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
     ColumnDataSource,
-    DataRange1d,
     LinearScale,
     LogScale,
     LogTicker,
@@ -59,7 +58,6 @@ class Plots:
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
-        self.curve.y_range.syncable = False  # it follows its data in the browser, and the server need not hear of it
 
     def _plane(self) -> figure:
         made = figure(
@@ -88,7 +86,7 @@ class Plots:
     def _curve(self) -> figure:
         made = figure(
             width=470, height=270, **_NARROW, tools=_TOOLS, title="Amplitude of the steady vibration",
-            x_range=Range1d(0, 1), y_range=DataRange1d(default_span=0.02), y_axis_label="amplitude [rad]", name="curve",
+            x_range=Range1d(0, 1), y_range=Range1d(0, 0.01), y_axis_label="amplitude [rad]", name="curve",
             html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
         )  # fmt: skip
         made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
@@ -230,6 +228,10 @@ class Plots:
                 "y": [point.amplitude for point in here],
                 "colour": [COLOURS[point.label.name.lower().replace("_", " ")] for point in here],
             }
+        amplitudes = np.array([point.amplitude for point in points if math.isfinite(point.amplitude)])
+        # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
+        low, high = _steady_range(amplitudes if np.any(amplitudes) else np.array([0.01]))
+        self.curve.y_range.update(start=low, end=high)
 
 
 def _steady_range(values: np.ndarray) -> tuple[float, float]:
