@@ -70,8 +70,8 @@ def test_motion(name):
     assert result.kinds
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("start", [BACKWARD, pytest.param(WOUND_UP, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("start", [BACKWARD, WOUND_UP])
 @pytest.mark.parametrize("name", DRIVES)
 def test_longer_motion(name, start):
     assert compare(drive_of(name), start, 0.05, simulate).faults(name) == []
