@@ -149,7 +149,7 @@ def test_a_changed_parameter_reruns_its_figure_only(built):
     assert built.plan() == {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_draft_is_drawn_without_pdf_and_a_full_run_brings_everything_back(built, finished):
     """A quick look starts no process for each figure, and leaves no PDF that shows other data than its PNG."""
     draft = built("--configfile", "config/draft.yaml")
@@ -239,7 +239,7 @@ def test_what_was_deleted_comes_back(built, names):
 @pytest.mark.parametrize(
     ("name", "job"),
     [
-        pytest.param("datasets/fig8_08.nc", "figure/fig8_08", marks=pytest.mark.slow),
+        pytest.param("datasets/fig8_08.nc", "figure/fig8_08", marks=pytest.mark.long),
         pytest.param("checks/fig8_08.json", "checks", marks=pytest.mark.long),
         ("checks.json", "verdict"),
     ],
