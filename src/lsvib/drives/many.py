@@ -94,6 +94,7 @@ class ManyDrives:
         """
 
         def make(group: np.ndarray) -> Group:
+            """Form the automata of some drives at once."""
             unsafe, here = np.zeros(group.size, dtype=bool), entries[group]
             d = self.exact(here, unsafe)
             c = coefficients_of(d)

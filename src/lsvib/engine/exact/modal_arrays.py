@@ -87,6 +87,7 @@ class _Field(NamedTuple):
 
     @classmethod
     def of(cls, rows, sizes, frozen, unsafe) -> "_Field":
+        """Return the field from what :func:`modal_modes` is given."""
         n, rows = len(rows), [[plain(x) for x in row] for row in rows]
         alive = [i for i in range(n) if i not in frozen]
         push = [summed([rows[i][n], *(times(rows[i][j], x) for j, x in frozen.items())]) for i in alive]
@@ -97,6 +98,8 @@ class _Field(NamedTuple):
         )  # fmt: skip
 
     def at(self, members: np.ndarray, unsafe: np.ndarray) -> "_Field":
+        """Return the field of some drives (j, indices), with a record of what is unsafe of its own."""
+
         def part(x: Any) -> Any:
             return x.at(members, unsafe) if isinstance(x, Pairs) else x
 
@@ -248,6 +251,7 @@ class _Tables(NamedTuple):
 
     @classmethod
     def of(cls, field: _Field, pairs: list[_Piece], singles: list[_Piece], unsafe: np.ndarray) -> "_Tables":
+        """Put the pieces together, rounded to doubles; marks what a rounding leaves open."""
         n, size, alive = len(field.rows), unsafe.size, field.alive
         count, sizes = 2 * len(pairs) + len(singles), np.stack([*field.sizes, np.ones(unsafe.size)], axis=1)
         into, out, offset = [], [[0] * count for _ in range(n)], [field.kept.get(i, 0) for i in range(n)]

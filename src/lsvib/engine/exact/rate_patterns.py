@@ -30,6 +30,7 @@ class Rates(NamedTuple):
     zeros: int
 
     def at(self, members: np.ndarray, unsafe: np.ndarray) -> "Rates":
+        """Return the rates of some drives (j, indices), with a record of what is unsafe of its own."""
         return Rates([(x.at(members, unsafe), y.at(members, unsafe)) for x, y in self.parts], self.zeros)
 
     def doubles(self) -> np.ndarray:
@@ -68,6 +69,7 @@ def _characteristic(matrix: Matrix, unsafe: np.ndarray) -> list[Any]:
 
     @cache
     def minor(rows: tuple[int, ...], cols: tuple[int, ...]) -> Any:
+        """Return a minor, expanded along its first row."""
         if not rows:
             return 1
         terms = []
