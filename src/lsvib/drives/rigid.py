@@ -32,7 +32,7 @@ of a double. The screw rests there for no time, and is released to the other sid
 
 from decimal import localcontext
 from enum import IntEnum
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from lsvib.drives.once import once
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.powers import Powers
 from lsvib.drives.registry import Model
+from lsvib.drives.resumption import Resume
 from lsvib.engine.automaton import (
     Automaton,
     Branch,
@@ -83,8 +84,6 @@ class MotionMode(IntEnum):
     SLIP_BACKWARD_NEGATIVE = 3
     REST = 4
 
-
-Resume = Literal["contact_sign", "at_once"]
 
 SLIPS = {  # mode: (sign of θ′, sign of Q)
     "slip_forward_positive": (1, 1),
