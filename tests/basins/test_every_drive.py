@@ -86,7 +86,7 @@ def test_leaps_do_not_pass_over_a_cycle(place):
 
 @pytest.mark.parametrize(("index", "start"), [(115, 2), (357, 3), (545, 4), (545, 9)])
 def test_a_cycle_that_attracts_by_less_than_rounding_shows(index, start):
-    """Damping takes 1e-9 to 1e-12 of a motion in a turn, less than its events are known to: both sides drift inwards."""
+    """Damping takes 1e-9 to 1e-12 of a motion in a turn: P(y) = y is lost in rounding, but both sides drift inwards."""
     wide = wide_drive("rigid", 9101, index, 16)
     automaton = rigid_automaton(wide.drive)
     found = steady_state(automaton, wide.starts[start])
