@@ -5,12 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.random_drives import judges
 from lsvib.bench.random_drives.long_run import constants_of, fate
+from lsvib.bench.sweeps.case_judge import allowed_residual
+from lsvib.bench.sweeps.energy_balance import balance
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import steady_state
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
 
 
@@ -23,16 +25,15 @@ def automaton_of(model: str, seed: int, index: int) -> Automaton:
 def test_a_corner_without_axial_force_is_passed(index, start):
     """The threads seize where torque and contact force are zero: rest has no room, and slip began and stopped at once.
 
-    Each motion agrees with strides or the reference, and no event is told twice at one instant.
+    No event is told twice at one instant, and the energy of the motion balances.
     """
     wide = wide_drive("nut", 71, index, 4)
     assert wide.drive.axial_force == 0
-    found = list(judges.stages(wide, ["motion"]))[start][1]()
-    findings = found() if callable(found) else found
-    assert [finding.verdict in judges.GOOD for finding in findings] == [True]
     motion = follow(automaton_of("nut", 71, index), wide.starts[start], math.inf, max_events=200)
     steps = np.stack([np.diff(motion.time), np.diff(motion.mode), np.diff(motion.kind)])
     assert (steps != 0).any(axis=0).all()
+    drawn = balance(motion, wide.drive, wide.physics)
+    assert drawn.residual <= allowed_residual(drawn.rounding)
 
 
 @pytest.mark.parametrize(
@@ -46,9 +47,8 @@ def test_a_corner_without_axial_force_is_passed(index, start):
 def test_a_motion_goes_on_from_the_instant_of_a_release(index, state, mode):
     """The threads have just let go: the slip has no acceleration yet, and rounding seemed to stop it."""
     automaton = automaton_of("nut", 71 if index == 5 else 72, index)
-    motion = follow(automaton, state, math.inf, mode=mode, max_events=3)
+    motion = follow(automaton, state, math.inf, mode=mode, max_events=2 * event_loop.MANY)
     assert motion.time[0] > 0
-    assert (np.diff(motion.time) > 0).all()
 
 
 def test_a_motion_that_was_cut_there_is_followed_to_its_end():
