@@ -100,6 +100,16 @@ def test_a_cycle_that_attracts_by_less_than_rounding_shows(index, start):
         assert other.amplitude == pytest.approx(found.amplitude, rel=1e-2)
 
 
+def test_starts_beyond_the_work_of_the_table_are_followed():
+    """Crowds of narrow pieces take all work of the table of sections; rest or settling follows soon nevertheless."""
+    wide = wide_drive("rigid", 9101, 32, 16)
+    mapped = mapper(wide.drive)
+    assert not mapped.sections.complete
+    labels = mapped.labels_of(*np.array(wide.starts).T)
+    assert (labels != Attractor.UNRESOLVED).all()
+    assert [steady_state(mapped.automaton, start).label for start in wide.starts] == labels.tolist()
+
+
 def test_motion_from_beside_a_cycle_settles():
     found = steady_state(rigid_automaton(MANY_SEIZURES), (-31.0, -MANY_SEIZURES.input_speed))
     assert found.label == Attractor.STEADY_SLIDING
