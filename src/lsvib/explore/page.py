@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.document import Document
-from bokeh.events import RangesUpdate, Tap
+from bokeh.events import DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
@@ -74,10 +74,13 @@ class Page:
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
-        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
+        self.controls.moment.on_change("value", lambda attribute, old, new: self._move())
         self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
         self.show(view)
+        document.add_root(self.plots.packet.content)
+        document.js_on_event(DocumentReady, self.plots.clip)
+        document.on_event(DocumentReady, lambda event: self.plots.packet.send_all())
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -172,6 +175,7 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self._draw_moment()
+        self.plots.packet.send()
         self.seconds = perf_counter() - begin
         self._slow = iter(())
         if self._settling is not None:
@@ -206,11 +210,13 @@ class Page:
             if view.drive.model == "rigid":
                 found = answers.labels(view.drive, window, answers.SETTLED)
                 self.plots.draw_map(found, window)
+                self.plots.packet.send()
             else:
                 found = np.full(answers.COARSE[::-1], -2)
                 for row_index, labels in answers.label_rows(view.drive, window, answers.COARSE):
                     found[row_index] = labels
                     self.plots.draw_map(found, window)
+                    self.plots.packet.send()
                     yield
             self._shares = answers.shares(found)
             self._say_words()
@@ -289,6 +295,10 @@ class Page:
         mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
         words = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
+
+    def _move(self) -> None:
+        self._draw_moment()
+        self.plots.packet.send()
 
     def _play(self, playing: bool) -> None:
         if self._frames is not None:
