@@ -1,6 +1,5 @@
 """What the page asks of the engine, without a page: maps, motions, curves and lines as plain arrays."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -87,10 +86,12 @@ def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np
     return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
 
 
-def labels(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> np.ndarray:
-    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    threads = min(2, len(os.sched_getaffinity(0)))  # a page that answers needs no more; labels are the same
-    return _mapper(drive).cells(_grid(window, cells), quantities=("label",), threads=threads)["label"]
+def labels(drive: RigidParameters, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
+    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
+
+    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; a third is saved by it.
+    """
+    return _mapper(drive, rounding).cells(_grid(window, cells), quantities=("label",))["label"]
 
 
 def label_rows(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
@@ -172,8 +173,8 @@ def _grid(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: RigidParameters) -> Mapper | StateMapper:
-    return mapper(drive, drive.model)
+def _mapper(drive: RigidParameters, rounding: bool = True) -> Mapper | StateMapper:
+    return mapper(drive, drive.model, rounding=rounding)
 
 
 def _palette() -> np.ndarray:

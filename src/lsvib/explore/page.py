@@ -166,7 +166,7 @@ class Page:
         rigid = view.drive.model == "rigid"
         found = None
         if rigid:
-            found = answers.labels(view.drive, window, answers.DRAGGED)
+            found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
         self.view, self.shown = view, shown
