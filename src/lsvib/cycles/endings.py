@@ -24,7 +24,8 @@ from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
+from lsvib.drives.resumption import Resume
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError

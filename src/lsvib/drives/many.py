@@ -14,7 +14,8 @@ import numpy as np
 
 from lsvib.drives.coefficients import Coefficients, coefficients_of
 from lsvib.drives.parameters import RigidParameters, sine_and_cosine
-from lsvib.drives.rigid import Resume, automaton_of
+from lsvib.drives.resumption import Resume
+from lsvib.drives.rigid import automaton_of
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.pair_arrays import Pairs, double, in_groups
 
