@@ -30,8 +30,8 @@ class PlanarMapper:
     * ``seizures`` until then, and ``first_event``: kind of the first event of the motion, −1 if there is none.
 
     No time of waiting enters. Every cell is computed on its own: no number depends on the grid around it, on tiles or
-    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``). Without ``rounding``, a table that is
-    made in two thirds of the time, a start on a boundary has the label of one side.
+    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``). Without ``rounding``, which is
+    ready in two thirds of the time, a start on a boundary has the label of one side.
     """
 
     def __init__(

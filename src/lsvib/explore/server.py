@@ -2,6 +2,7 @@
 
 import asyncio
 import errno
+import logging
 import webbrowser
 from collections.abc import Mapping
 
@@ -103,6 +104,7 @@ def make_server(port: int) -> Server:
 def serve(port: int, show: bool) -> None:
     """Compile the engine, serve the page until the command is interrupted, and open it in a browser if ``show``."""
     asyncio.set_event_loop(asyncio.new_event_loop())
+    logging.getLogger(WSHandler.__module__).setLevel(logging.ERROR)  # it warns when a page is closed before its answer
     server = make_server(port)
     compile_engine()
     answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
