@@ -16,8 +16,8 @@ playwright = pytest.importorskip("playwright.sync_api", reason="The browser is d
 pytestmark = [pytest.mark.slow, chromium.needs_chromium]
 VIEW = "mass=11.0&support_damping=0.001&axial_force=-10.0&u=0.1&low=-40&high=-0.5"
 # Alone on two cores the median is some 70 ms, and all are below 100. Beside two programs that keep both cores busy the
-# median is 150 ms; these tests run beside one.
-_REDRAW = 200  # ms
+# median is 150 ms, beside three 170 ms.
+_REDRAW = 250  # ms
 _PATIENCE = 60_000  # ms, on a machine with other work; what is waited for comes within a second
 
 # Moves the slider of the axial force and returns how long it takes, in ms, until the map and the contact are on the
@@ -158,10 +158,8 @@ def test_a_click_in_the_plane_starts_a_motion(page):
 def test_what_lies_outside_the_window_is_not_drawn_over_the_axes(browser, server):
     """A motion that leaves the window, and a map, are drawn inside the frame and nowhere else."""
     with chromium.opened(browser, f"{server}?{VIEW}&left=-0.02&right=0.02&bottom=-9&top=9") as opened:
-        words(opened, "sprag slip cycle of amplitude 0.056")
-        inside, outside = opened.evaluate(DRAWN)
-    assert inside > 0.99  # the map fills it
-    assert outside == 0
+        opened.wait_for_function(f"({DRAWN})()[0] > 0.99", timeout=_PATIENCE)  # the map fills it
+        assert opened.evaluate(DRAWN)[1] == 0
 
 
 def test_presets_show_the_drives_of_figures(page):
