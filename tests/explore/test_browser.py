@@ -158,7 +158,8 @@ def test_a_click_in_the_plane_starts_a_motion(page):
 def test_what_lies_outside_the_window_is_not_drawn_over_the_axes(browser, server):
     """A motion that leaves the window, and a map, are drawn inside the frame and nowhere else."""
     with chromium.opened(browser, f"{server}?{VIEW}&left=-0.02&right=0.02&bottom=-9&top=9") as opened:
-        opened.wait_for_function(f"({DRAWN})()[0] > 0.99", timeout=_PATIENCE)  # the map fills it
+        words(opened, "sprag slip cycle of amplitude 0.056")
+        opened.wait_for_function(f"({DRAWN})()[0] > 0.95", timeout=_PATIENCE)  # the map fills it, but for its border
         assert opened.evaluate(DRAWN)[1] == 0
 
 
