@@ -23,8 +23,8 @@ from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a twentieth of a second
-SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fifth of a second
+DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a seventieth of a second
+SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fortieth of a second
 COARSE = (36, 27)  # cells of the map of any other model, of which every motion is followed, about a millisecond each
 _SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
 _PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn

@@ -1,8 +1,7 @@
 """The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
 
-A source that changes is one message to the browser, and each message costs the server and the page about a
-millisecond, whatever it holds. So what changes together is one source: ``map``, ``scene`` (motion, cycle and lines) and
-``moment`` have a single row each, whose columns hold whole lines. A redraw is these three messages.
+What a redraw changes is in few sources, filled together by a packet (:mod:`lsvib.explore.packet`), and is painted on
+the upper one of the two canvases of each drawing: title, axes, grid and legend below stay as they are.
 """
 
 import math
