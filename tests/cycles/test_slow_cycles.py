@@ -10,7 +10,9 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.return_map import conserves
 from lsvib.drives.registry import find_model
 from lsvib.engine.motion import follow
 
@@ -102,6 +104,18 @@ def test_chaos_is_unresolved():
     apart = np.abs(ends[1] - ends[0]).max() / np.abs(ends[0]).max()
     assert apart > 1e-3
     assert steady_state(automaton, state, max_events=5000).label == Attractor.UNRESOLVED
+
+
+def test_a_motion_that_nothing_damps_recurs():
+    """N changes its sign for ever, and two frequencies leave no period; the motion comes back near to where it was."""
+    wide = wide_drive("nut", 72, 17, 4)
+    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
+    assert conserves(automaton)
+    found = steady_state(automaton, wide.starts[0], max_events=700_000)
+    assert found.label == Attractor.RECURRENT
+    later = follow(automaton, found.state, math.inf, max_events=4000).after
+    distances = np.abs((later[500:] - later[0]) / np.abs(later).max(axis=0)).max(axis=1)
+    assert distances.min() < 0.05
 
 
 def test_undamped_oscillation_that_settles_is_not_steady_sliding():
