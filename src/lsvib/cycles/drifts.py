@@ -49,7 +49,7 @@ _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
-_MOVES = 12  # leaps by returns in a row after which a trend is looked for where nothing damps: a family drifts nowhere
+_MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
 # a multiple of its own spread.
@@ -94,14 +94,15 @@ def pursue(
             motion = follow_patiently(
                 automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
             )
-            if not conserved or moves % _MOVES:
+            if moves % _MOVES:
                 continue
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
         )
         trend = _trend(motion) if motion.time.size == window else None
+        longer = min(2 * window, longest) if conserved or not leap.moved else window
         if trend is None:
-            window = min(2 * window, longest)
+            window = longer
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
@@ -113,7 +114,7 @@ def pursue(
             if blank == _BLANKS:
                 return Recurrence(motion.end_state), leapt
         else:
-            window, blank = min(2 * window, longest), 0
+            window, blank = longer, 0
     return None, leapt
 
 
