@@ -276,7 +276,7 @@ def _trend(motion: Motion) -> _Trend | None:
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
-    steady = spread <= _STEADY * np.abs(step)
+    steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
     none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
