@@ -102,7 +102,7 @@ def test_a_cycle_whose_slowest_multiplier_is_almost_one():
 
 
 def test_walks_of_quiet_times_cost_little():
-    """This support has come to its cycle after two hundred walks of a hundred steps; the work was once beyond 700 000."""
+    """This support is at its cycle after two hundred walks of a hundred steps; the work was once beyond 700 000."""
     automaton, state = scene("support", 71, 56, 0)
     found = steady_state(automaton, state, max_events=300_000)
     assert found.label == Attractor.OTHER_CYCLE
