@@ -82,7 +82,8 @@ class Sections:
     """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels.
 
     ``complete``: whether the work sufficed; if it did not, motions that come to places without a label are to be
-    followed further. Without ``rounding`` a start whose label is decided by rounding has one of the labels beside it instead of none.
+    followed further. Without ``rounding`` a start whose label is decided by rounding has one of the labels beside it
+    instead of none.
     """
 
     def __init__(self, automaton: Automaton, rounding: bool = True) -> None:
