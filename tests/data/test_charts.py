@@ -100,7 +100,6 @@ def compare(plane: Plane, said=cell_by_cell) -> tuple[int, int, set[int]]:
         (Behaviour(labels[i, j]).name, Behaviour(middles[i, j]).name, plane.x.centres()[j], plane.y.centres()[i])
         for i, j in wrong[:9]
     ])
-    print(f"{whole.sum()} cells agree, {(~whole).sum()} cut, {(middles == -9).sum()} of them not covered")
     return int(whole.sum()), int((~whole).sum()), set(labels[whole].tolist())
 
 
@@ -259,6 +258,8 @@ def test_both_readings_of_the_text_are_marked():
     ):  # fmt: skip
         frame = Plane.of(lsvib.RigidDrive(**changes), *axes).frame(curves={})
         assert (frame.reading_mass.values.tolist() if "reading_mass" in frame else None) == masses
+    plane = Plane.of(lsvib.RigidDrive(translation_damping=1000.0), axes[0], ("friction_coefficient", 0.1, 0.3, 2))
+    assert plane.frame(curves={}).reading_mass.values.tolist() == [1.0, 8.0]
     assert "reading_mass" not in Plane.of(lsvib.RigidDrive(translation_damping=1000), axes[1], (
         "friction_coefficient", 0.1, 0.3, 2)).frame(curves={})  # fmt: skip
     found = lsvib.RigidDrive(translation_damping=1000).chart(*axes)
