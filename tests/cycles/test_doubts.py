@@ -42,7 +42,7 @@ def scene(model: str, seed: int, index: int, start: int):
 
 def test_every_error_of_the_engine_has_a_doubt_of_its_own():
     assert {kind: Doubt.of(kind("")) for kind in ERRORS} == ERRORS
-    assert set(ERRORS.values()) | {Doubt.FORK} == set(Doubt)
+    assert set(ERRORS.values()) | {Doubt.FORK, Doubt.BOUNDARY} == set(Doubt)
 
 
 @pytest.mark.parametrize(("key", "doubt"), [(("nut", 71, 28, 3), Doubt.ACCUMULATION)])
@@ -74,11 +74,12 @@ def test_motions_maps_and_the_judge_say_why(capsys, tmp_path, monkeypatch):
     mapped = mapper(wide.drive, "nut", wide.physics)
     axes = [f"{key}={start[key] - 1e-3}:{start[key] + 1e-3}:1" for key in ("u", "w")]
     grid = Grid.parse([*axes, *(f"{key}={start[key]}" for key in kind.optional)])
-    labels = mapped.cells(grid, quantities=("label",))["label"]
+    found = mapped.cells(grid, quantities=("label", "doubt"))
+    labels, doubts = found["label"], attraction_map.doubts(found["doubt"])
     assert labels.tolist() == [[Attractor.UNRESOLVED]]
     counts = {kind: int((labels == kind).sum()) for kind in Attractor}
-    assert mapped.doubts(counts) == {Doubt.ACCUMULATION: 1}
-    print_map(attraction_map.summary(counts, mapped.doubts(counts), None, 1.0), counts)
+    assert doubts == {Doubt.ACCUMULATION: 1}
+    print_map(attraction_map.summary(counts, doubts, None, 1.0), counts)
     assert f"unresolved: 1 cells\n  1 because {Doubt.ACCUMULATION}\n" in capsys.readouterr().out
 
     record = command.judged("nut", 71, 28, ("attractor",))

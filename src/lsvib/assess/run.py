@@ -14,11 +14,10 @@ from lsvib.assess.uncertainty import BLOCK, compute_blocks
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
-from lsvib.numbers import NotNumber, shown, whole
+from lsvib.numbers import whole_between, workers
 
 _MOST = 2**30  # samples: a thousand million
 _LARGEST_SEED = 2**32 - 1  # 32 bits, which every generator and file format takes
-_MOST_THREADS = 4096  # more than any machine has
 
 
 def assess_file(
@@ -35,8 +34,8 @@ def assess_file(
     the files are written, so that a run that was stopped goes on. Returns what ``assessment.json`` holds. Raises
     ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
-    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
-    threads = _whole("threads", threads, 1, _MOST_THREADS)
+    samples, seed = _samples(samples), whole_between("seed", seed, 0, _LARGEST_SEED)
+    threads = workers("threads", threads)
     sheet = Sheet.read(path)
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)
@@ -61,7 +60,7 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
     ``share``: 1/8, 2/8 and so on; :func:`assess_file` with the same file, ``out``, ``samples`` and ``seed`` then takes
     them up. Raises ``InputError`` in one sentence.
     """
-    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
+    samples, seed = _samples(samples), whole_between("seed", seed, 0, _LARGEST_SEED)
     part, _, parts = share.partition("/")
     if not (part.isascii() and part.isdigit() and parts.isascii() and parts.isdigit()):
         raise InputError(f"share = {share!r} is not a share such as 1/8.")
@@ -71,20 +70,7 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
 
 
 def _samples(given: Any) -> int:
-    count = _whole("samples", given, 64, _MOST)
+    count = whole_between("samples", given, 64, _MOST)
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     return count
-
-
-def _whole(name: str, given: Any, least: int, most: int) -> int:
-    """A whole number in a range, from a number or text."""
-    try:
-        value = whole(given)
-    except NotNumber as error:
-        raise InputError(
-            f"{name} = {shown(given)} {error}; the allowed range is {least} <= {name} <= {most}."
-        ) from None
-    if not least <= value <= most:
-        raise InputError(f"{name} = {value} is outside the allowed range {least} <= {name} <= {most}.")
-    return value

@@ -7,12 +7,13 @@ from typing import Protocol
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.cycles.attractors import Attractor, SteadyState
+from lsvib.cycles.attractors import SteadyState
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 
-QUANTITIES = ("label", "time", "seizures", "first_event")
+QUANTITIES = ("label", "time", "seizures", "first_event", "doubt")
+NO_DOUBT = -1  # of a cell whose label is told
 
 Progress = Callable[[int, int], None]
 
@@ -45,12 +46,9 @@ class Mapper(Protocol):
 
         Arguments: ``quantities`` wanted; number of ``threads``; ``progress``, called with the numbers of rows done
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
-        int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
+        ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
         """
-        ...
-
-    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
-        """Return why cells of the last map, counted by attractor, are unresolved: numbers by ends of sentences."""
         ...
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:

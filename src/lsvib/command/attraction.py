@@ -17,7 +17,7 @@ Axes = Annotated[
 ]
 Quantities = Annotated[
     list[str],
-    Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **ONE_VALUE),
+    Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event, doubt; label is.", **ONE_VALUE),
 ]
 
 
@@ -49,9 +49,9 @@ def attraction(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.api import drive_class, map_attraction
+    from lsvib.api import drive_class
     from lsvib.basins.grid import Grid
-    from lsvib.data.attraction_map import summary
+    from lsvib.data.attraction_map import map_attraction, summary
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
