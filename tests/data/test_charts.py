@@ -96,10 +96,13 @@ def compare(plane: Plane, said=cell_by_cell) -> tuple[int, int, set[int]]:
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
     whole = (corners == middles).all(axis=0) & (middles != -9)
     wrong = np.argwhere(whole & (labels != middles))
-    assert not len(wrong), (len(wrong), [
-        (Behaviour(labels[i, j]).name, Behaviour(middles[i, j]).name, plane.x.centres()[j], plane.y.centres()[i])
-        for i, j in wrong[:9]
-    ])
+    assert not len(wrong), (
+        len(wrong),
+        [
+            (Behaviour(labels[i, j]).name, Behaviour(middles[i, j]).name, plane.x.centres()[j], plane.y.centres()[i])
+            for i, j in wrong[:9]
+        ],
+    )
     return int(whole.sum()), int((~whole).sum()), set(labels[whole].tolist())
 
 
