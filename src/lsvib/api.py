@@ -284,7 +284,7 @@ class _Drive(RigidParameters):
         *,
         quantities: Sequence[str] = ("label",),
         resume: str = "contact_sign",
-        threads: int = 1,
+        workers: int = 1,
         refine: bool = False,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
@@ -293,7 +293,7 @@ class _Drive(RigidParameters):
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
         ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
         seizures, first_event, doubt (why a label is unresolved; the label is always there); ``resume`` as of
-        :meth:`automaton`; number of ``threads``, which changes no number; ``refine``, compute only what lies near
+        :meth:`automaton`; number of ``workers``, which changes no number; ``refine``, compute only what lies near
         boundaries (labels of the rigid drive; the dataset then holds blocks); ``progress``, called with the numbers of
         rows done and in all. Raises ``InputError``, ``EngineError``.
 
@@ -305,7 +305,7 @@ class _Drive(RigidParameters):
         """
         from lsvib.data.attraction_map import map_attraction
 
-        return map_attraction(self, grid, quantities, resume, threads, refine, progress).dataset
+        return map_attraction(self, grid, quantities, resume, workers, refine, progress).dataset
 
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene

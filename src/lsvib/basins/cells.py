@@ -39,12 +39,12 @@ class Mapper(Protocol):
         rows: slice = ...,
         columns: slice = ...,
         quantities: Sequence[str] = ...,
-        threads: int = ...,
+        workers: int = ...,
         progress: Progress | None = ...,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
 
-        Arguments: ``quantities`` wanted; number of ``threads``; ``progress``, called with the numbers of rows done
+        Arguments: ``quantities`` wanted; number of ``workers``; ``progress``, called with the numbers of rows done
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
         int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
         ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
@@ -64,11 +64,11 @@ def check_quantities(names: Sequence[str]) -> None:
 
 
 def in_blocks(
-    work: Callable[[slice], None], rows: int, height: int, threads: int, progress: Progress | None = None
+    work: Callable[[slice], None], rows: int, height: int, workers: int, progress: Progress | None = None
 ) -> None:
-    """Call ``work`` for blocks of ``height`` of so many ``rows``, in ``threads``, and tell ``progress`` of the rows."""
+    """Call ``work`` for blocks of ``height`` of so many ``rows``, by ``workers``, and tell ``progress`` of the rows."""
     parts = [slice(i, min(i + height, rows)) for i in range(0, rows, height)]
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         for part, _ in zip(parts, pool.map(work, parts), strict=True):
             if progress is not None:
                 progress(part.stop, rows)

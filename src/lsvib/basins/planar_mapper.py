@@ -48,7 +48,7 @@ class PlanarMapper:
         rows: slice = slice(None),
         columns: slice = slice(None),
         quantities: Sequence[str] = QUANTITIES,
-        threads: int = 1,
+        workers: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
@@ -77,7 +77,7 @@ class PlanarMapper:
                 arrival.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
                 times[labels == labelling.UNRESOLVED] = np.inf
 
-        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), threads, progress)
+        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), workers, progress)
         if "doubt" in quantities:
             found["doubt"] = np.where(found["label"] == labelling.UNRESOLVED, _BOUNDARY, NO_DOUBT).astype(np.int8)
         return {name: found[name] for name in quantities}

@@ -88,7 +88,7 @@ class StateMapper:
         rows: slice = slice(None),
         columns: slice = slice(None),
         quantities: Sequence[str] = QUANTITIES,
-        threads: int = 1,
+        workers: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
@@ -124,7 +124,7 @@ class StateMapper:
                     for array, value in zip(found.values(), (*destiny, code), strict=True):
                         array[i, j] = value
 
-        in_blocks(row, y.size, 1, threads, progress)
+        in_blocks(row, y.size, 1, workers, progress)
         return {name: found[name] for name in quantities}
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:

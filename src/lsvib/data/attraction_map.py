@@ -52,7 +52,7 @@ def map_attraction(
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
     resume: str = "contact_sign",
-    threads: Any = 1,
+    workers: Any = 1,
     refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
@@ -60,7 +60,7 @@ def map_attraction(
 
     The seconds are those of mapping, without compiling.
     """
-    workers = numbers.workers("threads", threads)
+    at_once = numbers.workers("workers", workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
@@ -79,7 +79,7 @@ def map_attraction(
         return AttractionMap(
             refined_map(mapper, blocks), counts, seconds, {Doubt.BOUNDARY: unresolved} if unresolved else {}
         )
-    found = mapper.cells(starts, quantities=asked, threads=workers, progress=progress)
+    found = mapper.cells(starts, quantities=asked, workers=at_once, progress=progress)
     seconds = perf_counter() - begin
     shown = {name: found[name] for name in wanted}
     return AttractionMap(attraction_map(mapper, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))

@@ -63,14 +63,14 @@ def sweep(
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     kind.initial_state(drive, begin)  # refuses other keys
-    threads, drives, sizes = (
+    at_once, drives, sizes = (
         numbers.workers("workers", workers),
         product_of(drive, axes),
         tuple(map(len, axes.values())),
     )
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-    found = all_endings(drives, starts, resume, threads, progress, others)
+    found = all_endings(drives, starts, resume, at_once, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
         coords={name: (name, np.array(values), coordinate(name, kind.drive)) for name, values in axes.items()},
