@@ -99,3 +99,9 @@ def test_a_section_that_is_a_point_has_no_multipliers():
     """A support whose motion repeats on a section without directions once ended the search by a traceback."""
     wide = wide_drive("support", 71, 26, 4)
     assert mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[0]).doubt is None
+
+
+def test_an_amplitude_that_does_not_change_at_all_is_no_trend():
+    """A support with one such amplitude beside one that scatters once ended the search by a traceback."""
+    wide = wide_drive("support", 73, 53, 4)
+    assert mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[0]).doubt is None

@@ -99,3 +99,11 @@ def test_a_cycle_whose_slowest_multiplier_is_almost_one():
     assert 1 - found.multiplier == pytest.approx(-slow * found.period, rel=0.01)
     wide = wide_drive("support", 71, 11, 4)
     assert fate(wide, 2, *constants_of(wide)).name in ("stick_slip_cycle", "unknown")
+
+
+def test_walks_of_quiet_times_cost_little():
+    """This support comes to its cycle after two hundred walks of a hundred steps; the work was once beyond 700 000."""
+    automaton, state = scene("support", 71, 56, 0)
+    found = steady_state(automaton, state, max_events=300_000)
+    assert found.label == Attractor.OTHER_CYCLE
+    assert found.residual < 1e-9

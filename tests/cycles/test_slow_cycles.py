@@ -10,7 +10,10 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.basins.mapper import mapper
+from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.return_map import conserves
 from lsvib.drives.registry import find_model
 from lsvib.engine.motion import follow
 
@@ -102,6 +105,38 @@ def test_chaos_is_unresolved():
     apart = np.abs(ends[1] - ends[0]).max() / np.abs(ends[0]).max()
     assert apart > 1e-3
     assert steady_state(automaton, state, max_events=5000).label == Attractor.UNRESOLVED
+
+
+def test_a_motion_that_nothing_damps_recurs():
+    """N changes its sign for ever, and two frequencies leave no period; the motion comes back near to where it was."""
+    wide = wide_drive("nut", 72, 17, 4)
+    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
+    assert conserves(automaton)
+    found = steady_state(automaton, wide.starts[0], max_events=700_000)
+    assert found.label == Attractor.RECURRENT
+    later = follow(automaton, found.state, math.inf, max_events=4000).after
+    distances = np.abs((later[500:] - later[0]) / np.abs(later).max(axis=0)).max(axis=1)
+    assert distances.min() < 0.05
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("start", [0, 1])
+def test_leaps_by_returns_that_lead_nowhere_give_way_to_amplitudes(start):
+    """N changes its sign until the motion is as small as the axial force, in turns that hardly damp."""
+    wide = wide_drive("nut", 74, 11, 4)
+    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
+    found = steady_state(automaton, wide.starts[start], max_events=700_000)
+    assert found.label == Attractor.STEADY_SLIDING
+
+
+def test_a_slow_cycle_is_found_from_the_start_where_its_end_shows_no_size():
+    """The coupling angle on this cycle is 10⁻¹¹ of what it was before, and attracts by 8·10⁻⁶ in a turn."""
+    wide = wide_drive("nut", 73, 38, 4)
+    mapped = mapper(wide.drive, wide.model, wide.physics)
+    assert mapped.destiny(wide.starts[2]).label == Attractor.STICK_SLIP_CYCLE
+    cycle = steady_state(mapped.automaton, wide.starts[2])
+    later = follow(mapped.automaton, cycle.state, math.inf, mode=int(cycle.orbit.mode[-1]), max_events=200)
+    assert later.after[1::2] == pytest.approx(np.tile(cycle.state, (100, 1)), rel=1e-6)
 
 
 def test_undamped_oscillation_that_settles_is_not_steady_sliding():

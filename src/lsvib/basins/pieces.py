@@ -49,6 +49,13 @@ def completed(pieces: Pieces, other: Pieces) -> Pieces:
     return Pieces([*map(float, cuts[keep]), float(cuts[-1])], [*map(int, best[keep])])
 
 
+def opened(pieces: Pieces, narrow: float) -> Pieces:
+    """Return pieces of which unresolved ones are unknown, but those of a relative width up to ``narrow``."""
+    low, high = np.array(pieces.edges[:-1]), np.array(pieces.edges[1:])
+    wide = (np.array(pieces.labels) == UNRESOLVED) & (high - low > narrow * np.maximum(np.abs(low), np.abs(high)))
+    return Pieces(pieces.edges, [*map(int, np.where(wide, UNKNOWN, pieces.labels))])
+
+
 def agreed(runs: Sequence[Pieces], rounding: float) -> Pieces:
     """Return the labels on which several searches agree; the rest, widened by ``rounding``, is unresolved."""
     low, high = max(run.edges[0] for run in runs), min(run.edges[-1] for run in runs)

@@ -32,7 +32,7 @@ import numpy as np
 from lsvib.basins.kernels import itinerary
 from lsvib.basins.kernels.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
-from lsvib.basins.pieces import Pieces, agreed, completed, merged, touching
+from lsvib.basins.pieces import Pieces, agreed, completed, merged, opened, touching
 from lsvib.basins.section_tables import (
     FAR,
     ON_CYCLE,
@@ -79,10 +79,16 @@ _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for
 
 
 class Sections:
-    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels."""
+    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels.
 
-    def __init__(self, automaton: Automaton) -> None:
+    ``complete``: whether the work sufficed; if it did not, motions that come to places without a label are to be
+    followed further. Without ``rounding`` a start whose label is decided by rounding has one of the labels beside it
+    instead of none.
+    """
+
+    def __init__(self, automaton: Automaton, rounding: bool = True) -> None:
         self.automaton = automaton
+        self._pushes = _PUSHES[1:] if rounding else ()
         self.size = sizes(automaton)
         self.known = nothing_known(automaton, self.size)
         self.sections = find_sections(automaton, self.known)
@@ -92,6 +98,7 @@ class Sections:
         self._found: dict[LabelSection, list[tuple[float, float, int]]] = {}
         self._learned: list[Attractor] = []
         self._work = self._futile = self._in_vain = 0
+        self.complete = True
         self._limit = _WORK  # of the section that is examined
         self._symbols = np.empty(_EVENTS, dtype=np.int64)
         if automaton.contracts:
@@ -112,6 +119,9 @@ class Sections:
                         section, state[section.free], _PUSHES[0]
                     )  # finds its attractor, if that is not known yet
         found = self._all_labels()
+        self.complete = self._work < _WORK
+        if not self.complete:  # what is left of a crowded section is no boundary
+            found = {section: opened(pieces, _NOISE) for section, pieces in found.items()}
         self.known = with_common_labels(automaton, with_labels(self.known, found), found, self.size)
         self.known = with_cycles(automaton, self.known, self.attractors, releases)
 
@@ -296,7 +306,7 @@ class Sections:
         runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], ends, learns=True))]
         if len(runs[0].labels) == 1:
             return runs[0]
-        runs += [self._pushed(section, runs[0], push) for push in _PUSHES[1:]]
+        runs += [self._pushed(section, runs[0], push) for push in self._pushes]
         return agreed(runs, _ROUNDING * self.size[section.free])
 
     def _pushed(self, section: LabelSection, pieces: Pieces, push: tuple[float, bool]) -> Pieces:

@@ -37,6 +37,7 @@ _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
 _EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
+_AGAIN = 4  # The search from the start, where that from the last round tells nothing, has a quarter of that work.
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
@@ -134,7 +135,7 @@ class StateMapper:
 
     def destiny(self, state: np.ndarray) -> Destiny:
         """Return what becomes of the motion from a state (n)."""
-        mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(self._events)
+        start, mode, time, sprags, first, budget = state, None, 0.0, 0, None, Budget(self._events)
         if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
             return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
         for _ in range(self._rounds):
@@ -159,6 +160,9 @@ class StateMapper:
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
         end = self._end(state, mode)
+        if end.doubt == Doubt.EVENTS:  # what has come near to a slow cycle shows the size of the motion no more
+            again = self._end(start, work=self._events // _AGAIN)
+            end = end if again.doubt is not None else again
         return Destiny(
             end.label, time if end.doubt is None else np.inf, sprags, -1 if first is None else first, end.doubt
         )

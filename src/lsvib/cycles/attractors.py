@@ -62,6 +62,9 @@ def steady_state(
       an attracting cycle – chaotic and quasi-periodic ones, above all where nothing damps – and to motions whose cycle
       attracts slowly, if it has a multiplier within 1e-6 of the unit circle or more than 8 returns, or if the return
       map has no derivative.
+    * Before that, with two states: the motion has drifted towards a place on a line from both sides of which returns
+      come nearer, beyond doubt, although P(y) = y is lost in rounding there. Then there is a cycle, and its numbers are
+      known to ``enclosure`` only.
     """
     return _steady_state(automaton, np.array(state, dtype=float), mode, max_events, patience, True)
 

@@ -12,7 +12,8 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
 After each leap the motion is followed until errors of the extrapolation have died away, before the next step is
 measured. This is numerical evidence, not a proof: a narrow attractor on the way may be leapt over.
 
-A motion that has no trend over many events, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic.
+A motion that has no trend over many events, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer
+events tell it where nothing damps: slip preserves volumes, so that no amplitude dies away by itself.
 """
 
 import math
@@ -22,7 +23,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_map import ReturnSection, conserves
 from lsvib.cycles.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
@@ -47,6 +48,8 @@ _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a 
 _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
+_CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
+_MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
 # a multiple of its own spread.
@@ -77,6 +80,8 @@ def pursue(
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     before, trust, moves = None, 1.0, 0
+    conserved = conserves(automaton)
+    longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
         # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
@@ -89,25 +94,27 @@ def pursue(
             motion = follow_patiently(
                 automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
             )
-            continue
+            if moves % _MOVES:
+                continue
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
         )
         trend = _trend(motion) if motion.time.size == window else None
+        longer = min(2 * window, longest) if conserved or not leap.moved else window
         if trend is None:
-            window = min(2 * window, _LAST_WINDOW)
+            window = longer
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
             leapt, before = True, trend
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
             blank = 0
-        elif trend.none and window == _LAST_WINDOW:
+        elif trend.none and window == longest:
             blank += 1
             if blank == _BLANKS:
                 return Recurrence(motion.end_state), leapt
         else:
-            window, blank = min(2 * window, _LAST_WINDOW), 0
+            window, blank = longer, 0
     return None, leapt
 
 
@@ -269,7 +276,7 @@ def _trend(motion: Motion) -> _Trend | None:
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
-    steady = spread <= _STEADY * np.abs(step)
+    steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
     none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())

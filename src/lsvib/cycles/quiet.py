@@ -30,7 +30,7 @@ _NONE = 1e-25  # part of the fastest rate below which a rate is none: blocks are
 _PARALLEL = 1e10  # condition of eigenvectors that leaves parts some digits
 _LOST = 1e-14  # of parts, relative, times that condition
 _STEPS = 2000  # of one walk
-_START, _STEP = 150.0, 0.5  # work of a walk and of each of its steps: 300 microseconds and one
+_START, _STEP = 300.0, 0.5  # work of a walk and of each of its steps: 600 microseconds and one
 _TURN = 8.0  # angle of the fastest part that a step must have: the search itself takes shorter ones, in less time
 _END = 1e15  # of the time of the slowest part; a motion that meets no guard until then has died away long before
 

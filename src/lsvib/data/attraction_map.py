@@ -77,7 +77,7 @@ def map_attraction(
         counts = blocks.counts()
         unresolved = counts[Attractor.UNRESOLVED]
         return AttractionMap(
-            refined_map(mapper, blocks), counts, seconds, {Doubt.BOUNDARY: unresolved} if unresolved else {}
+            refined_map(mapper, blocks), counts, seconds, {mapper.doubt: unresolved} if unresolved else {}
         )
     found = mapper.cells(starts, quantities=asked, workers=at_once, progress=progress)
     seconds = perf_counter() - begin

@@ -60,7 +60,7 @@ _TURNS = (0.3, 3.0)  # shortest and longest motion, in turns of the slow oscilla
 _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
 # Seed and indices of drives for which kernels are compiled ahead that a harmless drive does not need: leaps along a
 # return map and the Taylor stepper (rigid), modes in blocks (the others).
-_COMPILED_FOR = {"rigid": (9001, 2, 4), "threads": (11, 3), "support": (11, 49)}
+_COMPILED_FOR = {"rigid": (9001, 2, 4, 10), "threads": (11, 3), "support": (11, 49)}
 _CONFIRMING = 12  # leading events that the reference must confirm
 _INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
 _BESIDE = (1 - 1e-10, 1 + 1e-10)  # factors for starts beside a start; the motions themselves agree to 7e-11
