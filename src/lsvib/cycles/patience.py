@@ -47,7 +47,7 @@ def follow_patiently(
         work = (_FIRST if reach == math.inf else _SEARCH) + _EACH * here
         piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, t_end - time <= reach
-        pieces.append(replace(piece, start_time=time, time=piece.time + time, end_time=piece.end_time + time))
+        pieces.append(_begun_at(piece, time))
         time, count, state, mode = pieces[-1].end_time, count + found, piece.end_state, piece.end_mode
         over = last if piece.status == Status.TIME_REACHED else count == max_events
         if over or piece.status not in (Status.TIME_REACHED, Status.EVENTS_FULL, Status.WORK_SPENT):
@@ -91,10 +91,17 @@ def _searched(
         budget.spend(before - part.left)
 
 
+def _begun_at(piece: Motion, time: float) -> Motion:
+    """Return a motion that begins at 0 as one that begins at a time [s]; most do begin at 0, and a copy takes long."""
+    if time == 0.0:
+        return piece
+    return replace(piece, start_time=time, time=piece.time + time, end_time=piece.end_time + time)
+
+
 def _joined(pieces: Sequence[Motion], status: Status) -> Motion:
     """Return one motion for several that follow each other."""
     if len(pieces) == 1:
-        return replace(pieces[0], status=status)
+        return pieces[0] if pieces[0].status == status else replace(pieces[0], status=status)
     columns = {
         name: np.concatenate([getattr(piece, name) for piece in pieces])
         for name in ("time", "kind", "sign", "mode", "before", "after")
