@@ -16,6 +16,7 @@ from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
@@ -181,3 +182,25 @@ def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
         leap = drifts._Linear.at(section, [before, repelling.state])
         assert leap.most(7) < 6
         assert not leap.foresaw([before, repelling.state], 7)
+
+
+@pytest.mark.parametrize(("index", "start"), [(26, 0), (20, 2)])
+def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work(index, start):
+    """A search for some events in blocks had spent its part of the budget, which was taken for all of it."""
+    automaton, state = scene("threads", 72, index, start)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+def test_a_state_on_a_surface_stays_there_where_no_time_is_quiet():
+    """A quiet time of 0 s once moved the state off θ′ = 0 by rounding, and stick and release followed without end."""
+    automaton, state = scene("threads", 72, 7, 0)
+    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=2000, budget=Budget(700_000))
+    assert motion.status == Status.SETTLED
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():
+    """The contact rattles two thousand times before it rests on one side; looking for cycles had taken all work."""
+    automaton, state = scene("threads", 72, 33, 2)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
