@@ -5,15 +5,14 @@ asked: making a drive, or asking for its stability, loads no engine.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from time import perf_counter
 from types import new_class
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from lsvib import numbers
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
@@ -24,20 +23,17 @@ if TYPE_CHECKING:
     from lsvib.basins.exact_basin import Basin
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
-    from lsvib.cycles.attractors import Attractor, SteadyState
+    from lsvib.cycles.attractors import SteadyState
     from lsvib.cycles.continuation import CycleBranch
     from lsvib.cycles.periodic import Cycle
     from lsvib.data.cycles import Cycles
     from lsvib.drives.scene import Scene
     from lsvib.engine.automaton import Automaton
 
-__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "map_attraction", "rule"]
+__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
 
 Progress = Callable[[int, int], None]
-# Of resuming after a seizure, see :mod:`lsvib.drives.rigid`.
-RULES: tuple[Literal["contact_sign", "at_once"], ...] = ("contact_sign", "at_once")
 _LONGEST = 1e9  # s, as of a scene
-_MOST_THREADS = 4096  # more than any machine has
 
 
 class _Drive(RigidParameters):
@@ -288,7 +284,7 @@ class _Drive(RigidParameters):
         *,
         quantities: Sequence[str] = ("label",),
         resume: str = "contact_sign",
-        threads: int = 1,
+        workers: int = 1,
         refine: bool = False,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
@@ -296,10 +292,10 @@ class _Drive(RigidParameters):
 
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
         ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
-        seizures, first_event (the label is always there); ``resume`` as of :meth:`automaton`; number of ``threads``,
-        which changes no number; ``refine``, compute only what lies near boundaries (labels of the rigid drive; the
-        dataset then holds blocks); ``progress``, called with the numbers of rows done and in all. Raises
-        ``InputError``, ``EngineError``.
+        seizures, first_event, doubt (why a label is unresolved; the label is always there); ``resume`` as of
+        :meth:`automaton`; number of ``workers``, which changes no number; ``refine``, compute only what lies near
+        boundaries (labels of the rigid drive; the dataset then holds blocks); ``progress``, called with the numbers of
+        rows done and in all. Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
@@ -307,7 +303,9 @@ class _Drive(RigidParameters):
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
         """
-        return map_attraction(self, grid, quantities, resume, threads, refine, progress).dataset
+        from lsvib.data.attraction_map import map_attraction
+
+        return map_attraction(self, grid, quantities, resume, workers, refine, progress).dataset
 
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene
@@ -428,90 +426,3 @@ def drive_class(model: str) -> type[_Drive]:
 
     own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
     return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
-
-
-@dataclass(frozen=True)
-class AttractionMap:
-    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took.
-
-    ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
-    """
-
-    dataset: "xr.Dataset"
-    counts: "Mapping[Attractor, int]"
-    seconds: float
-    doubts: Mapping[str, int]
-
-
-def map_attraction(
-    drive: RigidParameters,
-    grid: "Grid | Mapping[str, Any]",
-    quantities: Sequence[str] = ("label",),
-    resume: str = "contact_sign",
-    threads: Any = 1,
-    refine: bool = False,
-    progress: Progress | None = None,
-) -> AttractionMap:
-    """Map the region of attraction of a drive; arguments as of :meth:`RigidDrive.attraction`.
-
-    The seconds are those of mapping, without compiling.
-    """
-    from lsvib.basins import refinement
-    from lsvib.basins.mapper import mapper
-    from lsvib.basins.planar_mapper import PlanarMapper
-    from lsvib.data.attraction_map import attraction_map, refined_map
-
-    workers = _threads(threads)
-    rule(resume)
-    starts = _grid(grid)
-    mapped = mapper(drive, drive.model, resume=resume)
-    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
-        raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
-    wanted = list(dict.fromkeys(["label", *quantities]))
-    if refine and (wanted != ["label"] or drive.model != "rigid"):
-        raise InputError("refine is for labels of the rigid drive, without other quantities.")
-    mapped.cells(starts, slice(0, 1), slice(0, 1), wanted)  # so that compiling is not part of the speed
-    begin = perf_counter()
-    if refine and isinstance(mapped, PlanarMapper):
-        blocks = refinement.refine(mapped, starts)
-        seconds = perf_counter() - begin
-        counts, dataset = blocks.counts(), refined_map(mapped, blocks)
-        return AttractionMap(dataset, counts, seconds, mapped.doubts(counts))
-    found = mapped.cells(starts, quantities=wanted, threads=workers, progress=progress)
-    seconds = perf_counter() - begin
-    counts = refinement.count(found["label"])
-    return AttractionMap(attraction_map(mapped, starts, found), counts, seconds, mapped.doubts(counts))
-
-
-def rule(given: Any) -> Literal["contact_sign", "at_once"]:
-    """Return a rule of resuming after a seizure; raises ``InputError`` for anything else."""
-    for known in RULES:
-        if isinstance(given, str) and given == known:
-            return known
-    raise InputError(f"resume = {numbers.shown(given)} is not one of {', '.join(RULES)}.")
-
-
-def _threads(given: Any) -> int:
-    allowed = f"the allowed range is 1 <= threads <= {_MOST_THREADS}"
-    try:
-        count = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(f"threads = {numbers.shown(given)} {error}; {allowed}.") from None
-    if not 1 <= count <= _MOST_THREADS:
-        raise InputError(f"threads = {count} is outside the allowed range 1 <= threads <= {_MOST_THREADS}.")
-    return count
-
-
-def _grid(given: "Grid | Mapping[str, Any]") -> "Grid":
-    """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
-    from lsvib.basins.grid import Grid
-
-    if isinstance(given, Grid):
-        return given
-    values = parameters.names_and_values("grid", given)
-    for name, span in values.items():
-        if isinstance(span, tuple | list):
-            if len(span) != 3:
-                raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
-            values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
-    return Grid.of(values)

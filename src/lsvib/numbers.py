@@ -8,6 +8,7 @@ from lsvib.errors import InputError
 
 # A start this far out is no state of a drive; its square is still a double, so that products of two can be formed.
 LARGEST_START = 1e100
+MOST_WORKERS = 4096  # threads or processes: more than any machine has cores
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LONGEST = 60  # characters of a value in a sentence; the rest is cut off
 
@@ -65,6 +66,24 @@ def whole(value: Any) -> int:
     if not math.isfinite(result) or result != int(result):
         raise NotNumber("is not a whole number")
     return int(result) if isinstance(value, str) and not value.strip().lstrip("+-").isdigit() else int(value)
+
+
+def whole_between(name: str, value: Any, least: int, most: int) -> int:
+    """Return a value as an integer of a range; raises ``InputError`` in one sentence, with its ``name``, otherwise."""
+    try:
+        result = whole(value)
+    except NotNumber as error:
+        raise InputError(
+            f"{name} = {shown(value)} {error}; the allowed range is {least} <= {name} <= {most}."
+        ) from None
+    if not least <= result <= most:
+        raise InputError(f"{name} = {result} is outside the allowed range {least} <= {name} <= {most}.")
+    return result
+
+
+def workers(name: str, value: Any) -> int:
+    """Return a number of threads or processes, as :func:`whole_between` does."""
+    return whole_between(name, value, 1, MOST_WORKERS)
 
 
 def start(name: str, value: Any) -> float:

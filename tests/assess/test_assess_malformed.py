@@ -204,7 +204,7 @@ def test_a_file_that_is_no_sheet_is_refused(text, word, tmp_path, monkeypatch, c
         (["--samples", "32"], "samples"),
         (["--samples", "many"], "samples"),
         (["--seed", "-1"], "seed"),
-        (["--threads", "0"], "threads"),
+        (["--workers", "0"], "workers"),
         (["--share", "3"], "share"),
         (["--share", "9/8"], "share"),
     ],

@@ -476,7 +476,7 @@ def test_samples_do_not_depend_on_threads_and_are_taken_up_again(tmp_path):
     """The same counts with one thread, with two, and from blocks that were kept."""
     given = sheet(**KINEMATIC)
     plain = study(given, 16384, 5)
-    kept = study(given, 16384, 5, threads=2, folder=tmp_path)
+    kept = study(given, 16384, 5, workers=2, folder=tmp_path)
     blocks = sorted(tmp_path.glob("*.json"))
     assert len(blocks) == 4
     blocks[1].write_text("{", encoding="utf-8")  # cut off

@@ -158,12 +158,12 @@ def test_symmetry(mappers):
 
 
 @pytest.mark.parametrize("quantities", [("label",), QUANTITIES])
-def test_same_bits_for_any_tiles_and_threads(mappers, quantities):
+def test_same_bits_for_any_tiles_and_workers(mappers, quantities):
     mapped = mappers(PARADOX.replace(support_damping=3e-3))
     grid = Grid.parse(["w=-80:80:70", "u=-0.1:0.1:150"])
     whole = mapped.cells(grid, quantities=quantities)
-    for threads in (2, 3):
-        again = mapped.cells(grid, quantities=quantities, threads=threads)
+    for workers in (2, 3):
+        again = mapped.cells(grid, quantities=quantities, workers=workers)
         assert all(whole[name].tobytes() == again[name].tobytes() for name in quantities)
     for rows, columns in (((0, 31, 150), (0, 70)), ((0, 1, 77, 150), (0, 13, 14, 70))):
         for top, bottom in pairwise(rows):

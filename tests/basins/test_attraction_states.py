@@ -30,7 +30,7 @@ def test_labels_against_the_return_map(kind, model):
         assert steady_state(mapped.automaton, state).label == label
     assert Attractor.UNRESOLVED not in found["label"]
     assert np.isfinite(found["time"]).all()
-    again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), threads=2)
+    again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), workers=2)
     assert again["time"].tobytes() == found["time"][2:5, 1:4].tobytes()
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()
     columns = np.tile(grid.x.centres(), 5)

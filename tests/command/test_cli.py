@@ -217,6 +217,7 @@ def test_the_older_names_of_start_and_duration_are_read(run, tmp_path):
         run, "simulate", "--scene", "both.yaml", "--out", "d.nc"
     )
     assert "--initial" not in run("simulate", "--help")[1]
+    assert "workers = 0" in refused(run, "attraction", *DRIVE, *GRID, "--out", "m.nc", "--threads", "0")
 
 
 @pytest.mark.parametrize(
@@ -441,7 +442,7 @@ def test_attraction_refuses_a_bad_grid(run, grid, word):
     ("arguments", "word"),
     [
         (["--quantities", "tim"], "'tim'"),
-        (["--threads", "0"], "threads = 0"),
+        (["--workers", "0"], "workers = 0"),
         (["--resume", "later"], "'later'"),
         (["--model", "elastic"], "'elastic'"),
         (["--refine", "--quantities", "time"], "refine"),

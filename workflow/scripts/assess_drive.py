@@ -13,7 +13,7 @@ try:
         Path(snakemake.input.sheet),
         Path(snakemake.output.page).parent,
         samples=snakemake.params.samples,
-        threads=snakemake.threads,
+        workers=snakemake.threads,
         progress=lambda done, total: print(f"{done} of {total} blocks of samples", file=sys.stderr),
     )
 except LsvibError as error:

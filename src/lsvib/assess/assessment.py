@@ -87,7 +87,7 @@ def assess(
     sheet: Sheet,
     samples: int = 4096,
     seed: int = 1,
-    threads: int = 1,
+    workers: int = 1,
     folder: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Assessment:
@@ -98,7 +98,7 @@ def assess(
     entries = nominal_draw(sheet)
     values = {key: float(value) for key, value in quantities(sheet, entries).items()}
     _require_a_drive(sheet, values)
-    spread = study(sheet, samples, seed, threads, folder, progress)
+    spread = study(sheet, samples, seed, workers, folder, progress)
     edges = margins(sheet, values)
     found = _mechanisms(sheet, values, spread, edges)
     angle, friction = map(float, square_thread(sheet, values))

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from lsvib import numbers
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
 from lsvib.assess.dataset import dataset
@@ -14,11 +15,9 @@ from lsvib.assess.uncertainty import BLOCK, compute_blocks
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
-from lsvib.numbers import NotNumber, shown, whole
 
 _MOST = 2**30  # samples: a thousand million
 _LARGEST_SEED = 2**32 - 1  # 32 bits, which every generator and file format takes
-_MOST_THREADS = 4096  # more than any machine has
 
 
 def assess_file(
@@ -26,7 +25,7 @@ def assess_file(
     out: Path,
     samples: Any = BLOCK,
     seed: Any = 1,
-    threads: Any = 1,
+    workers: Any = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
@@ -35,13 +34,13 @@ def assess_file(
     the files are written, so that a run that was stopped goes on. Returns what ``assessment.json`` holds. Raises
     ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
-    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
-    threads = _whole("threads", threads, 1, _MOST_THREADS)
+    samples, seed = _samples(samples), numbers.whole_between("seed", seed, 0, _LARGEST_SEED)
+    at_once = numbers.workers("workers", workers)
     sheet = Sheet.read(path)
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)
     folder = out / ".samples" if samples > BLOCK else None
-    found = assess(sheet, samples, seed, threads, folder, progress)
+    found = assess(sheet, samples, seed, at_once, folder, progress)
     operating = charts(sheet, found.values)
     result = as_json(found)
     with outputs.writing() as (page, data, verdict):
@@ -61,7 +60,7 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
     ``share``: 1/8, 2/8 and so on; :func:`assess_file` with the same file, ``out``, ``samples`` and ``seed`` then takes
     them up. Raises ``InputError`` in one sentence.
     """
-    samples, seed = _samples(samples), _whole("seed", seed, 0, _LARGEST_SEED)
+    samples, seed = _samples(samples), numbers.whole_between("seed", seed, 0, _LARGEST_SEED)
     part, _, parts = share.partition("/")
     if not (part.isascii() and part.isdigit() and parts.isascii() and parts.isdigit()):
         raise InputError(f"share = {share!r} is not a share such as 1/8.")
@@ -71,20 +70,7 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
 
 
 def _samples(given: Any) -> int:
-    count = _whole("samples", given, 64, _MOST)
+    count = numbers.whole_between("samples", given, 64, _MOST)
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     return count
-
-
-def _whole(name: str, given: Any, least: int, most: int) -> int:
-    """A whole number in a range, from a number or text."""
-    try:
-        value = whole(given)
-    except NotNumber as error:
-        raise InputError(
-            f"{name} = {shown(given)} {error}; the allowed range is {least} <= {name} <= {most}."
-        ) from None
-    if not least <= value <= most:
-        raise InputError(f"{name} = {value} is outside the allowed range {least} <= {name} <= {most}.")
-    return value

@@ -94,13 +94,13 @@ def study(
     sheet: Sheet,
     samples: int,
     seed: int,
-    threads: int = 1,
+    workers: int = 1,
     folder: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Uncertainty:
     """Sample the uncertain entries of a sheet.
 
-    ``samples``: a power of two; ``seed``: of the scrambling; ``threads``: blocks at a time; ``folder``: where finished
+    ``samples``: a power of two; ``seed``: of the scrambling; ``workers``: blocks at a time; ``folder``: where finished
     blocks are kept, so that a run that was stopped goes on; ``progress(done, total)``: told of blocks. Raises
     ``InputError`` in one sentence.
     """
@@ -122,7 +122,7 @@ def study(
             progress(done, len(blocks))
         return result
 
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         results = list(pool.map(one, blocks))
     total = count * len(blocks)
     names = list(results[0]["lowest"])

@@ -7,12 +7,13 @@ from typing import Protocol
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.cycles.attractors import Attractor, SteadyState
+from lsvib.cycles.attractors import SteadyState
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 
-QUANTITIES = ("label", "time", "seizures", "first_event")
+QUANTITIES = ("label", "time", "seizures", "first_event", "doubt")
+NO_DOUBT = -1  # of a cell whose label is told
 
 Progress = Callable[[int, int], None]
 
@@ -38,19 +39,16 @@ class Mapper(Protocol):
         rows: slice = ...,
         columns: slice = ...,
         quantities: Sequence[str] = ...,
-        threads: int = ...,
+        workers: int = ...,
         progress: Progress | None = ...,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
 
-        Arguments: ``quantities`` wanted; number of ``threads``; ``progress``, called with the numbers of rows done
+        Arguments: ``quantities`` wanted; number of ``workers``; ``progress``, called with the numbers of rows done
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
-        int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
+        ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
         """
-        ...
-
-    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
-        """Return why cells of the last map, counted by attractor, are unresolved: numbers by ends of sentences."""
         ...
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
@@ -66,11 +64,11 @@ def check_quantities(names: Sequence[str]) -> None:
 
 
 def in_blocks(
-    work: Callable[[slice], None], rows: int, height: int, threads: int, progress: Progress | None = None
+    work: Callable[[slice], None], rows: int, height: int, workers: int, progress: Progress | None = None
 ) -> None:
-    """Call ``work`` for blocks of ``height`` of so many ``rows``, in ``threads``, and tell ``progress`` of the rows."""
+    """Call ``work`` for blocks of ``height`` of so many ``rows``, by ``workers``, and tell ``progress`` of the rows."""
     parts = [slice(i, min(i + height, rows)) for i in range(0, rows, height)]
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         for part, _ in zip(parts, pool.map(work, parts), strict=True):
             if progress is not None:
                 progress(part.stop, rows)

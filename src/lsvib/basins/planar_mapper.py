@@ -1,21 +1,21 @@
 """The region of attraction of models with two states: every start is looked up in a table of sections."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
+from lsvib.basins.cells import NO_DOUBT, QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
-from lsvib.cycles.attractors import Attractor
+from lsvib.cycles.attractors import Doubt
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
-_BOUNDARY = "the start lies on a boundary to rounding"
+_BOUNDARY = list(Doubt).index(Doubt.BOUNDARY)  # why a start of two states is unresolved, where it is
 _CELLS = 16384  # of a block, about; a thread works on one block at a time
 
 
@@ -48,14 +48,12 @@ class PlanarMapper:
         rows: slice = slice(None),
         columns: slice = slice(None),
         quantities: Sequence[str] = QUANTITIES,
-        threads: int = 1,
+        workers: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
 
-        Arguments: ``quantities`` wanted; number of ``threads``; ``progress``, called with the numbers of rows done
-        and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
-        int8. Raises ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        Arguments and result as of :meth:`lsvib.basins.cells.Mapper.cells`; a doubt is always a start on a boundary.
         """
         check_quantities(quantities)
         self._check(grid)
@@ -79,13 +77,10 @@ class PlanarMapper:
                 arrival.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
                 times[labels == labelling.UNRESOLVED] = np.inf
 
-        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), threads, progress)
+        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), workers, progress)
+        if "doubt" in quantities:
+            found["doubt"] = np.where(found["label"] == labelling.UNRESOLVED, _BOUNDARY, NO_DOUBT).astype(np.int8)
         return {name: found[name] for name in quantities}
-
-    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
-        """Return why cells of a map, counted by attractor, are unresolved: all for the same reason."""
-        unresolved = counts[Attractor.UNRESOLVED]
-        return {_BOUNDARY: unresolved} if unresolved else {}
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""

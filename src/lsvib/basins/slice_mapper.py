@@ -15,13 +15,12 @@ Known cycles are those that a few fixed starts reach, with less work; so the res
 or threads. Modes in blocks, whose rates lie so far apart that an event takes many times as long, have fewer events.
 """
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.basins.cells import QUANTITIES, Progress, check_quantities, in_blocks
+from lsvib.basins.cells import NO_DOUBT, QUANTITIES, Progress, check_quantities, in_blocks
 from lsvib.basins.grid import COORDINATES, Grid
 from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
 from lsvib.cycles.patience import FEW, follow_patiently
@@ -41,6 +40,7 @@ _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
+_DOUBTS = list(Doubt)
 _STILL = 1e-12  # size of a step on the section that is rounding, in sizes of the cycle
 
 
@@ -71,7 +71,6 @@ class StateMapper:
         self.automaton = self.kind.build(drive, physics, resume)
         self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
-        self._doubts: Counter[str] = Counter()
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
         self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
         self._events = _EVENTS
@@ -89,7 +88,7 @@ class StateMapper:
         rows: slice = slice(None),
         columns: slice = slice(None),
         quantities: Sequence[str] = QUANTITIES,
-        threads: int = 1,
+        workers: int = 1,
         progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
@@ -111,9 +110,8 @@ class StateMapper:
             "time": np.empty((y.size, x.size)),
             "seizures": np.empty((y.size, x.size), dtype=np.int32),
             "first_event": np.empty((y.size, x.size), dtype=np.int8),
+            "doubt": np.empty((y.size, x.size), dtype=np.int8),
         }
-
-        doubts: list[Doubt | None] = []
 
         def row(part: slice) -> None:
             """Map some rows, one start after the other."""
@@ -122,17 +120,12 @@ class StateMapper:
                     values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
                     state = self.kind.initial_state(self.drive, values)
                     *destiny, doubt = self.destiny(state)
-                    doubts.append(doubt)
-                    for array, value in zip(found.values(), destiny, strict=True):
+                    code = NO_DOUBT if doubt is None else _DOUBTS.index(doubt)
+                    for array, value in zip(found.values(), (*destiny, code), strict=True):
                         array[i, j] = value
 
-        in_blocks(row, y.size, 1, threads, progress)
-        self._doubts = Counter(sorted(doubt for doubt in doubts if doubt is not None))
+        in_blocks(row, y.size, 1, workers, progress)
         return {name: found[name] for name in quantities}
-
-    def doubts(self, counts: Mapping[Attractor, int]) -> Mapping[str, int]:
-        """Return why cells of the last map are unresolved; ``counts`` of attractors are not needed."""
-        return dict(self._doubts)
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""

@@ -15,8 +15,8 @@ app = App(
     version=__version__,
     result_action="return_value",
 )
-# What two options were called before they had the words of the other interfaces: still read, no longer shown.
-_OLDER = {"--initial": "--start", "--t-end": "--duration"}
+# What options were called before they had the words of the other interfaces: still read, no longer shown.
+_OLDER = {"--initial": "--start", "--t-end": "--duration", "--threads": "--workers"}
 
 
 def main() -> None:

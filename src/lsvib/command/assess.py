@@ -19,7 +19,7 @@ def assess(
     out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
     samples: Annotated[str, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = "4096",
     seed: Annotated[str, Parameter(help="Seed of the samples.")] = "1",
-    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    workers: Annotated[str, Parameter(help="Number of workers, each on a core.")] = "1",
     share: Annotated[str | None, Parameter(help="K/N: only compute the K-th of N shares of the samples.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -29,7 +29,7 @@ def assess(
 
         lsvib assess examples/powered_seat.yaml --out report
 
-        lsvib assess drive.yaml --samples 1048576 --threads 8 --out report
+        lsvib assess drive.yaml --samples 1048576 --workers 8 --out report
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def assess(
     if share is not None:
         print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
         return
-    result = run.assess_file(sheet, out, samples, seed, threads, Progress("blocks of samples"))
+    result = run.assess_file(sheet, out, samples, seed, workers, Progress("blocks of samples"))
     if as_json:
         print_json(result)
         return

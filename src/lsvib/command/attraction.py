@@ -17,7 +17,7 @@ Axes = Annotated[
 ]
 Quantities = Annotated[
     list[str],
-    Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event; label is.", **ONE_VALUE),
+    Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event, doubt; label is.", **ONE_VALUE),
 ]
 
 
@@ -30,7 +30,7 @@ def attraction(
     changes: Changes = None,
     resume: Annotated[str, RESUME] = "contact_sign",
     quantities: Quantities = ["label"],  # noqa: B006
-    threads: Annotated[str, Parameter(help="Number of threads.")] = "1",
+    workers: Annotated[str, Parameter(help="Number of workers, each on a core.")] = "1",
     refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
@@ -40,7 +40,7 @@ def attraction(
     Examples of use:
 
         lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
-        w=-150:150:2000 --out map.nc --threads 2
+        w=-150:150:2000 --out map.nc --workers 2
 
         lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
 
@@ -49,9 +49,9 @@ def attraction(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.api import drive_class, map_attraction
+    from lsvib.api import drive_class
     from lsvib.basins.grid import Grid
-    from lsvib.data.attraction_map import summary
+    from lsvib.data.attraction_map import map_attraction, summary
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
@@ -63,7 +63,7 @@ def attraction(
     if pictures and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     drive = drive_class(model).of(pairs(changes))
-    found = map_attraction(drive, starts, quantities, resume, threads, refine, Progress())
+    found = map_attraction(drive, starts, quantities, resume, workers, refine, Progress())
     dataset, counts = found.dataset, found.counts
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, found.doubts, area, found.seconds)

@@ -40,10 +40,11 @@ def chart(
     """
     from time import perf_counter
 
-    from lsvib.api import drive_class, rule
+    from lsvib.api import drive_class
     from lsvib.data.chart import chart as charted
     from lsvib.data.chart import summary
     from lsvib.data.writer import write_dataset
+    from lsvib.drives.resumption import rule
     from lsvib.files import Outputs
 
     pictures = picture_files(figure)

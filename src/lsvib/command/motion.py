@@ -89,11 +89,12 @@ def sweep(
     """
     from time import perf_counter
 
-    from lsvib.api import drive_class, rule
+    from lsvib.api import drive_class
     from lsvib.data.sweep import evenly
     from lsvib.data.sweep import summary as swept_summary
     from lsvib.data.sweep import sweep as swept
     from lsvib.data.writer import write_dataset
+    from lsvib.drives.resumption import rule
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])

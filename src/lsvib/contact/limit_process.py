@@ -32,7 +32,8 @@ from lsvib.cycles.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
+from lsvib.drives.resumption import Resume
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError

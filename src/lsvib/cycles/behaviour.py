@@ -15,7 +15,7 @@ from lsvib.cycles.endings import all_endings
 from lsvib.cycles.kernels.endings import REVERSES
 from lsvib.drives import friction
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.rigid import Resume
+from lsvib.drives.resumption import Resume
 
 _NEAR = 1e-6  # of the distance to the nearest event: linear, and well above rounding
 _FAR = 10.0  # of the sum of all lengths of the drive along u

@@ -2,7 +2,7 @@
 
 The tables of drives with compliant threads are made at once (:mod:`lsvib.drives.many_threads`), those of other models
 one by one. The search is that for one drive (:func:`lsvib.cycles.attractors.steady_state`), so all results are the same
-to the last bit, and do not depend on how the drives are shared out.
+to rounding, and do not depend on how the drives are shared out.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -20,16 +20,18 @@ from lsvib.cycles.ending import Ending, Endings
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings as kernels
 from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, Search
 from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
+from lsvib.drives.resumption import Resume
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError
 
-_SEARCH = kernels.Search(
+_SEARCH = Search(
     chunk=more_states.CHUNK,
     patience=more_states.LONG,
     returns=recurrences.PERIODS,
@@ -155,7 +157,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         _slides(group, group.safe & damped, found)
         return group.safe & damped, found
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
-    facts = kernels.Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL))
+    facts = Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL))
     outcomes, numbers = np.zeros(size, dtype=np.int8), np.full((size, kernels.NUMBERS), np.nan)
     kernels.endings(
         automaton.tables,
@@ -169,8 +171,8 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         found.happens,
         numbers,
     )
-    _slides(group, outcomes == kernels.SETTLED, found)
-    cycles = outcomes == kernels.CYCLE
+    _slides(group, outcomes == SETTLED, found)
+    cycles = outcomes == CYCLE
     happens = found.happens[cycles]
     labels = np.where(happens & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(happens & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
@@ -182,7 +184,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     values = {name: drives.values[name][members] for name in ("mass", "pitch_radius", "screw_inertia")}
     impulses = normal_impulse(numbers[cycles, kernels.SEIZURE_SPEED], drives.sines(members), **values)
     found.peak_normal_impulse[cycles] = np.abs(impulses)
-    return outcomes != kernels.OPEN, found
+    return outcomes != OPEN, found
 
 
 def _slides(group: Group, here: np.ndarray, found: Endings) -> None:

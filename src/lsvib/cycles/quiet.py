@@ -11,13 +11,13 @@ other part stays within its size |g_j| e^{Re λ_j t}. So steps grow as the parts
 of all parts leaves the guard room.
 """
 
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.cycles.kernels.quiet_walk import walk
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
@@ -30,10 +30,8 @@ _NONE = 1e-25  # part of the fastest rate below which a rate is none: blocks are
 _PARALLEL = 1e10  # condition of eigenvectors that leaves parts some digits
 _LOST = 1e-14  # of parts, relative, times that condition
 _STEPS = 2000  # of one walk
-_START, _STEP = 150.0, 30.0  # work of a walk and of each of its steps: 300 and 60 microseconds
-_LONGER, _SHORTER = 2.0, 0.5  # factors from step to step
+_START, _STEP = 150.0, 0.5  # work of a walk and of each of its steps: 300 microseconds and one
 _TURN = 8.0  # angle of the fastest part that a step must have: the search itself takes shorter ones, in less time
-_EXPONENT = 700.0  # largest exponent of a growing part: e^700 is a double
 _END = 1e15  # of the time of the slowest part; a motion that meets no guard until then has died away long before
 
 
@@ -158,20 +156,9 @@ def quiet_until(automaton: Automaton, mode: int, state: np.ndarray, budget: Budg
         return 0.0
     guards = guards_along(automaton, mode, found)
     fastest, slowest = np.abs(guards.rates).max(), np.abs(guards.rates).min()
-    time, step = 0.0, _TURN / fastest
-    for _ in range(_STEPS):
-        budget.spend(_STEP)
-        if _never(guards, time):
-            return math.inf
-        if not time <= _END / slowest:
-            break
-        if _stays(guards, time, time + step):
-            time, step = time + step, _LONGER * step
-        elif step * _SHORTER < _TURN / fastest or time + _SHORTER * step == time:
-            break
-        else:
-            step *= _SHORTER
-    return time
+    time, steps = walk(*guards, _TURN / fastest, _END / slowest, _STEPS)
+    budget.spend(_STEP * steps)
+    return float(time)
 
 
 def beats(automaton: Automaton, mode: int, state: np.ndarray) -> bool:
@@ -189,32 +176,3 @@ def beats(automaton: Automaton, mode: int, state: np.ndarray) -> bool:
         return False
     sizes = 2 * np.abs(guards.parts[:, lasting])
     return bool((sizes.sum(axis=1) > guards.drift[:, 0] + guards.lost * guards.sizes[:, 0]).any())
-
-
-def _never(guards: Guards, time: float) -> bool:
-    """Whether no guard can fire from a time [s] on, by the sizes of parts of which none grows."""
-    if (guards.rates.real > 0).any() or guards.drift[:, 1:].any():
-        return False
-    sizes = np.abs(guards.parts) @ np.exp(guards.rates.real * time)
-    return bool((guards.drift[:, 0] - sizes > guards.lost * guards.sizes[:, 0]).all())
-
-
-def _stays(guards: Guards, first: float, last: float) -> bool:
-    """Whether all guards stay positive between two times [s]."""
-    largest = np.abs(guards.parts) * np.maximum(*(np.abs(_growth(guards.rates, time)) for time in (first, last)))
-    bends = np.abs(guards.rates * (last - first)) ** 2 / 8
-    slow = bends < 1
-    ends = [
-        guards.drift @ [1.0, time, time * time]
-        + (guards.parts[:, slow] * _growth(guards.rates[slow], time)).real.sum(axis=1)
-        for time in (first, last)
-    ]
-    room = largest[:, slow] @ bends[slow] + largest[:, ~slow].sum(axis=1)
-    room += np.abs(guards.drift[:, 2]) * (last - first) ** 2 / 4
-    lost = guards.lost * (guards.sizes @ [1.0, last, last * last] + largest @ (1 + np.abs(guards.rates) * last))
-    return bool((np.minimum(*ends) - room > lost).all())
-
-
-def _growth(rates: np.ndarray, time: float) -> np.ndarray:
-    """Return e^{λt} of rates (q); of a part that has left the range of numbers, a number near its end."""
-    return np.exp(np.minimum(rates.real * time, _EXPONENT) + 1j * (rates.imag * time))

@@ -46,6 +46,7 @@ class Doubt(StrEnum):
     FORK = "it drifts to a place from which motions side by side end differently"
     RANGE = "it leaves the range of numbers"
     ENGINE = "the engine has no answer"
+    BOUNDARY = "the start lies on a boundary to rounding"
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":

@@ -1,27 +1,94 @@
 """Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
 
 import json
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.cells import Mapper
+from lsvib import numbers
+from lsvib.basins.cells import NO_DOUBT, Mapper, Progress
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.grid import COORDINATES, Axis, Grid
+from lsvib.basins.mapper import mapper as mapper_of
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.basins.refinement import RefinedMap, count
-from lsvib.cycles.attractors import Attractor
+from lsvib.basins.refinement import refine as refined_blocks
+from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import phase_plane
 from lsvib.data.attributes import flags, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.data.phase_plane import attributes
+from lsvib.drives import parameters as names
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
 _LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
 _BOUNDARY_SAMPLES = 100  # of each arc
+
+
+@dataclass(frozen=True)
+class AttractionMap:
+    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took.
+
+    ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
+    """
+
+    dataset: xr.Dataset
+    counts: Mapping[Attractor, int]
+    seconds: float
+    doubts: Mapping[str, int]
+
+
+def map_attraction(
+    drive: RigidParameters,
+    grid: Grid | Mapping[str, Any],
+    quantities: Sequence[str] = ("label",),
+    resume: str = "contact_sign",
+    workers: Any = 1,
+    refine: bool = False,
+    progress: Progress | None = None,
+) -> AttractionMap:
+    """Map the region of attraction of a drive; arguments as of :meth:`RigidDrive.attraction`.
+
+    The seconds are those of mapping, without compiling.
+    """
+    at_once = numbers.workers("workers", workers)
+    starts = _grid(grid)
+    mapper = mapper_of(drive, drive.model, resume=rule(resume))
+    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
+        raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
+    wanted = list(dict.fromkeys(["label", *quantities]))
+    asked = list(dict.fromkeys([*wanted, "doubt"]))
+    if refine and (wanted != ["label"] or drive.model != "rigid"):
+        raise InputError("refine is for labels of the rigid drive, without other quantities.")
+    mapper.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
+    begin = perf_counter()
+    if refine and isinstance(mapper, PlanarMapper):
+        blocks = refined_blocks(mapper, starts)
+        seconds = perf_counter() - begin
+        counts = blocks.counts()
+        unresolved = counts[Attractor.UNRESOLVED]
+        return AttractionMap(
+            refined_map(mapper, blocks), counts, seconds, {Doubt.BOUNDARY: unresolved} if unresolved else {}
+        )
+    found = mapper.cells(starts, quantities=asked, workers=at_once, progress=progress)
+    seconds = perf_counter() - begin
+    shown = {name: found[name] for name in wanted}
+    return AttractionMap(attraction_map(mapper, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
+
+
+def doubts(codes: np.ndarray) -> dict[str, int]:
+    """Return the numbers of unresolved cells by why they are, from the quantity ``doubt`` of a map."""
+    kinds = list(Doubt)
+    return dict(sorted(Counter(str(kinds[code]) for code in codes[codes != NO_DOUBT]).items()))
 
 
 def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
@@ -91,6 +158,14 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
         return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
     if name == "seizures":
         return attributes("1", "number of seizures until the attractor is reached")
+    if name == "doubt":
+        return attributes(
+            "1",
+            "why the label is unresolved",
+            flag_values=np.arange(NO_DOUBT, len(Doubt), dtype=np.int8),
+            flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
+            comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
+        )
     kinds = flags(mapper.events)
     kinds["flag_values"] = np.append(kinds["flag_values"], np.int8(-1))
     return attributes("1", "first event of the motion", **kinds | {"flag_meanings": kinds["flag_meanings"] + " none"})
@@ -199,3 +274,16 @@ def summary(
 
 def _values(name: str, array: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(array), array, np.nan) if name == "time" else array
+
+
+def _grid(given: Grid | Mapping[str, Any]) -> Grid:
+    """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
+    if isinstance(given, Grid):
+        return given
+    values = names.names_and_values("grid", given)
+    for name, span in values.items():
+        if isinstance(span, tuple | list):
+            if len(span) != 3:
+                raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
+            values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
+    return Grid.of(values)

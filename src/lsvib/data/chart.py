@@ -19,10 +19,10 @@ from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
 from lsvib.data.attributes import attributes, flags
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
-from lsvib.data.sweep import number_of, product_of
+from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.rigid import Resume
+from lsvib.drives.resumption import Resume
 from lsvib.errors import InputError
 from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves, curves_of
 
@@ -216,7 +216,7 @@ def chart(
     label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane, processes = Plane.of(drive, x, y), number_of(workers)
+    plane, processes = Plane.of(drive, x, y), numbers.workers("workers", workers)
     if processes > 1 and plane.x.axis.count * plane.y.axis.count >= _WORTH:
         labels, curves = _in_processes(plane, resume, processes, progress)
     else:

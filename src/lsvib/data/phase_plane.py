@@ -6,7 +6,6 @@ motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import get_args
 
 import numpy as np
 
@@ -16,12 +15,12 @@ from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes,
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, MotionMode, Resume, rigid_automaton
+from lsvib.drives.resumption import RULES, Resume
+from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
 _STATES = ("angle_deviation", "velocity_deviation")
-RULES = get_args(Resume)  # the first is the limit of a compliant contact, the second the chapter's reading
 ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"

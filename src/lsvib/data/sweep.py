@@ -19,7 +19,7 @@ from lsvib.data.attributes import attributes, flags
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters, described, names_and_values
 from lsvib.drives.registry import find_model
-from lsvib.drives.rigid import Resume
+from lsvib.drives.resumption import Resume
 from lsvib.errors import InputError
 
 Progress = Callable[[int, int], None]
@@ -63,10 +63,14 @@ def sweep(
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     kind.initial_state(drive, begin)  # refuses other keys
-    threads, drives, sizes = number_of(workers), product_of(drive, axes), tuple(map(len, axes.values()))
+    at_once, drives, sizes = (
+        numbers.workers("workers", workers),
+        product_of(drive, axes),
+        tuple(map(len, axes.values())),
+    )
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-    found = all_endings(drives, starts, resume, threads, progress, others)
+    found = all_endings(drives, starts, resume, at_once, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
         coords={name: (name, np.array(values), coordinate(name, kind.drive)) for name, values in axes.items()},
@@ -144,20 +148,6 @@ def parameter_values(name: str, given: Any, kind: type[RigidParameters] = RigidP
         return [numbers.number(value) for value in given]
     except numbers.NotNumber as error:
         raise InputError(f"over: {name} holds a value that {error}.") from None
-
-
-def number_of(given: Any) -> int:
-    """Return a number of workers; raises ``InputError`` if it is none."""
-    most = 4096  # more than any machine has cores
-    try:
-        count = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(
-            f"workers = {numbers.shown(given)} {error}; the allowed range is 1 <= workers <= {most}."
-        ) from None
-    if not 1 <= count <= most:
-        raise InputError(f"workers = {count} is outside the allowed range 1 <= workers <= {most}.")
-    return count
 
 
 def coordinate(name: str, kind: type[RigidParameters] = RigidParameters) -> dict[str, Any]:

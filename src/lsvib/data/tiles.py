@@ -55,7 +55,7 @@ def mapper_of(settings: Mapping[str, Any]) -> Mapper:
     return mapper(drive, model, resume=settings.get("resume", "contact_sign"))
 
 
-def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], threads: int = 1) -> None:
+def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
     """Map one tile and write it.
 
     ``settings``: ``grid`` as in :meth:`Grid.of`, those of :func:`mapper_of`, and ``quantities`` of each cell; ``item``:
@@ -63,7 +63,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     place = window(item, grid.y.count, grid.x.count)
-    cells = mapped.cells(grid, place.rows, place.columns, settings["quantities"], threads)
+    cells = mapped.cells(grid, place.rows, place.columns, settings["quantities"], workers)
     if "time" in cells:
         cells["time"][~np.isfinite(cells["time"])] = np.nan
     dims = _dimensions(grid)

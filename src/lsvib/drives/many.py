@@ -14,8 +14,9 @@ import numpy as np
 
 from lsvib.drives.coefficients import Coefficients, coefficients_of
 from lsvib.drives.parameters import RigidParameters, sine_and_cosine
-from lsvib.drives.rigid import Resume, automaton_of
-from lsvib.engine.automaton import Automaton
+from lsvib.drives.resumption import Resume
+from lsvib.drives.rigid import automaton_of
+from lsvib.engine.automaton import DIMENSIONS, Automaton
 from lsvib.engine.exact.pair_arrays import Pairs, double, in_groups
 
 
@@ -93,6 +94,7 @@ class ManyDrives:
         """
 
         def make(group: np.ndarray) -> Group:
+            """Form the automata of some drives at once."""
             unsafe, here = np.zeros(group.size, dtype=bool), entries[group]
             d = self.exact(here, unsafe)
             c = coefficients_of(d)
@@ -115,7 +117,7 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
         return np.array(np.broadcast_to(table, (size, *table.shape)), order="C")
 
     tables = automaton.tables
-    dimensions = {"flow": 2, "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
+    dimensions = {"flow": 2, **DIMENSIONS}
     return replace(
         automaton,
         tables=tables._replace(**{name: layers(getattr(tables, name), n) for name, n in dimensions.items()}),

@@ -1,10 +1,16 @@
-"""The automata of many drives with compliant threads at once, to the last bit those of each one alone."""
+"""The automata of many drives with compliant threads at once.
+
+They are those of each one alone, to rounding: the two oscillators of a mode may stand in another order.
+"""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients_of
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.threads import automaton_of, seat
+from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.threads import automaton_of, seat, threads_automaton
 from lsvib.engine.automaton import Automaton, one_of_many
 from lsvib.engine.exact.pair_arrays import in_groups
 
@@ -25,3 +31,10 @@ def threads_automata(drives: ManyDrives) -> list[tuple[Automaton, float] | None]
             if safe[place] and automaton.tables.flow[place] is not None:
                 found[member] = one_of_many(automaton, place), float(mismatch[place])
     return found
+
+
+def automata_of(drives: Sequence[ThreadsParameters]) -> list[Automaton]:
+    """Return the automata of drives, to rounding those of :func:`threads_automaton`; ``EngineError`` as it raises."""
+    columns = {name: np.array([getattr(drive, name) for drive in drives]) for name in ThreadsParameters.model_fields}
+    made = threads_automata(ManyDrives(columns, ThreadsParameters))
+    return [threads_automaton(drive) if one is None else one[0] for drive, one in zip(drives, made, strict=True)]

@@ -24,7 +24,7 @@ sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyon
 
 from decimal import localcontext
 from enum import IntEnum
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from lsvib.drives.once import once
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.powers import Powers
 from lsvib.drives.registry import Model
+from lsvib.drives.resumption import Resume
 from lsvib.engine.automaton import (
     Automaton,
     Branch,
@@ -75,8 +76,6 @@ class MotionMode(IntEnum):
     SLIP_BACKWARD_NEGATIVE = 3
     REST = 4
 
-
-Resume = Literal["contact_sign", "at_once"]
 
 SLIPS = {  # mode: (sign of θ′, sign of Q)
     "slip_forward_positive": (1, 1),

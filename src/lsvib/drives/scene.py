@@ -5,13 +5,14 @@ import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
 from lsvib.drives.parameters import Number, RigidParameters, Whole, names_and_values, sentence_about
 from lsvib.drives.registry import Model, find_model
+from lsvib.drives.resumption import Resume
 from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, number
 
@@ -32,7 +33,7 @@ class Scene(BaseModel):
     model: str = "rigid"
     drive: SerializeAsAny[RigidParameters]
     physics: tuple[str, ...] | None = None
-    resume: Literal["contact_sign", "at_once"] = "contact_sign"
+    resume: Resume = "contact_sign"
     start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
     duration: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)

@@ -210,7 +210,7 @@ def assemble(
     )
 
 
-_DIMENSIONS = {  # of the tables of doubles of one drive
+DIMENSIONS = {  # of the tables of doubles of one drive
     "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0,
 }  # fmt: skip
 
@@ -225,7 +225,7 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
     return replace(
         automaton,
         tables=tables._replace(
-            flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in _DIMENSIONS.items()}
+            flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()}
         ),
         observables={name: own(table, 2) for name, table in automaton.observables.items()},
         condition=float(np.asarray(automaton.condition)[place]),

@@ -89,8 +89,8 @@ def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np
 
 def labels(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    threads = min(2, len(os.sched_getaffinity(0)))  # a page that answers needs no more; labels are the same
-    return _mapper(drive).cells(_grid(window, cells), quantities=("label",), threads=threads)["label"]
+    workers = min(2, len(os.sched_getaffinity(0)))  # a page that answers needs no more; labels are the same
+    return _mapper(drive).cells(_grid(window, cells), quantities=("label",), workers=workers)["label"]
 
 
 def label_rows(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:

@@ -171,6 +171,7 @@ def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) ->
     force = _kept(force) if force is not None else None
 
     def function(first: float, second: float) -> float:
+        """Return the value at a place of the plane, of the sign that the exact condition has there."""
         changed = drive.replace(**{names[0]: float(first), names[1]: float(second)})
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))

@@ -84,6 +84,7 @@ def _lines(neighbours: dict[_Key, list[_Key]]) -> list[list[_Key]]:
     left, lines = {key: list(others) for key, others in neighbours.items()}, []
 
     def walk(key: _Key) -> list[_Key]:
+        """Follow the chain from a point and take its links away."""
         line = [key]
         while left[line[-1]]:
             following = left[line[-1]].pop(0)

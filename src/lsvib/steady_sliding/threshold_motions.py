@@ -85,6 +85,7 @@ def _stick(law: int) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
     """The cycle of slip by its two half returns; at the time ``at`` under a law w is stationary, and w = −Ω."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+        """Return what vanishes: both halves close, w is stationary, and the screw just stops there."""
         halves = {s: half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True)}
         slip = d.slip(law)
         y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], halves[law]), inner[2])

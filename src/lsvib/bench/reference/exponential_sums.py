@@ -32,6 +32,7 @@ class Function:
         return smooth + sum((c * x).real for c, x in zip(self.powers[k], self.arc.exponentials(t), strict=True))
 
     def derivative(self):
+        """The derivative in time, a function of the same kind."""
         slope = Function(self.arc, [mpf(0)] * 5)
         slope.c0, slope.powers, slope.sizes = self.c1, self.powers[1:], self.sizes[1:]
         return slope
@@ -149,16 +150,19 @@ class ThreadsTrueArc:
         self._exponentials, self._magnitudes = {}, {}
 
     def exponentials(self, t):
+        """All e^(rate t), kept for each t."""
         if t not in self._exponentials:
             self._exponentials[t] = [mp.exp(rate * t) for rate in self.rates]
         return self._exponentials[t]
 
     def magnitudes(self, t):
+        """Their sizes."""
         if t not in self._magnitudes:
             self._magnitudes[t] = [mp.exp(mp.re(rate) * t) for rate in self.rates]
         return self._magnitudes[t]
 
     def state(self, t):
+        """The four coordinates of the state."""
         unit = [[mpf(i == j) for j in range(5)] for i in range(4)]
         return tuple(Function(self, row)(t) for row in unit)
 

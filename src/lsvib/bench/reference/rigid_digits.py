@@ -58,6 +58,8 @@ GUARD_DIGITS = 15  # extra working digits beyond the dps asked for
 
 @dataclass
 class RigidTrueEvent:
+    """An event: its time, its kind, the states on both sides of it and the mode that follows."""
+
     time: mpf
     kind: str  # contact_reversal, stick, reversal, release, seizure
     u_before: mpf
@@ -77,6 +79,8 @@ class RigidTrueSegment:  # the motion between two events
 
 @dataclass
 class RigidTruth:
+    """A motion with all of its digits: its end, its events and what lies between them."""
+
     time: mpf
     u: mpf
     w: mpf
@@ -122,6 +126,7 @@ class RigidTrueDrive:
         return self.by_law[s][2]
 
     def T_rest(self, u):
+        """Torque that holds the screw at rest."""
         return -self.k * (self.z0 + u)
 
     def Q_terms(self, u, w):  # (8.17)
@@ -133,6 +138,7 @@ class RigidTrueDrive:
         )
 
     def Q(self, u, w):
+        """The function whose zeros are those of N (8.17)."""
         return sum(self.Q_terms(u, w))
 
     def Q_sign(self, u, w, digits=None):

@@ -29,6 +29,8 @@ SPARE_DIGITS = 30  # extra working digits beyond the dps asked for
 
 @dataclass
 class ThreadsTrueEvent:
+    """An event: its time, its kind, the state and the mode that follows."""
+
     time: mpf
     kind: str  # contact_reversal, stick, reversal, release
     state: tuple
@@ -37,6 +39,8 @@ class ThreadsTrueEvent:
 
 @dataclass
 class ThreadsTruth:
+    """A motion with all of its digits: its end, its events and its arcs."""
+
     time: mpf
     state: tuple
     mode: str
@@ -65,6 +69,7 @@ class ThreadsTrueDrive:
         self.fields = {law: self._spectrum(law) for law in (1, -1)}
 
     def N(self, x):
+        """Normal force of the threads."""
         return self.cos * (self.kc * x[2] + self.cc * x[3])
 
     def friction(self, x):  # that holds the screw at rest
@@ -81,6 +86,7 @@ class ThreadsTrueDrive:
         return w, acceleration, v, nut - self.r * self.tan * acceleration
 
     def rest(self, x):
+        """The rate of the state at rest, where the motor turns on."""
         nut = (self.R - self.cx * x[3] - self.N(x) * self.cos - self.friction(x) * self.sin) / self.m
         return -self.Omega, mpf(0), x[3], nut
 
@@ -91,6 +97,7 @@ class ThreadsTrueDrive:
         return [function([mpf(i == j) for j in range(4)]) - constant for i in range(4)] + [constant]
 
     def matrix(self, field):
+        """A and b of a field A x + b."""
         rows = [self.row(lambda x, i=i: field(x)[i]) for i in range(4)]
         return mp.matrix([row[:4] for row in rows]), mp.matrix([row[4] for row in rows])
 

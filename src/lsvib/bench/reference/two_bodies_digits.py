@@ -22,6 +22,8 @@ _ZERO = mpf(10) ** -30  # of its terms: a condition that an event, or the start,
 
 @dataclass
 class TwoBodiesTrueEvent:
+    """An event: its time, the mode that follows, the state, and whether it was a seizure."""
+
     time: mpf
     mode_after: tuple
     state: tuple
@@ -30,6 +32,8 @@ class TwoBodiesTrueEvent:
 
 @dataclass
 class TwoBodiesTruth:
+    """A motion with all of its digits: its end, its events and its arcs."""
+
     time: mpf
     state: tuple
     mode: tuple

@@ -113,6 +113,7 @@ class TwoBodiesTrueDrive:
         return np.array([function([float(i == j) for j in range(4)]) - constant for i in range(4)] + [constant])
 
     def field(self, mode, x):
+        """The rate of the state in a mode."""
         first, second, *_ = self.forces(mode, x)
         return [x[1], first, x[3], second]
 
@@ -141,13 +142,16 @@ class TwoBodiesTrueDrive:
         return found
 
     def side(self, way):
+        """The side on which the thread bears while nothing but the load pushes."""
         force = self.p["axial_force"] - self.along * way
         return 1 if force > 0 else -1
 
     def axial(self, forces):
+        """The force of the thread along the screw."""
         return forces[2] * self.cos + forces[3] * self.sin
 
     def room(self, mode, x, way, side, mu):
+        """How far static friction is from its limit."""
         forces = self.forces(mode, x, along=way * self.along)
         return mu * side * forces[2] - way * forces[3]
 

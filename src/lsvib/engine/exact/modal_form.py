@@ -10,7 +10,9 @@ factor, and each of them gets such a row.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
+from typing import NamedTuple
 
 import mpmath
 import numpy as np
@@ -19,6 +21,8 @@ from lsvib.engine.exact.factors import subspaces
 from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
+
+_KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
 @dataclass(frozen=True)
@@ -54,13 +58,40 @@ def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
     with mpmath.workdps(digits):
         matrix, constant, scale = field.reduced()
         pairs, singles = [], []
-        for factor, projector, slow in subspaces(matrix, scale):
-            rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
-            if len(factor) == 3:
-                pairs += _pairs(matrix, constant, factor, projector, scale, rank // 2)
+        for space in _spaces(tuple(matrix), tuple(scale), digits):
+            if len(space.factor) == 3:
+                pairs += [_pair(constant, space.factor, *frame) for frame in space.frames]
             else:
-                singles += _singles(constant, -factor[1], projector, scale, slow, rank)
+                singles += _singles(constant, -space.factor[1], space.projector, scale, space.slow, space.rank)
         return _tables(field, pairs, singles)
+
+
+class _Space(NamedTuple):
+    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and frames of its pairs.
+
+    A frame is a row ℓ, the row ℓA, and the vectors (n, 2) that give states back from both.
+    """
+
+    factor: list
+    projector: mpmath.matrix
+    slow: bool
+    rank: int
+    frames: list[tuple[mpmath.matrix, mpmath.matrix, mpmath.matrix]]
+
+
+@lru_cache(maxsize=_KEPT)
+def _spaces(entries: tuple, scale: tuple, digits: int) -> list[_Space]:
+    """Return the subspaces of a matrix, by its elements row by row, found with so many digits.
+
+    Most modes of a model differ from another one by their constants only.
+    """
+    n = len(scale)
+    matrix, spaces = mpmath.matrix([list(entries[n * i : n * (i + 1)]) for i in range(n)]), []
+    for factor, projector, slow in subspaces(matrix, list(scale)):
+        rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+        frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
+        spaces.append(_Space(factor, projector, slow, rank, frames))
+    return spaces
 
 
 @dataclass(frozen=True)
@@ -101,13 +132,13 @@ def _minor(projector, chosen, scale):
     return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
 
 
-def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair]:
-    """Return the oscillators of a factor of degree two that ``count`` pairs of rates share, split off one by one."""
-    _, a1, a0 = factor
-    weights, pairs = mpmath.diag([s * s for s in scale]), []
+def _frames(matrix, factor, projector, scale, count: int) -> list:
+    """Return frames of the oscillators of a factor of degree two that ``count`` pairs share, split off one by one."""
+    weights, frames = mpmath.diag([s * s for s in scale]), []
     for left in reversed(range(count)):
         covector = _row_of_pair(matrix, factor, projector, scale)
-        rows = mpmath.matrix([list(covector), list(covector * matrix)])
+        turned = covector * matrix
+        rows = mpmath.matrix([list(covector), list(turned)])
         if left:
             vector = projector * weights * covector.T
             vectors = mpmath.matrix([list(vector), list(matrix * vector)]).T
@@ -115,12 +146,18 @@ def _pairs(matrix, constant, factor, projector, scale, count: int) -> list[_Pair
             projector = projector - vectors * rows
         else:
             vectors = projector * weights * rows.T * (rows * weights * rows.T) ** -1
-        push = (covector * constant)[0]
-        rest = (a1 * push + (covector * matrix * constant)[0]) / a0  # equilibrium of q
-        into = mpmath.matrix([[*covector, -rest], [*(covector * matrix), push]])
-        out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(len(scale))]
-        pairs.append(_Pair(_row(a0, a1), into, mpmath.matrix(out)))
-    return pairs
+        frames.append((covector, turned, vectors))
+    return frames
+
+
+def _pair(constant, factor, covector, turned, vectors) -> _Pair:
+    """Return the oscillator of a frame under a constant push."""
+    _, a1, a0 = factor
+    push = (covector * constant)[0]
+    rest = (a1 * push + (turned * constant)[0]) / a0  # equilibrium of q
+    into = mpmath.matrix([[*covector, -rest], [*turned, push]])
+    out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(vectors.rows)]
+    return _Pair(_row(a0, a1), into, mpmath.matrix(out))
 
 
 def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:

@@ -8,6 +8,7 @@ from pydantic_core import PydanticCustomError
 from lsvib.basins.grid import COORDINATES
 from lsvib.drives.model_files import model_names
 from lsvib.drives.registry import all_models
+from lsvib.drives.resumption import Resume
 from lsvib.figures.common.settings import Cells, FigureSettings, Unique
 
 Coordinate = Annotated[
@@ -23,7 +24,7 @@ def _with_label(values: list[str]) -> list[str]:
 
 
 Quantities = Annotated[
-    list[Literal["label", "time", "seizures", "first_event"]],
+    list[Literal["label", "time", "seizures", "first_event", "doubt"]],
     *Unique,
     AfterValidator(_with_label),
     Field(
@@ -43,7 +44,7 @@ class Settings(FigureSettings):
     """Region of attraction, which the rule `attraction` of the workflow maps."""
 
     model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
-    resume: Literal["contact_sign", "at_once"] = Field(default="contact_sign", description="Motion after a seizure.")
+    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     grid: dict[Literal[*COORDINATES], Coordinate] = Field(
         min_length=2,

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from lsvib.drives.resumption import Resume
 from lsvib.figures.common.settings import Cells, FigureSettings
 
 
@@ -17,7 +18,7 @@ class Settings(FigureSettings):
     """Chart of what a drive does over two parameters, which the rule `chart` of the workflow makes."""
 
     model: Literal["rigid", "threads"] = Field(default="rigid", description="Model of the drive.")
-    resume: Literal["contact_sign", "at_once"] = Field(default="contact_sign", description="Motion after a seizure.")
+    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
     y: ParameterCells = Field(description="Along the rows.")

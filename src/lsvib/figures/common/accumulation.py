@@ -15,6 +15,7 @@ from lsvib.data import phase_plane
 from lsvib.data.checks import Check
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import RULES
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import Motion, follow
 
@@ -31,9 +32,9 @@ def reverse_slips(
     of successive distances and the length over which it may change; both are missing where Γ₊ > 0.
     """
     state = [start["u"], start["w"]]
-    motions = [[_until_release(drive, rule, state, duration) for rule in phase_plane.RULES] for drive in drives]
+    motions = [[_until_release(drive, rule, state, duration) for rule in RULES] for drive in drives]
     found = [[_seizures(motion, drive) for motion in row] for row, drive in zip(motions, drives, strict=True)]
-    size = (len(drives), len(phase_plane.RULES), max(1, max(times.size for row in found for times, _ in row)))
+    size = (len(drives), len(RULES), max(1, max(times.size for row in found for times, _ in row)))
     table = np.full((2, *size), np.nan)
     for i, row in enumerate(found):
         for j, values in enumerate(row):

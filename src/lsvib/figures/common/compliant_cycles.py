@@ -1,6 +1,6 @@
 """The drive with compliant threads as pieces of a dataset: its cycles as curves, its contact as coordinates."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from lsvib.cycles.attractors import SteadyState, steady_state
 from lsvib.data import phase_plane
 from lsvib.data.attributes import attributes
 from lsvib.data.phase_plane import Variables
+from lsvib.drives.many_threads import automata_of
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
@@ -15,10 +16,16 @@ from lsvib.engine.automaton import Automaton
 CRITICAL_MASS_WITH_CONTACT = "mass at which steady sliding with the contact loses its stability"
 
 
-def compliant_cycle(drive: ThreadsParameters, start: dict[str, float]) -> tuple[Automaton, SteadyState]:
+def compliant_cycle(drive: ThreadsParameters, start: Mapping[str, float]) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     automaton = threads_automaton(drive)
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
+
+
+def compliant_attractors(drives: Sequence[ThreadsParameters], start: Mapping[str, float]) -> list[SteadyState]:
+    """Return the attractors that :func:`compliant_cycle` finds for each drive, with all tables made at once."""
+    seats = (seated_state(drive, start["u"], start["w"]) for drive in drives)
+    return [steady_state(automaton, seat) for automaton, seat in zip(automata_of(drives), seats, strict=True)]
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:

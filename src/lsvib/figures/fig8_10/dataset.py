@@ -19,7 +19,7 @@ from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import ThreadsEvent, ThreadsMode, seated_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
-from lsvib.figures.common.compliant_cycles import compliant_cycle, cycle_curves
+from lsvib.figures.common.compliant_cycles import compliant_attractors, compliant_cycle, cycle_curves
 
 _ZOOM = 400  # samples of the peak that is drawn alone
 _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from its start
@@ -182,10 +182,9 @@ def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState
 
 def _sensitivity(drive: ThreadsParameters, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
     rows = []
-    for force in forces:
-        pushed = drive.replace(axial_force=float(force))
+    drives = [drive.replace(axial_force=float(force)) for force in forces]
+    for pushed, cycle in zip(drives, compliant_attractors(drives, start), strict=True):
         rigid = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
-        _, cycle = compliant_cycle(pushed, start)
         rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
     label, peak, distance = np.array(rows, dtype=float).T
     return {

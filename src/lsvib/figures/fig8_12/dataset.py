@@ -12,6 +12,7 @@ from lsvib.data import phase_plane, spans
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import RULES
 from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.errors import InputError
 
@@ -40,9 +41,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     limit = _resting_damping(drive, start, float(wanted.max()))
     damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
     damping = damping[(damping >= wanted.min()) & (damping <= wanted.max())]
-    table = {name: np.empty((len(phase_plane.RULES), damping.size)) for name in _QUANTITIES}
-    labels = np.empty((len(phase_plane.RULES), damping.size), dtype=np.int8)
-    for i, rule in enumerate(phase_plane.RULES):
+    table = {name: np.empty((len(RULES), damping.size)) for name in _QUANTITIES}
+    labels = np.empty((len(RULES), damping.size), dtype=np.int8)
+    for i, rule in enumerate(RULES):
         for j, c in enumerate(damping):
             damped = drive.replace(support_damping=float(c))
             steady = steady_state(rigid_automaton(damped, resume=rule), start)

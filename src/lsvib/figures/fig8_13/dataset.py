@@ -17,7 +17,12 @@ from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.motion import Motion
 from lsvib.errors import InputError
-from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT, compliant_cycle, cycle_curves
+from lsvib.figures.common.compliant_cycles import (
+    CRITICAL_MASS_WITH_CONTACT,
+    compliant_attractors,
+    compliant_cycle,
+    cycle_curves,
+)
 from lsvib.steady_sliding.stiff_contact import critical_mass_of_contact
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -82,13 +87,14 @@ def _grid(
 ) -> phase_plane.Variables:
     """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
 
-    def numbers(k: float, c: float) -> dict[str, float]:
-        contact = drive.replace(contact_stiffness=k, contact_damping=c)
-        return _numbers(compliant_cycle(contact, start)[1])
+    def contact(k: float, c: float) -> ThreadsParameters:
+        return drive.replace(contact_stiffness=k, contact_damping=c)
 
-    grid = [[numbers(k, c) for c in damping] for k in stiffness]
+    found = compliant_attractors([contact(k, c) for k in stiffness for c in damping], start)
+    rows = range(0, len(found), damping.size)
+    grid = [[_numbers(steady) for steady in found[row : row + damping.size]] for row in rows]
     limits = [
-        _boundary(lambda c, k=k: numbers(k, c)["largest_deflection"], damping, row)
+        _boundary(lambda c, k=k: _numbers(compliant_cycle(contact(k, c), start)[1])["largest_deflection"], damping, row)
         for k, row in zip(stiffness, grid, strict=True)
     ]
     return {

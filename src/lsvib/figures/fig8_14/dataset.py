@@ -16,6 +16,7 @@ from lsvib.data.attributes import attributes
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import RULES
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.figures.common import accumulation
 from lsvib.steady_sliding.thresholds import global_stability_force
@@ -85,7 +86,7 @@ def _corners(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
         ),
         "corner_attractor": (
             ("case", "rule", "corner_distance"),
-            np.array([[_from_standstill(d, rule) for rule in phase_plane.RULES] for d in drives], np.int8),
+            np.array([[_from_standstill(d, rule) for rule in RULES] for d in drives], np.int8),
             phase_plane.flag("attractor of the motion from standstill so far below the corner", Attractor),
         ),
     }
@@ -96,7 +97,7 @@ def _beside_threshold(drives: Sequence[RigidParameters]) -> phase_plane.Variable
     return {
         "bracket_attractor": (
             ("bracket", "rule"),
-            np.array([[_from_release(drive, rule) for rule in phase_plane.RULES] for drive in drives], np.int8),
+            np.array([[_from_release(drive, rule) for rule in RULES] for drive in drives], np.int8),
             phase_plane.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
         )
     }

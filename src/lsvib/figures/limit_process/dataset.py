@@ -13,8 +13,9 @@ from lsvib.data import phase_plane
 from lsvib.data.attributes import SIGNS, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
-from lsvib.data.phase_plane import RULES, attributes, flag
+from lsvib.data.phase_plane import attributes, flag
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.resumption import RULES
 
 _CONVERGED = 1e-3  # deviation at the stiffest contact, relative to the motion: nothing that a picture shows
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite

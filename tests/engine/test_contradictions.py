@@ -1,0 +1,58 @@
+"""Where surfaces meet, rounding may make two judgements contradict each other; once the motion was refused there."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.bench.random_drives.long_run import constants_of, fate
+from lsvib.bench.sweeps.case_judge import allowed_residual
+from lsvib.bench.sweeps.energy_balance import balance
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.attractors import steady_state
+from lsvib.drives.registry import find_model
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.motion import follow
+
+
+def automaton_of(model: str, seed: int, index: int) -> Automaton:
+    wide = wide_drive(model, seed, index, 4)
+    return find_model(model).build(wide.drive, wide.physics, "contact_sign")
+
+
+@pytest.mark.parametrize(("index", "start"), [(28, 3), (46, 2)])
+def test_a_corner_without_axial_force_is_passed(index, start):
+    """The threads seize where torque and contact force are zero: rest has no room, and slip began and stopped at once.
+
+    No event is told twice at one instant, and the energy of the motion balances.
+    """
+    wide = wide_drive("nut", 71, index, 4)
+    assert wide.drive.axial_force == 0
+    motion = follow(automaton_of("nut", 71, index), wide.starts[start], math.inf, max_events=200)
+    steps = np.stack([np.diff(motion.time), np.diff(motion.mode), np.diff(motion.kind)])
+    assert (steps != 0).any(axis=0).all()
+    drawn = balance(motion, wide.drive, wide.physics)
+    assert drawn.residual <= allowed_residual(drawn.rounding)
+
+
+@pytest.mark.parametrize(
+    ("index", "state", "mode"),
+    [
+        (5, (-90.56203431083108, 221.94342535227997, -7.0053803197316, 0.1652314871640499), 0),
+        (18, (-7.998934290841737, 120.08542158069365, -3.731262135050716e-12, -1.935590412927013e-05), 3),
+        (18, (-80.32141914016333, 120.08536479684813, -3.655509430837227e-11, -7.613974965181569e-05), 3),
+    ],
+)
+def test_a_motion_goes_on_from_the_instant_of_a_release(index, state, mode):
+    """The threads have just let go: the slip has no acceleration yet, and rounding seemed to stop it."""
+    automaton = automaton_of("nut", 71 if index == 5 else 72, index)
+    motion = follow(automaton, state, math.inf, mode=mode, max_events=2 * event_loop.MANY)
+    assert motion.time[0] > 0
+
+
+def test_a_motion_that_was_cut_there_is_followed_to_its_end():
+    """By leaps, whose parts begin at releases."""
+    wide = wide_drive("nut", 72, 18, 4)
+    found = steady_state(automaton_of("nut", 72, 18), wide.starts[1])
+    assert found.label.name.lower() == fate(wide, 1, *constants_of(wide)).name == "steady_sliding"
