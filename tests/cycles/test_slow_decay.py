@@ -204,3 +204,14 @@ def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():
     automaton, state = scene("threads", 72, 33, 2)
     assert isinstance(automaton.tables.flow, BlockFlow)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(("index", "start"), [(16, 0), (20, 0)])
+def test_a_cycle_to_which_leaps_converge_is_told(index, start):
+    """A contact creeps at k_c / c_c, so that the cycle attracts by 7e-9 or less in a return: leaps come to it alone."""
+    automaton, state = scene("threads", 74, index, start)
+    cycle = steady_state(automaton, state, max_events=700_000)
+    assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
+    assert cycle.residual < 1e-10
+    slow = np.abs(np.linalg.eigvals(automaton.tables.flow.field[0][:, :-1])).min()
+    assert 1 - cycle.multiplier == pytest.approx(slow * cycle.period, rel=1e-3)
