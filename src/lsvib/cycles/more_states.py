@@ -18,8 +18,7 @@ from lsvib.errors import DivergenceError, EngineError
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
-_FURTHER = 2.5  # of its budget a motion in blocks is followed further at last: most of its units take little time
-_MANY = 100_000  # events that may be found there
+_FURTHER = 1.6  # of its budget a motion in blocks is followed further at last, which takes three seconds at most
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 
 
@@ -72,10 +71,13 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
 def _settles(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState | None:
     """Return what a motion settles in; None if it does not with that much work."""
     try:
-        motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=_MANY, budget=budget)
-    except EngineError:
+        while True:
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=LONG, budget=budget)
+            if motion.status == Status.SETTLED:
+                return settled(automaton, motion)
+            state, mode = motion.end_state, motion.end_mode
+    except EngineError:  # the budget is spent, as a rule
         return None
-    return settled(automaton, motion) if motion.status == Status.SETTLED else None
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
