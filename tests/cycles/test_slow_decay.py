@@ -184,10 +184,9 @@ def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
         assert not leap.foresaw([before, repelling.state], 7)
 
 
-@pytest.mark.parametrize(("index", "start"), [(26, 0), (20, 2)])
-def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work(index, start):
+def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work():
     """A search for some events in blocks had spent its part of the budget, which was taken for all of it."""
-    automaton, state = scene("threads", 72, index, start)
+    automaton, state = scene("threads", 72, 26, 0)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
 
 
@@ -206,12 +205,17 @@ def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
 
 
-@pytest.mark.parametrize(("index", "start"), [(16, 0), (20, 0)])
-def test_a_cycle_to_which_leaps_converge_is_told(index, start):
-    """A contact creeps at k_c / c_c, so that the cycle attracts by 7e-9 or less in a return: leaps come to it alone."""
-    automaton, state = scene("threads", 74, index, start)
+def test_a_cycle_to_which_leaps_converge_is_told():
+    """A contact creeps at k_c / c_c, so that the cycle attracts by 7e-9 in a return: leaps come to it alone."""
+    automaton, state = scene("threads", 74, 16, 0)
     cycle = steady_state(automaton, state, max_events=700_000)
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     assert cycle.residual < 1e-10
     slow = np.abs(np.linalg.eigvals(automaton.tables.flow.field[0][:, :-1])).min()
-    assert 1 - cycle.multiplier == pytest.approx(slow * cycle.period, rel=1e-3)
+    assert 1 - cycle.multiplier == pytest.approx(slow * cycle.period, rel=1e-5)
+
+
+def test_leaps_that_shrink_with_the_motion_come_to_no_cycle():
+    """The contact rattles ever less, by 1e-9 in a return, until N keeps its sign; its steps are below rounding then."""
+    automaton, state = scene("threads", 72, 20, 2)
+    assert steady_state(automaton, state, max_events=700_000).label not in CYCLES

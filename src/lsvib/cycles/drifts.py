@@ -51,7 +51,7 @@ _FEWER = 2  # doublings that are taken off after a leap that was too long
 _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
 _CLOSING = 3  # leaps in a row whose steps shrink before nothing moves, which show that a cycle attracts
-_CLOSED = 1e-10  # change in a return, in sizes of the motion, that is rounding of the modal form
+_LEFT = 1e-3  # most that may be left of the way to it, in sizes of the cycle
 _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
@@ -227,14 +227,20 @@ class _Linear(NamedTuple):
 
 
 def _closed(last: _Linear, steps: list[float]) -> SteadyState | None:
-    """Return the cycle at which leaps have ended, if their ``steps`` have shrunk to nothing on the way there."""
+    """Return the cycle at which leaps have ended, if their ``steps`` have shrunk and hardly any way is left to it.
+
+    A step may have shrunk to rounding far from a cycle that attracts faintly; the way is what the steps add up to.
+    """
     shrinks = len(steps) > _CLOSING and all(one > other for one, other in pairwise(steps[-1 - _CLOSING :]))
-    multiplier, place = largest(last.slopes), last.section.origin
-    small = np.abs(place / last.section.size).max() < CORNERS[1]  # steady sliding itself
+    multiplier, section = largest(last.slopes), last.section
+    small = np.abs(section.origin / section.size).max() < CORNERS[1]  # steady sliding itself
     if small or not (shrinks and steps[-1] <= _STILL and abs(multiplier) < 1):
         return None
-    found = cycle_through(last.section, FixedPoint(place, multiplier, math.nan))
-    return found if found is not None and found.residual <= _CLOSED else None
+    found = cycle_through(section, FixedPoint(section.origin, multiplier, math.nan))
+    if found is None or found.orbit is None:
+        return None
+    way = np.abs(section.directions @ np.linalg.lstsq(np.eye(len(last.step)) - last.slopes, last.step, rcond=None)[0])
+    return found if (way <= _LEFT * np.abs(found.orbit.after).max(axis=0)).all() else None
 
 
 def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budget: Budget):
