@@ -84,6 +84,22 @@ def test_leaps_do_not_pass_over_a_cycle(place):
     assert found.state[0] == pytest.approx(-93.1, rel=2e-2)
 
 
+@pytest.mark.parametrize(("index", "start"), [(115, 2), (357, 3), (545, 4), (545, 9)])
+def test_a_cycle_that_attracts_by_less_than_rounding_shows(index, start):
+    """Damping takes 1e-9 to 1e-12 of a motion in a turn: P(y) = y is lost in rounding, but both sides drift inwards."""
+    wide = wide_drive("rigid", 9101, index, 16)
+    automaton = rigid_automaton(wide.drive)
+    found = steady_state(automaton, wide.starts[start])
+    seen = fate(watch.constants(dict(wide.drive)), *wide.starts[start])
+    assert found.label == Attractor.OTHER_CYCLE
+    assert seen.name == "other_cycle"
+    assert 0 <= found.multiplier < 1
+    for part in (0.5, 0.9, 1.1):  # motions from both sides end on it
+        other = steady_state(automaton, part * found.state)
+        assert other.label == Attractor.OTHER_CYCLE
+        assert other.amplitude == pytest.approx(found.amplitude, rel=1e-2)
+
+
 def test_motion_from_beside_a_cycle_settles():
     found = steady_state(rigid_automaton(MANY_SEIZURES), (-31.0, -MANY_SEIZURES.input_speed))
     assert found.label == Attractor.STEADY_SLIDING

@@ -9,13 +9,14 @@ import pytest
 
 from lsvib.bench.random_drives import command, judges, threshold_judge
 from lsvib.bench.random_drives.linear_judge import rates
+from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import fate
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.paths import engine_path, exact_path, quick_path, watched_path
 from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow
 
 SEED = 7
@@ -144,6 +145,51 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
         assert judges._at_corner(spoilt, other, case) == ""
     loaded = case._replace(drive=RigidParameters.of({**dict(case.drive), "axial_force": 1.0}))
     assert judges._at_corner(path, other, loaded) == ""
+
+
+# Drive and start of seed 9601 with R = 0 and Γ₊ < 0: motions that come to the corner θ′ = 0, Q = 0.
+CORNERED = [
+    (17192, 20), (17671, 4), (19127, 7), (21395, 6), (27130, 14), (27130, 8), (3421, 0), (3421, 3), (3421, 7)
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("index", "start"), CORNERED)
+def test_seizures_accumulate_at_the_corner_and_motion_leaves_it(index, start):
+    """Few events, then a release in the very corner, and the next event only much later, where the watcher has it."""
+    wide = wide_drive("rigid", 9601, index, 32)
+    automaton, case = rigid_automaton(wide.drive), judges.motion_case(wide, start)
+    assert judges._motion(wide, start, watch.constants(dict(wide.drive)), automaton).verdict in judges.GOOD
+    motion = follow(automaton, case.start, case.duration)
+    release = motion.kind.tolist().index(EventKind.RELEASE)
+    assert release < 6
+    corner = watch.constants(dict(wide.drive)).released, -wide.drive.input_speed
+    assert motion.after[release] == pytest.approx(corner, rel=1e-15)
+    assert motion.time[release + 1] - motion.time[release] > 1e-2 * case.duration
+
+
+def test_distances_from_the_corner_are_squared():
+    """z → (c − I c_x / m) z² / (2 Γ₋ |Ω|) from seizure to seizure: infinitely many in finite time, by 40 digits."""
+    wide = wide_drive("rigid", 9601, 17192, 32)
+    case, drive = judges.motion_case(wide, 20), wide.drive
+    truth = rigid_digits.simulate(dict(drive), *case.start, case.duration, max_events=4)
+    first, *further = (float(event.u_before + truth.drive.z0) for event in truth.events[1:])
+    damping = drive.support_damping - drive.screw_inertia * drive.translation_damping / drive.mass
+    factor = damping / (2 * float(truth.drive.Gamma(-1)) * drive.input_speed)
+    for z in further:
+        assert z == pytest.approx(factor * first**2, rel=1e-6)
+        first = z
+
+
+@pytest.mark.parametrize("force", [1e-300, -1e-20, 1e-15])
+def test_a_band_narrower_than_rounding_is_a_corner(force):
+    """With R below rounding the end of the band is one place with Q = 0, and motions leave it as without R."""
+    wide = wide_drive("rigid", 9601, 27130, 32)
+    case = judges.motion_case(wide, 8)
+    without = follow(rigid_automaton(wide.drive), case.start, case.duration)
+    drive = RigidParameters.of({**dict(wide.drive), "axial_force": force})
+    motion = follow(rigid_automaton(drive), case.start, case.duration)
+    assert motion.time.size < 40
+    assert motion.end_state == pytest.approx(without.end_state, rel=1e-9)
 
 
 @pytest.mark.parametrize(("index", "start"), [(8279, 17), (11789, 6)])

@@ -10,14 +10,19 @@ from lsvib.drives.registry import find_model
 
 
 def mapper(
-    drive: RigidParameters, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
+    drive: RigidParameters,
+    model: str = "rigid",
+    physics: Sequence[str] | None = None,
+    resume: str = "contact_sign",
+    rounding: bool = True,
 ) -> Mapper:
     """Return the mapper of a drive: a ``PlanarMapper`` for two states, a ``StateMapper`` for more.
 
-    Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
+    Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene; ``rounding`` as a
+    ``PlanarMapper`` has it. Raises ``InputError``.
     """
     kind = find_model(model)
     physics = (*kind.terms, *kind.options) if physics is None else tuple(physics)
     if len(kind.states) == 2:
-        return PlanarMapper(drive, model, physics, resume)
+        return PlanarMapper(drive, model, physics, resume, rounding)
     return StateMapper(drive, model, physics, resume)

@@ -30,15 +30,18 @@ class PlanarMapper:
     * ``seizures`` until then, and ``first_event``: kind of the first event of the motion, −1 if there is none.
 
     No time of waiting enters. Every cell is computed on its own: no number depends on the grid around it, on tiles or
-    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``).
+    on threads. ``attractors`` are the cycles that motions reach (``SteadyState``). Without ``rounding``, which is
+    ready in two thirds of the time, a start on a boundary has the label of one side.
     """
 
-    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(
+        self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True
+    ) -> None:
         kind = find_model(model)
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
         self.events = kind.events
         self.automaton = kind.build(drive, physics, resume)
-        self.sections = Sections(self.automaton)
+        self.sections = Sections(self.automaton, rounding)
         self.attractors = self.sections.attractors
         self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
 

@@ -79,10 +79,14 @@ _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for
 
 
 class Sections:
-    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels."""
+    """The sections of a planar automaton, the attractors of its motions, and ``known``, the table for the kernels.
 
-    def __init__(self, automaton: Automaton) -> None:
+    Without ``rounding`` a start whose label is decided by rounding has one of the labels beside it instead of none.
+    """
+
+    def __init__(self, automaton: Automaton, rounding: bool = True) -> None:
         self.automaton = automaton
+        self._pushes = _PUSHES[1:] if rounding else ()
         self.size = sizes(automaton)
         self.known = nothing_known(automaton, self.size)
         self.sections = find_sections(automaton, self.known)
@@ -296,7 +300,7 @@ class Sections:
         runs = [self._trimmed(section, self._pieces(section, _PUSHES[0], ends, learns=True))]
         if len(runs[0].labels) == 1:
             return runs[0]
-        runs += [self._pushed(section, runs[0], push) for push in _PUSHES[1:]]
+        runs += [self._pushed(section, runs[0], push) for push in self._pushes]
         return agreed(runs, _ROUNDING * self.size[section.free])
 
     def _pushed(self, section: LabelSection, pieces: Pieces, push: tuple[float, bool]) -> Pieces:

@@ -76,7 +76,7 @@ def _steady_state(
         return SteadyState(Attractor.STEADY_SLIDING, state)
     if state.size > 2:
         return of_more_states(automaton, state, mode, Budget(max_events))
-    used, chunk = 0, min(CHUNK, patience)
+    used, chunk, faint = 0, min(CHUNK, patience), None
     while used < max_events:
         try:
             motion = follow(automaton, state, math.inf, mode=mode, max_events=chunk)
@@ -91,48 +91,61 @@ def _steady_state(
         used += motion.time.size
         if used >= patience:
             patience *= _LONGER
-            slow = _slow_end(automaton, motion, max_events - used, twice)
+            slow, enclosed = _slow_end(automaton, motion, max_events - used, twice)
             if slow is not None:
                 return slow
+            faint = enclosed or faint
         cycle = recurrence(automaton, motion)
         if cycle is not None:
             return cycle
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
-    return SteadyState.unresolved(state, Doubt.EVENTS)
+    return faint or SteadyState.unresolved(state, Doubt.EVENTS)
 
 
-def _slow_end(automaton: Automaton, motion: Motion, left: int, twice: bool) -> SteadyState | None:
+def _slow_end(
+    automaton: Automaton, motion: Motion, left: int, twice: bool
+) -> tuple[SteadyState | None, SteadyState | None]:
     """Find by leaps the end of a motion whose returns to a line hardly move along it; None if that is not known.
 
     ``left`` events may follow. Where the drift leaves the line, the motion is somewhere between two returns; with
-    ``twice`` the motion from the last return and the one from half a return further must end alike.
+    ``twice`` the motion from the last return and the one from half a return further must end alike. The second result
+    is a cycle that attracts so faintly that its place is known to lie in an interval only.
     """
     seen = watched(motion)
     if seen is None or len(seen.points) < FEWEST:
-        return None
+        return None, None
     key, points, size, patience = seen.key, seen.points, seen.size, _MORE_PATIENCE * seen.longest
     section = ReturnSection(automaton, key, points[-1], size, 1, patience)
     if section.dimension != 1:
-        return None
+        return None, None
     end = leaps.drift(section, 0.0)
     if end is None:
-        return None
+        return None, None
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
     came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
-    passage = Passage(key[1], np.array([came_from, place]))
+    passage, faint = Passage(key[1], np.array([came_from, place])), None
     if end.end == leaps.End.CLOSES:
         there = ReturnSection(automaton, key, beyond, size, 1, patience)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else cycle_through(there, fixed)
+        faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(size, np.abs(beyond)), 1, patience))
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, LONG, twice)
     else:
         between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, LONG, False)
         if twice and found.label != _steady_state(automaton, between, key[1], left, LONG, False).label:
-            return SteadyState.unresolved(place, Doubt.FORK)
-    return None if found is None else replace(found, passages=(passage, *found.passages))
+            return SteadyState.unresolved(place, Doubt.FORK), None
+    found, faint = (one and replace(one, passages=(passage, *one.passages)) for one in (found, faint))
+    return found, faint
+
+
+def _faint(section: ReturnSection) -> SteadyState | None:
+    """Return the cycle near the origin of a line that a motion drifts to from both sides, however slowly."""
+    ends = leaps.enclosure(section, 0.0)
+    fixed = None if ends is None else section.between(*ends)
+    return None if fixed is None else cycle_through(section, fixed)
 
 
 def _only_touches(motion: Motion) -> bool:

@@ -28,6 +28,7 @@ _LEAPS = 80  # most leaps in one drift; two dozen of them cross ten decades
 _SHORTEST = 8.0  # shortest leap, in returns: fewer returns are followed instead
 _STALLS = 8  # most leaps in one drift that are too short: beyond, f is near its rounding or changes its sign too often
 _HALVINGS = 80  # most halvings of an interval; its ends are neighbouring doubles before, unless one of them is zero
+_WIDEST = 0.25  # half width of an interval that is called a cycle, in distances from zero
 _FINE = 16.0  # size of f, in units of its rounding, below which a line with a finer scale is taken,
 _FAR = 0.25  # once the drift has come this far, in scales of the line
 FEW = 32.0  # returns within which a target counts as reached straight
@@ -139,6 +140,22 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
             break
         here, there = (middle, there) if excess > 0 else (here, middle)
     return here, there
+
+
+def enclosure(section: ReturnSection, place: float) -> tuple[float, float] | None:
+    """Return an interval about y = ``place`` into which its ends return, beyond doubt, by the same events; else None.
+
+    P is monotone, so every motion from it tends to a cycle in it: however faint the damping is, that is a proof.
+    """
+    widest = _WIDEST * section.distance(place)
+    width = np.finfo(float).eps * max(1.0, abs(place))
+    while width < widest:
+        left, right = (section.return_from(place + side * width) for side in (-1, 1))
+        clear = _SAFE * _rounding(section, place)
+        if left.events is not None and left.events == right.events and left.excess > clear and right.excess < -clear:
+            return place - width, place + width
+        width *= _LONGER
+    return None
 
 
 def _rounding(section: ReturnSection, place: float) -> float:

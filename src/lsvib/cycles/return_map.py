@@ -62,6 +62,12 @@ class ReturnSection(Section):
             return self._enclosed(self.place(earlier[-1]))
         return self._by_newton(self.place(earlier))
 
+    def between(self, left: float, right: float) -> FixedPoint | None:
+        """Return the middle of an interval of a line into which its ends return; None if its slope is not below one."""
+        middle = np.array([0.5 * (left + right)])
+        slope = largest(self.slopes(middle)[0])
+        return FixedPoint(self.state(middle), slope, 0.5 * (right - left)) if abs(slope) < 1 else None
+
     def repeated(self) -> FixedPoint:
         """Return the origin as a fixed point, for a motion that has come back to it."""
         here = np.zeros(self.dimension)

@@ -20,6 +20,14 @@ still carries the sign of the impulse. If slip under law −1 with that sign of 
 rest, it starts at once; otherwise the screw rests, and goes on under law −1 when T_r leaves the band
 (``resume="contact_sign"``, the limit of a compliant contact). With ``resume="at_once"`` – the chapter's reading – the
 sign of Q alone decides; then seizures can accumulate at θ′ = 0, Q = 0, beyond which the screw rests.
+
+R = 0: at θ′ = 0 both T_r and Q are zero in one place, the *corner*. Seizures from one side of it leave the coupling at
+the deflections z_1, z_2, … with
+
+    z_{n+1} = (c − I c_x / m) z_n² / (2 Γ₋ |Ω|) + O(z_n³),
+
+so that infinitely many accumulate in the corner in finite time; after three or four the next one lies below the digits
+of a double. The screw rests there for no time, and is released to the other side.
 """
 
 from decimal import localcontext
@@ -186,8 +194,11 @@ class _Stand:
         self.turning = 1 if d.input_speed > 0 else -1
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
         # Without R the band is a point, the corner of θ′ = 0 and Q = 0. Events accumulate there when what is left of
-        # them lies below rounding; rest then ends as soon as it begins.
-        self.after_all = None if d.axial_force else "rest"
+        # them lies below rounding; rest then ends as soon as it begins, and the release begins in the very corner:
+        # beside it, on the wrong side by a last place, the screw would stop again at once, and so for ever.
+        self.cornered = _cornered(c, d, self.band_end[2])
+        self.after_all = "rest" if self.cornered else None
+        self.to_corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0)) if self.cornered else None
         self.release_sign = (1 if d.axial_force > 0 else -1) if d.axial_force else -self.turning
 
     def beyond_band(self, kinds: tuple[int, int], sign: int = 0) -> tuple[Branch, ...]:
@@ -199,12 +210,28 @@ class _Stand:
         )
 
 
+_CORNERED = 10**13  # part of u that counts: a tenth of it is what rounding may make of u
+
+
+def _cornered(c: Coefficients, d: Any, place: Any) -> bool:
+    """Whether at θ′ = 0 a double cannot tell the band of static friction, or what Q is at its end, from one corner.
+
+    ``place``: u at the end of the band, or −u [rad]. At θ′ = 0 the band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q =
+    0 lies R Γ₊ / (m k r_m tan λ) from its end.
+    """
+    if not d.axial_force:
+        return True
+    least = abs(place) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
+    force = _CORNERED * abs(d.axial_force)
+    return force * abs(c.gamma[1]) <= least or force * (c.gamma[-1] - c.gamma[1]) <= least
+
+
 def _name(direction: int, q_sign: int) -> str:
     return f"slip_{'forward' if direction > 0 else 'backward'}_{'positive' if q_sign > 0 else 'negative'}"
 
 
 def _rest_mode(stand: _Stand) -> Mode:
-    return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),))
+    return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),), stand.after_all)
 
 
 def _regular(flows, stand: _Stand, rest: bool):
@@ -227,7 +254,7 @@ def _regular(flows, stand: _Stand, rest: bool):
     if rest:
         transitions["stop"] = Transition(_stop(stand))
         released = Branch(_name(stand.turning, stand.release_sign), EventKind.RELEASE)
-        transitions["release"] = Transition((released,))
+        transitions["release"] = Transition((released,), reset=stand.to_corner)
         modes["rest"] = _rest_mode(stand)
     return modes, transitions
 
@@ -298,7 +325,8 @@ def _painleve(flows, stand: _Stand, rest: bool, resume: Resume):
             at_once = (go_backward,) if direction > 0 else (go_forward,)
         later = stand.beyond_band((EventKind.SEIZURE, EventKind.SEIZURE), sign=direction)
         transitions[f"seizure_{name}"] = Transition((*at_once, *later), reset=stand.to_rest)
-    transitions["release"] = Transition((Branch(_FORWARD if stand.turning > 0 else _BACKWARD, EventKind.RELEASE),))
+    released = Branch(_FORWARD if stand.turning > 0 else _BACKWARD, EventKind.RELEASE)
+    transitions["release"] = Transition((released,), reset=stand.to_corner)
     modes["rest"] = _rest_mode(stand)
     return modes, transitions
 

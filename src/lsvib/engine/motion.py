@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,9 @@ _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_F
 CALL = 10.0  # of a call of the engine from Python
 _EVENT, _STEP = 1.0, 0.1  # of an event, and of a step of the search for it, with modal flows
 _BLOCK_EVENT, _BLOCK_STEP = 10.0, 4.0  # with flows in blocks
+
+_BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
+_MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
 
 
 class Budget:
@@ -142,10 +146,10 @@ def follow(
     budget.spend(CALL)
     scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / a_step])
     most = _MANY_EVENTS if max_events is None else max_events
-    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
+    pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
         events = _room(capacity, state.size)
-        steps = clock[3]
+        steps, entered = clock[3], mode
         status, mode, count = event_loop.run(
             automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
@@ -153,11 +157,17 @@ def follow(
             budget.left = 0.0
         elif budget.left < math.inf:
             budget.spend(an_event * count + a_step * (steps - clock[3]))
+        if status == Status.ACCUMULATED:
+            undone, count = _undo(undone, events[0][:count], float(clock[0] + clock[1]))
+            if undone.times:
+                mode, state[:] = events[3][count - 1] if count else entered, events[4][count]
+                scale *= _BLUR
+                clock[2], status = 0.0, Status.EVENTS_FULL
         pieces.append([column[:count] for column in events])
         total += count
         if status != Status.EVENTS_FULL or total >= most:
             break
-        capacity = min(2 * total, most - total)
+        capacity = min(max(2 * total, _FIRST_CAPACITY), most - total)
     end_time = float(clock[0] + clock[1])
     if status == Status.EVENTS_FULL and max_events is None:
         raise EngineError(f"more than {most} events before t = {end_time:.6g} s; shorten the duration.")
@@ -167,6 +177,27 @@ def follow(
         automaton, 0.0, start_mode, start_state, *columns,
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
+
+
+class _Undone(NamedTuple):
+    """The instant [s] at which events were last undone, and how often; not at all if events go on from another one."""
+
+    instant: float
+    times: int
+
+
+def _undo(last: _Undone, times: np.ndarray, now: float) -> tuple[_Undone, int]:
+    """Return whether the events at the present instant are undone, and how many events are left then.
+
+    Where surfaces meet, two judgements may contradict each other by their rounding, so that events follow each other at
+    one instant for ever: rest ends, and slip stops before it begins. Such events are undone, and the state is taken to
+    hold fewer digits, until the judgements agree.
+    """
+    first = int(np.searchsorted(times, now))
+    before = last.times if last.instant == now else 0
+    if before == _MOST_BLURS or 2 * (times.size - first) < event_loop.MANY:
+        return _Undone(now, 0), times.size
+    return _Undone(now, before + 1), first
 
 
 def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:

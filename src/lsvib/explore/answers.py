@@ -1,6 +1,5 @@
 """What the page asks of the engine, without a page: maps, motions, curves and lines as plain arrays."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,8 +23,8 @@ from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a twentieth of a second
-SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fifth of a second
+DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a seventieth of a second
+SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fortieth of a second
 COARSE = (36, 27)  # cells of the map of any other model, of which every motion is followed, about a millisecond each
 _SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
 _PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn
@@ -87,10 +86,12 @@ def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np
     return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
 
 
-def labels(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> np.ndarray:
-    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    workers = min(2, len(os.sched_getaffinity(0)))  # a page that answers needs no more; labels are the same
-    return _mapper(drive).cells(_grid(window, cells), quantities=("label",), workers=workers)["label"]
+def labels(drive: RigidParameters, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
+    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
+
+    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; a third is saved by it.
+    """
+    return _mapper(drive, rounding).cells(_grid(window, cells), quantities=("label",))["label"]
 
 
 def label_rows(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
@@ -172,8 +173,8 @@ def _grid(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: RigidParameters) -> Mapper | StateMapper:
-    return mapper(drive, drive.model)
+def _mapper(drive: RigidParameters, rounding: bool = True) -> Mapper | StateMapper:
+    return mapper(drive, drive.model, rounding=rounding)
 
 
 def _palette() -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.document import Document
-from bokeh.events import RangesUpdate, Tap
+from bokeh.events import DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
@@ -18,6 +18,7 @@ from lsvib.cycles.attractors import Attractor
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
+from lsvib.explore.ahead import Ahead
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
@@ -27,6 +28,11 @@ _THROTTLE = 8  # ms that requests are gathered for which came while an answer wa
 _PAUSE = 0.02  # s after an answer; a request that comes later is alone, and is answered at once
 _REST = 500  # ms without a request, after which the hand is taken to rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
+LOOK = 300  # ms after which it is looked again whether an engine is compiled
+_COMPILING = (
+    "The engine for models with three or four states is being compiled, once, a minute or two. This page shows the "
+    "drive as soon as that is done; until then the drawings are those of the drive before."
+)
 _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, 8 s
 _POINTS = {"rigid": 61}  # of the amplitude curve
@@ -49,8 +55,12 @@ _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # 
 class Page:
     """The page of one session; ``presets`` by name. ``view`` is what it shows."""
 
-    def __init__(self, document: Document, view: View, presets: Mapping[str, View], complaint: str = "") -> None:
-        self.document, self.presets, self.view = document, presets, view
+    def __init__(
+        self, document: Document, view: View, presets: Mapping[str, View], ahead: Ahead, complaint: str = ""
+    ) -> None:
+        self.document, self.presets, self._ahead = document, presets, ahead
+        wanted, view = view, view if ahead.ready(view.drive.model) else View()
+        self.view = view
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
         self.seconds = 0.0  # of the last answer at once
@@ -58,6 +68,7 @@ class Page:
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
+        self._wanted: View | None = None  # waits for its engine
         self._slow: Iterator[None] = iter(())
         self._stepping = False
         self._shares: dict[Attractor, float] = {}
@@ -74,10 +85,15 @@ class Page:
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
-        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
+        self.controls.moment.on_change("value", lambda attribute, old, new: self._move())
         self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
         self.show(view)
+        if view is not wanted:
+            self._show_soon(wanted)
+        document.add_root(self.plots.packet.content)
+        document.js_on_event(DocumentReady, self.plots.clip)
+        document.on_event(DocumentReady, lambda event: self.plots.packet.send_all())
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -106,21 +122,44 @@ class Page:
     def _answer(self) -> None:
         self._waiting = False
         asked, self._asked = self._asked, {}
+        changed_mind, self._wanted = self._wanted is not None, None
         try:
             if "preset" in asked:
-                if asked["preset"]:
-                    self.show(self.presets[asked["preset"]])
+                if asked["preset"] and self._show_soon(self.presets[asked["preset"]]):
+                    return
             elif "model" in asked:
-                self.show(self._of_model(asked["model"]))
+                if self._show_soon(self._of_model(asked["model"])):
+                    return
             else:
                 self._redraw(self._changed(asked))
-                if any(not key.startswith("slider:") and key != "window" for key in asked):
+                if changed_mind or any(not key.startswith("slider:") and key != "window" for key in asked):
                     self.controls.show(self.view)
             self._say(self._alert, "")
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
             self.controls.show(self.view)
         self._answered = perf_counter()
+
+    def _show_soon(self, view: View) -> bool:
+        """Show a view as soon as the engine for its model is compiled, and say so; return whether that is to come."""
+        if self._ahead.ready(view.drive.model):
+            self._wanted = None
+            self.show(view)
+            return False
+        self._wanted = view
+        self._say(self._alert, _COMPILING)
+
+        def again() -> None:
+            if self._wanted is not view:
+                return  # something else was asked for meanwhile
+            try:
+                if not self._show_soon(view):
+                    self._say(self._alert, "")
+            except LsvibError as error:
+                self._say(self._alert, escape(str(error)))
+
+        self.document.add_timeout_callback(again, LOOK)
+        return True
 
     def _changed(self, asked: Mapping[str, str]) -> View:
         """The view with what was asked for."""
@@ -163,7 +202,7 @@ class Page:
         rigid = view.drive.model == "rigid"
         found = None
         if rigid:
-            found = answers.labels(view.drive, window, answers.DRAGGED)
+            found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
         self.view, self.shown = view, shown
@@ -172,6 +211,7 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self._draw_moment()
+        self.plots.packet.send()
         self.seconds = perf_counter() - begin
         self._slow = iter(())
         if self._settling is not None:
@@ -206,11 +246,13 @@ class Page:
             if view.drive.model == "rigid":
                 found = answers.labels(view.drive, window, answers.SETTLED)
                 self.plots.draw_map(found, window)
+                self.plots.packet.send()
             else:
                 found = np.full(answers.COARSE[::-1], -2)
                 for row_index, labels in answers.label_rows(view.drive, window, answers.COARSE):
                     found[row_index] = labels
                     self.plots.draw_map(found, window)
+                    self.plots.packet.send()
                     yield
             self._shares = answers.shares(found)
             self._say_words()
@@ -289,6 +331,10 @@ class Page:
         mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
         words = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
+
+    def _move(self) -> None:
+        self._draw_moment()
+        self.plots.packet.send()
 
     def _play(self, playing: bool) -> None:
         if self._frames is not None:

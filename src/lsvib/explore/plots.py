@@ -1,19 +1,19 @@
 """The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
 
-A source that changes is one message to the browser, and each message costs the server and the page about a
-millisecond, whatever it holds. So what changes together is one source: ``map``, ``scene`` (motion, cycle and lines) and
-``moment`` have a single row each, whose columns hold whole lines. A redraw is these three messages.
+What a redraw changes is in few sources, filled together by a packet (:mod:`lsvib.explore.packet`), and is painted on
+the upper one of the two canvases of each drawing: title, axes, grid and legend below stay as they are.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
-from bokeh.core import properties
 from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
     ColumnDataSource,
+    CustomJS,
     LinearScale,
     LogScale,
     LogTicker,
@@ -26,6 +26,7 @@ from lsvib.basins.clipping import Window
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.explore import answers
 from lsvib.explore.answers import Followed, Point
+from lsvib.explore.packet import Packet
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.figures.drawing import style
@@ -34,30 +35,64 @@ SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most scr
 _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
 _SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
+_BEYOND = (
+    20  # heights of the drawing of the force that the line of the moment goes beyond it, for a hand that zooms out
+)
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
-_COLUMNS = {  # of the sources
-    "map": "image x y dw dh",
-    "scene": "motion_u motion_w cycle_u cycle_w line_u line_w stop_u stop_w start_u start_w time force",
-    "moment": "u w now tooth_x tooth_y marks_x marks_y foot tip words",
-    "curve": "x y colour",
-    "near": "x y colour",
-    "marks": "x name",
-    "bar": "x",
+_LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the browser draws anew in a redraw
+    "map": {"image": [], "x": [], "y": [], "dw": [], "dh": []},
+    "lines": {
+        "x": [[], [], [], []],
+        "y": [[], [], [], []],
+        "label": ["N = 0", "θ′ = 0", "limit cycle", "motion"],
+        "colour": [style.VERMILION, style.GREY, style.BLACK, style.BLUE],
+        "dash": [[5, 3], [6, 2, 1, 2], [], []],
+        "width": [1.0, 1.0, 2.5, 1.5],
+    },
+    "points": {  # the origin, the start, and now
+        "x": [0.0, 0.0, 0.0],
+        "y": [0.0, 0.0, 0.0],
+        "marker": ["cross", "circle", "circle"],
+        "colour": [style.BLACK, style.BLUE, style.VERMILION],
+        "fill": [style.BLACK, "white", style.VERMILION],
+    },
+    "history": {"x": [[], []], "y": [[], []], "colour": [style.BLUE, style.VERMILION]},  # the force, and now
+    "screw": {  # its marks, and the force on it
+        "x": [[], []],
+        "y": [[], []],
+        "colour": [style.GREY, style.VERMILION],
+        "width": [2, 3],
+    },
+    "nut": {"x": [], "y": [], "tip": [], "words": []},
 }
+_PLAIN = {"curve": "x y colour", "near": "x y colour", "marks": "x name", "bar": "x"}  # columns of the other sources
+_LEVEL = "overlay"  # painted without title, axes, grid and legend, which take longer than all that a redraw changes
+# Bokeh clips overlays to the whole drawing; these belong into its frame, as what lies below them.
+_CLIP = """
+for (const plot of plots)
+  for (const renderer of plot.renderers)
+    Object.defineProperty(Bokeh.index.find_one(renderer), "needs_clip", {get: () => true});
+"""
 
 
 class Plots:
-    """The drawings and their sources; every method replaces what a drawing shows."""
+    """The drawings and their sources; every method replaces what a drawing shows.
+
+    What a redraw changes is sent by :meth:`Packet.send` of ``packet``.
+    """
 
     def __init__(self) -> None:
         self.sources = {
-            name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _COLUMNS.items()
+            name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _PLAIN.items()
         }
+        self.drawn = {name: ColumnDataSource(looks) for name, looks in _LOOKS.items()}
+        self.packet = Packet(self.drawn)
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
+        self.clip = CustomJS(args={"plots": [self.plane, self.force, self.contact]}, code=_CLIP)
 
     def _plane(self) -> figure:
         made = figure(
@@ -66,20 +101,21 @@ class Plots:
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
         )  # fmt: skip
-        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.sources["map"], level="image")
-        for name, label, look in (
-            ("line", "N = 0", {"color": style.VERMILION, "line_dash": properties.value([5, 3])}),
-            ("stop", "θ′ = 0", {"color": style.GREY, "line_dash": properties.value([6, 2, 1, 2])}),
-            ("cycle", "limit cycle", {"color": style.BLACK, "line_width": 2.5}),
-            ("motion", "motion", {"color": style.BLUE, "line_width": 1.5}),
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], level=_LEVEL)
+        made.multi_line(
+            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", level=_LEVEL
+        )
+        made.scatter(
+            "x", "y", source=self.drawn["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
+            level=_LEVEL,
+        )  # fmt: skip
+        looks = _LOOKS["lines"]
+        for label, colour, dash, width in zip(
+            *(looks[key] for key in ("label", "colour", "dash", "width")), strict=True
         ):
-            made.multi_line(f"{name}_u", f"{name}_w", source=self.sources["scene"], legend_label=label, **look)
-        start, now = self.sources["scene"], self.sources["moment"]
-        made.scatter("start_u", "start_w", source=start, size=9, color=style.BLUE, fill_color="white")
-        made.scatter("u", "w", source=now, size=9, color=style.VERMILION)
-        made.scatter([0], [0], marker="cross", size=10, color=style.BLACK)
-        made.legend.background_fill_alpha = 0.6
-        made.legend.location = "top_right"
+            # A line of which nothing is seen stands in the legend for each line, which may lie outside the window.
+            made.line([math.nan], [math.nan], legend_label=label, color=colour, line_dash=dash, line_width=width)
+        made.legend.update(location="top_right", background_fill_alpha=0.6)
         made.axis.formatter = BasicTickFormatter(power_limit_low=-4)  # 0.003, not 3.000e-3
         return made
 
@@ -110,30 +146,26 @@ class Plots:
             x_range=Range1d(0, 1), y_range=Range1d(-1, 1), x_axis_label="time [s]", y_axis_label="N [N]", name="force",
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
-        made.multi_line("time", "force", source=self.sources["scene"], color=style.BLUE)
-        made.vspan(x="now", source=self.sources["moment"], color=style.VERMILION)
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
+        made.multi_line("x", "y", source=self.drawn["history"], color="colour", level=_LEVEL)
         return made
 
     def _contact(self) -> figure:
         made = figure(
             width=470, height=190, **_NARROW, tools="", title="Contact of screw and nut", name="contact",
-            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 1.15),
+            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 1.15), x_axis_type=None, y_axis_type=None,
             html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
         )  # fmt: skip
-        made.axis.visible = made.grid.visible = False
         made.toolbar_location = None
         edges = np.array([-2.2, 2.2, 2.2, -2.2])
         for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
             heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
             made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
-        source = self.sources["moment"]
-        made.multi_line("marks_x", "marks_y", source=source, color=style.GREY, line_width=2)
-        made.patches("tooth_x", "tooth_y", source=source, color=style.SKY, line_color=style.BLUE)
-        made.segment(0, "foot", 0, "tip", source=source, color=style.VERMILION, line_width=3)
-        made.scatter(0, "tip", source=source, color=style.VERMILION, size=8)
-        # A title would have to be laid out anew with the whole page when it changes, which takes longer than all else.
-        made.text(-1.95, 0.98, "words", source=source, text_font_size="12px")
+        nut = self.drawn["nut"]
+        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, level=_LEVEL)
+        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", level=_LEVEL)
+        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, level=_LEVEL)
+        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", level=_LEVEL)
         return made
 
     def set_window(self, window: Window) -> None:
@@ -143,32 +175,28 @@ class Plots:
 
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
-        self.sources["map"].data = {
-            "image": [answers.rgba(labels)],
-            "x": [window.left],
-            "y": [window.bottom],
-            "dw": [window.right - window.left],
-            "dh": [window.top - window.bottom],
-        }
+        self.packet.fill(
+            "map",
+            {
+                "image": [answers.rgba(labels)],
+                "x": [window.left],
+                "y": [window.bottom],
+                "dw": [window.right - window.left],
+                "dh": [window.top - window.bottom],
+            },
+        )
 
     def draw_motion(self, drive: RigidParameters, shown: Followed, window: Window) -> None:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
-        self.sources["scene"].data = {
-            "motion_u": [shown.u],
-            "motion_w": [shown.w],
-            "cycle_u": [closed[:, 0]],
-            "cycle_w": [closed[:, 1]],
-            "line_u": [u],
-            "line_w": [w],
-            "stop_u": [np.array([window.left, window.right])],
-            "stop_w": [np.full(2, -drive.input_speed)],
-            "start_u": shown.u[:1],
-            "start_w": shown.w[:1],
-            "time": [shown.time],
-            "force": [shown.force],
-        }
+        self.packet.fill(
+            "lines",
+            {
+                "x": [u, np.array([window.left, window.right]), closed[:, 0], shown.u],
+                "y": [w, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
+            },
+        )
         end = float(shown.time[-1])
         self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
         low, high = _steady_range(shown.force)
@@ -189,18 +217,23 @@ class Plots:
         base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
         gap = np.full(at.size, np.nan)  # ends the line of a mark
         most = float(np.abs(shown.force).max()) or 1.0
-        self.sources["moment"].data = {
-            "u": shown.u[k : k + 1],
-            "w": shown.w[k : k + 1],
-            "now": [time],
-            "tooth_x": [tooth],
-            "tooth_y": [SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])],
-            "marks_x": [np.stack([at, at, gap], axis=1).ravel()],
-            "marks_y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel()],
-            "foot": [side * 0.25],
-            "tip": [side * (0.25 - 0.42 * abs(force) / most)],
-            "words": [words],
-        }
+        tip = side * (0.25 - 0.42 * abs(force) / most)
+        least, most = self.force.y_range.start, self.force.y_range.end
+        ends = [least - _BEYOND * (most - least), most + _BEYOND * (most - least)]
+        self.packet.fill(
+            "points",
+            {"x": [0.0, float(shown.u[0]), float(shown.u[k])], "y": [0.0, float(shown.w[0]), float(shown.w[k])]},
+        )
+        self.packet.fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
+        self.packet.fill(
+            "screw",
+            {
+                "x": [np.stack([at, at, gap], axis=1).ravel(), [0.0, 0.0]],
+                "y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel(), [side * 0.25, tip]],
+            },
+        )
+        height = SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])
+        self.packet.fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""

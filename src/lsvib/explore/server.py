@@ -2,6 +2,7 @@
 
 import asyncio
 import errno
+import logging
 import webbrowser
 from collections.abc import Mapping
 
@@ -9,12 +10,15 @@ from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
 from bokeh.server.server import Server
+from bokeh.server.urls import per_app_patterns
+from bokeh.server.views.ws import WSHandler
 from tornado.web import RequestHandler
 
 from lsvib.api import RigidDrive
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
+from lsvib.explore.ahead import Ahead
 from lsvib.explore.downloads import EXPORTS, export
 from lsvib.explore.page import Page
 from lsvib.explore.presets import presets
@@ -45,6 +49,19 @@ class Export(RequestHandler):
         self.write(content)
 
 
+class PromptSocket(WSHandler):
+    """Sends each piece of a message at once.
+
+    Otherwise a small piece waits until the browser has acknowledged the piece before it, and a browser that has nothing
+    to send acknowledges after 40 ms: half of the redraws took that much longer.
+    """
+
+    def open(self) -> None:
+        """Open the connection to a page."""
+        super().open()
+        self.set_nodelay(True)
+
+
 class Icon(RequestHandler):
     """Answers a browser that asks for an icon that there is none."""
 
@@ -53,9 +70,12 @@ class Icon(RequestHandler):
         self.set_status(204)
 
 
-def make_server(port: int) -> Server:
+def make_server(port: int, ahead: Ahead) -> Server:
     """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
     known = presets()
+    per_app_patterns[:] = [
+        (path, PromptSocket if handler is WSHandler else handler) for path, handler in per_app_patterns
+    ]
 
     def page(document: Document) -> None:
         """Fill the page of one visitor with the view that its address asks for."""
@@ -63,10 +83,10 @@ def make_server(port: int) -> Server:
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
         try:
-            Page(document, View.of(query) if query else FRONT, known)
+            Page(document, View.of(query) if query else FRONT, known, ahead)
         except LsvibError as error:
             document.clear()
-            Page(document, View(), known, f"The link cannot be shown: {error}")
+            Page(document, View(), known, ahead, f"The link cannot be shown: {error}")
 
     names = "|".join(name.replace(".", r"\.") for name in EXPORTS)
     try:
@@ -83,17 +103,24 @@ def make_server(port: int) -> Server:
 
 
 def serve(port: int, show: bool) -> None:
-    """Compile the engine, serve the page until the command is interrupted, and open it in a browser if ``show``."""
+    """Serve the page until the command is interrupted, and open it in a browser if ``show``.
+
+    What the first page needs is compiled before, the rest beside it.
+    """
     asyncio.set_event_loop(asyncio.new_event_loop())
-    server = make_server(port)
-    compile_engine()
+    logging.getLogger(WSHandler.__module__).setLevel(logging.ERROR)  # it warns when a page is closed before its answer
+    ahead = Ahead()
+    server = make_server(port, ahead)
+    compile_engine(("planar",))
     answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
     address = f"http://{HOST}:{server.port}/"
     print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
     server.start()
+    ahead.start()
     if show:
         webbrowser.open(address)
     try:
         server.io_loop.start()
     finally:
+        ahead.stop()
         server.stop()

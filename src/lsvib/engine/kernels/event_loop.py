@@ -4,10 +4,6 @@ A guard is positive inside its mode and fires when it falls through zero. On ent
 zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: a
 guard that rises is watched from its first maximum on, and a guard that falls fires at once. No time step and no
 tolerance in time is involved.
-
-Where surfaces meet, two of these judgements may contradict each other by their rounding, so that events follow each
-other at one instant for ever: rest ends, and slip stops before it begins. Such events are undone, and the state is
-taken to hold fewer digits, until the judgements agree.
 """
 
 import math
@@ -30,8 +26,6 @@ _ZERO = int(Test.ZERO)
 GOES_ON = -1  # stands for a status where the run does not end; no status is negative
 NO_KIND = -1  # stands for an event kind where nothing has happened; no kind is negative
 MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulation
-_BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
-_MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
 LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its square is close to overflow
 
 
@@ -177,8 +171,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
     dispatch.allow(tables.flow, work, clock[3])
-    # Of the events that take no time since the last one that did: the first, the mode before it, how often undone.
-    count, first, home, blurs = 0, 0, mode, 0
+    count = 0
     while True:
         clock[3] = dispatch.steps_left(tables.flow, work)
         remaining = (t_end - clock[0]) - clock[1]
@@ -202,12 +195,6 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
                 return Status.DIVERGED, mode, count
         clock[2] = clock[2] + 1.0 if stay < tables.shortest_stay else 0.0
         end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
-        if end == _ACCUMULATED and stay == 0.0 and 2 * (count - first) >= MANY and blurs < _MOST_BLURS:
-            for i in range(n):
-                state[i] = before[first, i]
-                scale[i] *= _BLUR
-            mode, count, clock[2], blurs = home, first, 0.0, blurs + 1
-            continue
         if end != GOES_ON:
             return end, mode, count
         if kind == ACCUMULATION_KIND:
@@ -216,8 +203,6 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
         for i in range(n):
             after[count, i] = state[i]
         count += 1
-        if stay > 0.0:
-            first, home, blurs = count, mode, 0
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count
 

@@ -17,6 +17,7 @@ from lsvib.engine.kernels.status import Found
 
 _TWO_PI = 2.0 * math.pi  # one turn of the phase
 _HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing
+_SOON = 1e-8  # phase of a maximum; a guard that rises and falls again sooner does not leave its rounding
 _NEAR, _FAR, _SPLIT = range(3)  # forms of a guard along the flow
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -143,6 +144,8 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
     phase = math.atan2(across, p)
     # g′ is proportional to cos(βt − phase): a maximum follows where it falls through zero, a minimum half a turn later.
     top = phase + 0.5 * math.pi
+    if on_surface and abs(top) < _SOON:  # the sum has lost its digits
+        top = math.atan2(p, -across)
     if top < 0.0:
         top += _TWO_PI
     bottom = top + math.pi
