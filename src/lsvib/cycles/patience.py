@@ -12,12 +12,13 @@ from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion, enter, follow
-from lsvib.errors import BeatError, EndlessSearchError, UndecidedError
+from lsvib.errors import BeatError, EndlessSearchError, UndecidedError, WorkSpentError
 
 _EACH = 90.0  # work of an event, at most as a rule; so a search is left before it has taken all steps that it may
 FEW = 16  # events in blocks of the first search; each further one may have twice as many
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
+_MORE = 4.0  # factor of work where events have cost more than was foreseen: a quarter of all is spent in vain at most
 _TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
 
 
@@ -47,7 +48,7 @@ def follow_patiently(
         work = (_FIRST if reach == math.inf else _SEARCH) + _EACH * here
         piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, t_end - time <= reach
-        pieces.append(replace(piece, start_time=time, time=piece.time + time, end_time=piece.end_time + time))
+        pieces.append(_begun_at(piece, time))
         time, count, state, mode = pieces[-1].end_time, count + found, piece.end_state, piece.end_mode
         over = last if piece.status == Status.TIME_REACHED else count == max_events
         if over or piece.status not in (Status.TIME_REACHED, Status.EVENTS_FULL, Status.WORK_SPENT):
@@ -62,9 +63,10 @@ def follow_patiently(
         if quiet == t_end - time == math.inf:
             return _joined(pieces, Status.SETTLED)
         quiet = min(quiet, t_end - time)
-        there = np.empty_like(state)
-        dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
-        state, time = there, time + quiet
+        if quiet > 0:  # else rounding would move the state off the surface that it has just met
+            there = np.empty_like(state)
+            dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
+            state, time = there, time + quiet
         fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
         reach = 2 * reach if quiet == 0 and reach < math.inf else _TURNS / float(fastest)
 
@@ -79,22 +81,37 @@ def _searched(
     work: float,
     budget: Budget,
 ) -> Motion:
-    """Follow a motion with so much work of a budget; a search that does not end has taken all of it."""
-    part = Budget(min(budget.left, work))
-    before = part.left
-    try:
-        return follow(automaton, state, t_end, mode=mode, stop=stop, max_events=max_events, budget=part)
-    except UndecidedError:
-        still = follow(automaton, state, 0.0, mode=mode)
-        return replace(still, status=Status.WORK_SPENT)
-    finally:
-        budget.spend(before - part.left)
+    """Follow a motion with so much work of a budget; a search that does not end has taken all of it.
+
+    Where the events found have cost more than that, they are looked for again with more of it.
+    """
+    while True:
+        part = Budget(min(budget.left, work))
+        before, whole = part.left, part.left == budget.left
+        try:
+            return follow(automaton, state, t_end, mode=mode, stop=stop, max_events=max_events, budget=part)
+        except UndecidedError:
+            still = follow(automaton, state, 0.0, mode=mode)
+            return replace(still, status=Status.WORK_SPENT)
+        except WorkSpentError:
+            if whole:
+                raise
+            work *= _MORE
+        finally:
+            budget.spend(before - part.left)
+
+
+def _begun_at(piece: Motion, time: float) -> Motion:
+    """Return a motion that begins at 0 as one that begins at a time [s]; most do begin at 0, and a copy takes long."""
+    if time == 0.0:
+        return piece
+    return replace(piece, start_time=time, time=piece.time + time, end_time=piece.end_time + time)
 
 
 def _joined(pieces: Sequence[Motion], status: Status) -> Motion:
     """Return one motion for several that follow each other."""
     if len(pieces) == 1:
-        return replace(pieces[0], status=status)
+        return pieces[0] if pieces[0].status == status else replace(pieces[0], status=status)
     columns = {
         name: np.concatenate([getattr(piece, name) for piece in pieces])
         for name in ("time", "kind", "sign", "mode", "before", "after")

@@ -75,10 +75,12 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
     return found
 
 
-def flow_derivative(automaton: Automaton, mode: int, time: float) -> Derivative:
-    """Return e^{Aτ} of a mode after a time τ [s]."""
+def flow_derivative(
+    automaton: Automaton, mode: int, time: float, coordinates: tuple[np.ndarray, np.ndarray]
+) -> Derivative:
+    """Return e^{Aτ} of a mode after a time τ [s]; ``coordinates`` as of :func:`inner_coordinates`."""
     n = len(automaton.states)
-    into, out = inner_coordinates(automaton, mode)
+    into, out = coordinates
     inner = propagator(automaton, mode, time)
     size = np.abs(out) @ np.abs(inner) @ np.abs(into)
     return Derivative((out @ inner @ into)[:n, :n], _TERMS * flow_planar.EPS * size[:n, :n])
@@ -128,10 +130,11 @@ def event_derivative(automaton: Automaton, mode: int, kind: int, after: int, bef
     speed = normal @ f
     if not speed * speed > 0.0:  # one whose square has underflown is that of what rounding leaves of a motion
         return Derivative(np.full((n, n), math.nan), np.full((n, n), math.nan))
-    matrix = np.eye(n) - np.outer(f, normal) / speed
+    across, size = f[:, None] * normal, np.abs(normal)
+    matrix = np.eye(n) - across / speed
     # The quotient's own rounding, that of its parts, and of the difference in gᵀf.
-    lost = np.outer(f_size, np.abs(normal)) / abs(speed)
-    lost = lost + np.abs(np.outer(f, normal)) * (np.abs(normal) @ f_size) / speed**2
+    lost = f_size[:, None] * size / abs(speed)
+    lost = lost + np.abs(across) * (size @ f_size) / speed**2
     lost = _TERMS * flow_planar.EPS * (lost + np.abs(matrix))
     reset = tables.transition_reset[tables.guard_transition[guard]]
     if reset < 0:
@@ -167,8 +170,11 @@ def derivative(motion: Motion) -> Derivative:
     automaton, n = motion.automaton, motion.start_state.size
     total = Derivative(np.eye(n), np.zeros((n, n)))
     modes, _, _, durations = motion.arcs()
+    coordinates: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for k in range(motion.time.size):
         mode, after = int(modes[k]), int(motion.mode[k])
-        total = then(total, flow_derivative(automaton, mode, float(durations[k])))
+        if mode not in coordinates:
+            coordinates[mode] = inner_coordinates(automaton, mode)
+        total = then(total, flow_derivative(automaton, mode, float(durations[k]), coordinates[mode]))
         total = then(total, event_derivative(automaton, mode, int(motion.kind[k]), after, motion.before[k]))
     return total
