@@ -16,6 +16,7 @@ from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
@@ -181,3 +182,40 @@ def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
         leap = drifts._Linear.at(section, [before, repelling.state])
         assert leap.most(7) < 6
         assert not leap.foresaw([before, repelling.state], 7)
+
+
+def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work():
+    """A search for some events in blocks had spent its part of the budget, which was taken for all of it."""
+    automaton, state = scene("threads", 72, 26, 0)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+def test_a_state_on_a_surface_stays_there_where_no_time_is_quiet():
+    """A quiet time of 0 s once moved the state off θ′ = 0 by rounding, and stick and release followed without end."""
+    automaton, state = scene("threads", 72, 7, 0)
+    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=2000, budget=Budget(700_000))
+    assert motion.status == Status.SETTLED
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():
+    """The contact rattles two thousand times before it rests on one side; looking for cycles had taken all work."""
+    automaton, state = scene("threads", 72, 33, 2)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+def test_a_cycle_to_which_leaps_converge_is_told():
+    """A contact creeps at k_c / c_c, so that the cycle attracts by 7e-9 in a return: leaps come to it alone."""
+    automaton, state = scene("threads", 74, 16, 0)
+    cycle = steady_state(automaton, state, max_events=700_000)
+    assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
+    assert cycle.residual < 1e-10
+    slow = np.abs(np.linalg.eigvals(automaton.tables.flow.field[0][:, :-1])).min()
+    assert 1 - cycle.multiplier == pytest.approx(slow * cycle.period, rel=1e-5)
+
+
+def test_leaps_that_shrink_with_the_motion_come_to_no_cycle():
+    """The contact rattles ever less, by 1e-9 in a return, until N keeps its sign; its steps are below rounding then."""
+    automaton, state = scene("threads", 72, 20, 2)
+    assert steady_state(automaton, state, max_events=700_000).label not in CYCLES

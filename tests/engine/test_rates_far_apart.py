@@ -7,11 +7,15 @@ import math
 
 import numpy as np
 import pytest
+from mpmath import mp
 
+from lsvib.bench.random_drives.judges import four_case
+from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import automaton
+from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
@@ -225,3 +229,59 @@ def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     assert out[2] == pytest.approx(
         math.exp(-0.05) * (math.cos(0.1 * turning) + 0.5 / turning * math.sin(0.1 * turning)), rel=1e-12
     )
+
+
+@pytest.mark.parametrize(("index", "starts"), [(2, (2, 6)), (13, (10, 15)), (35, (9,)), (50, (7,))])
+def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(index, starts):
+    """Angles of 1e-10 to 1e-7 rad next to steady sliding; under the other law the equilibrium is up to 1e2 rad away."""
+    wide = wide_drive("threads", 9301, index, 32)
+    for start in starts:
+        case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
+        outcome = judge(case, np.random.default_rng(0), by_reference=True)
+        assert outcome.verdict == Verdict.RIGHT
+        assert outcome.state_error < 1e-12
+
+
+@pytest.mark.parametrize("name", ["pairs", "real rates", "a growing pair", "a single rate", "a slow rate"])
+def test_a_coordinate_far_from_its_equilibrium_is_moved_by_its_change(name):
+    """Random fields with a push that puts the equilibrium up to 1e15 sizes of the motion away, against mpmath."""
+    factors = {
+        "pairs": [(9.0, 0.3), (1e4, 20.0)],
+        "real rates": [(6.0, 5.0), (100.0, 25.0)],
+        "a growing pair": [(9.0, -0.2), (400.0, 3.0)],
+        "a single rate": [(9.0, 0.3), (-7.0,), (-0.3,)],
+        "a slow rate": [(9.0, 0.3), (-1e-9,), (-40.0,)],
+    }[name]
+    rng, found = np.random.default_rng(len(name)), 0
+    for _ in range(20):
+        rows, i = [[0.0] * 5 for _ in range(4)], 0
+        for factor in factors:
+            if len(factor) == 1:
+                rows[i][i] = factor[0]
+            else:
+                rows[i][i + 1], rows[i + 1][i], rows[i + 1][i + 1] = 1.0, -factor[0], -factor[1]
+            i += len(factor)
+        change = np.eye(4) + 0.3 * rng.standard_normal((4, 4))
+        matrix = change @ np.array(rows)[:, :4] @ np.linalg.inv(change)
+        push = 10.0 ** rng.uniform(8, 15) * rng.standard_normal(4)
+        state = rng.standard_normal(4)
+        fastest = np.abs(np.linalg.eigvals(matrix)).max()
+        time = float(10.0 ** rng.uniform(-3, 0) * np.abs(state).max() / (np.abs(push).max() + fastest))
+        field = np.column_stack([matrix, push])
+        flow = flow_of([linear_mode(field.tolist(), [1.0] * 4)])
+        out, scale = np.empty(4), np.abs(state)
+        dispatch.advance(flow, 0, state, time, out)
+        with mp.workdps(60):
+            extended = mp.matrix(5)
+            for i in range(4):
+                for j in range(5):
+                    extended[i, j] = mp.mpf(float(field[i, j])) * mp.mpf(time)
+            exact = np.array([float(x) for x in (mp.expm(extended) * mp.matrix([*map(float, state), 1.0]))[:4]])
+        far = np.abs(flow.from_modal[0, :, -1]) > 2.0**20 * np.maximum(np.abs(state), np.abs(out))
+        found += far.sum()
+        assert np.abs(out - exact)[far].max(initial=0.0) <= 1e-13 * np.abs(state).max()
+        work = dispatch.workspace(flow, 1)
+        dispatch.travel(flow, 0, state, time, scale, work)
+        assert (state == out).all()
+        assert (scale[far] <= 1e3 * np.abs(out).max()).all()
+    assert found > 30

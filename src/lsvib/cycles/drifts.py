@@ -9,6 +9,9 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
   of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. These
   amplitudes are extrapolated in the same way, and the phases stay as they are.
 
+Leaps by returns whose steps shrink, as foreseen, until nothing moves any more have come to a cycle, however little it
+attracts in one return.
+
 After each leap the motion is followed until errors of the extrapolation have died away, before the next step is
 measured. This is numerical evidence, not a proof: a narrow attractor on the way may be leapt over.
 
@@ -18,13 +21,16 @@ events tell it where nothing damps: slip preserves volumes, so that no amplitude
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.return_map import ReturnSection, conserves
+from lsvib.cycles.recurrences import CORNERS, cycle_through
+from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
+from lsvib.cycles.steady_states import SteadyState
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
@@ -45,6 +51,8 @@ _FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5
 _FEWER = 2  # doublings that are taken off after a leap that was too long
 _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
+_CLOSING = 3  # leaps in a row whose steps shrink before nothing moves, which show that a cycle attracts
+_LEFT = 1e-3  # most that may be left of the way to it, in sizes of the cycle
 _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
@@ -71,7 +79,7 @@ Ended = TypeVar("Ended")
 
 def pursue(
     motion: Motion, budget: Budget, ended: Callable[[Motion], Ended | None]
-) -> tuple[Ended | Recurrence | None, bool]:
+) -> tuple[Ended | SteadyState | Recurrence | None, bool]:
     """Follow and extrapolate a motion until ``ended`` names its end; returns that end and whether leaps were made.
 
     Arguments: a part of the motion, from whose end it goes on; the work that it may take; ``ended``, which is asked
@@ -94,6 +102,8 @@ def pursue(
             motion = follow_patiently(
                 automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
             )
+            if leap.cycle is not None:
+                return ended(motion) or leap.cycle, leapt
             if moves % _MOVES:
                 continue
         motion = follow_patiently(
@@ -119,11 +129,12 @@ def pursue(
 
 
 class _Leap(NamedTuple):
-    """The result of leaps by returns: state (n) and mode, and whether the motion has moved."""
+    """The result of leaps by returns: state (n), mode, whether the motion has moved, and the cycle that it is on."""
 
     state: np.ndarray
     mode: int
     moved: bool
+    cycle: SteadyState | None = None
 
 
 def _by_returns(motion: Motion, budget: Budget) -> _Leap:
@@ -134,7 +145,7 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
         return _Leap(here, mode, moved)
     seen = (motion.kind == key[0]) & (motion.mode == key[1])
     place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
-    size, pattern = np.zeros_like(place), None
+    size, pattern, steps = np.zeros_like(place), None, list[float]()
     for _ in range(_MOST_LEAPS):
         states, patterns, sizes = _returns(motion.automaton, key, place, budget)
         alike = len(states) > _RETURNS and all(one == (pattern or patterns[-1]) for one in patterns[-_ALIKE:])
@@ -149,9 +160,10 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
         scale = np.where(size == 0, 1.0, size)  # a coordinate that is zero at every event may have any scale
         section = ReturnSection(motion.automaton, key, here, scale, 1, longest, budget)
         last = _Linear.at(section, states)
+        steps.append(last.length(last.step))
         doublings = last.most(doublings + 1)
         if doublings < _LEAST_DOUBLINGS:
-            break
+            return _Leap(here, mode, moved, _closed(last, steps))
         place = last.after(doublings)
     return _Leap(here, mode, moved)
 
@@ -182,7 +194,7 @@ class _Linear(NamedTuple):
                 total, power = total + power @ total, power @ power
             return total @ self.step, power @ self.step
 
-    def _length(self, place: np.ndarray) -> float:
+    def length(self, place: np.ndarray) -> float:
         """Return the size of a step (d) on the section, in sizes of the motion; infinite where it left the numbers."""
         if not np.isfinite(place).all():
             return math.inf
@@ -190,9 +202,9 @@ class _Linear(NamedTuple):
 
     def most(self, doublings: int) -> int:
         """Return how often, at most ``doublings`` times, the returns may be doubled before the way is too long."""
-        if not self._length(self.step) > _STILL:
+        if not self.length(self.step) > _STILL:
             return 0
-        while doublings > 0 and not self._length(self._ahead(doublings)[0]) <= _WAY:
+        while doublings > 0 and not self.length(self._ahead(doublings)[0]) <= _WAY:
             doublings -= 1
         return doublings
 
@@ -218,7 +230,24 @@ class _Linear(NamedTuple):
         except np.linalg.LinAlgError:
             return False
         parts = parts / np.maximum(np.abs(1 - values), 0.5**doublings)
-        return self._length(np.abs(vectors * parts).sum(axis=1)) <= _CHANGE * self._length(way)
+        return self.length(np.abs(vectors * parts).sum(axis=1)) <= _CHANGE * self.length(way)
+
+
+def _closed(last: _Linear, steps: list[float]) -> SteadyState | None:
+    """Return the cycle at which leaps have ended, if their ``steps`` have shrunk and hardly any way is left to it.
+
+    A step may have shrunk to rounding far from a cycle that attracts faintly; the way is what the steps add up to.
+    """
+    shrinks = len(steps) > _CLOSING and all(one > other for one, other in pairwise(steps[-1 - _CLOSING :]))
+    multiplier, section = largest(last.slopes), last.section
+    small = np.abs(section.origin / section.size).max() < CORNERS[1]  # steady sliding itself
+    if small or not (shrinks and steps[-1] <= _STILL and abs(multiplier) < 1):
+        return None
+    found = cycle_through(section, FixedPoint(section.origin, multiplier, math.nan))
+    if found is None or found.orbit is None:
+        return None
+    way = np.abs(section.directions @ np.linalg.lstsq(np.eye(len(last.step)) - last.slopes, last.step, rcond=None)[0])
+    return found if (way <= _LEFT * np.abs(found.orbit.after).max(axis=0)).all() else None
 
 
 def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budget: Budget):

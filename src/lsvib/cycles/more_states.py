@@ -18,6 +18,7 @@ from lsvib.errors import DivergenceError, EngineError
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
+_FURTHER = 1.6  # of its budget a motion in blocks is followed further at last, which takes three seconds at most
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 
 
@@ -29,7 +30,11 @@ def at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 
 
 def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
-    """Find the attractor of a motion with more than two states; the budget may be spent twice."""
+    """Find the attractor of a motion with more than two states; the budget may be spent twice.
+
+    Where nothing is told by then of a motion in blocks, it is followed further: it may be about to settle.
+    """
+    all_of_it, in_blocks = budget.left, isinstance(automaton.tables.flow, BlockFlow)
 
     def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
         if part.status == Status.SETTLED:
@@ -38,7 +43,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
 
     found: SteadyState | drifts.Recurrence | None = None
     doubt = Doubt.EVENTS
-    used, chunk = 0, FEW if isinstance(automaton.tables.flow, BlockFlow) else CHUNK
+    used, chunk = 0, FEW if in_blocks else CHUNK
     try:
         while found is None and used < LONG:
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
@@ -55,10 +60,24 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
     except DivergenceError:
         return out_of_range(automaton, state)
     except EngineError as error:
-        return SteadyState.unresolved(state, error)
+        found, doubt = None, Doubt.of(error)
+    if found is None and doubt == Doubt.EVENTS and in_blocks:
+        found = _settles(automaton, state, mode, Budget(_FURTHER * all_of_it))
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState.unresolved(state, doubt)
+
+
+def _settles(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState | None:
+    """Return what a motion settles in; None if it does not with that much work."""
+    try:
+        while True:
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=LONG, budget=budget)
+            if motion.status == Status.SETTLED:
+                return settled(automaton, motion)
+            state, mode = motion.end_state, motion.end_mode
+    except EngineError:  # the budget is spent, as a rule
+        return None
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:

@@ -12,12 +12,13 @@ from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion, enter, follow
-from lsvib.errors import BeatError, EndlessSearchError, UndecidedError
+from lsvib.errors import BeatError, EndlessSearchError, UndecidedError, WorkSpentError
 
 _EACH = 90.0  # work of an event, at most as a rule; so a search is left before it has taken all steps that it may
 FEW = 16  # events in blocks of the first search; each further one may have twice as many
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
+_MORE = 4.0  # factor of work where events have cost more than was foreseen: a quarter of all is spent in vain at most
 _TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
 
 
@@ -62,9 +63,10 @@ def follow_patiently(
         if quiet == t_end - time == math.inf:
             return _joined(pieces, Status.SETTLED)
         quiet = min(quiet, t_end - time)
-        there = np.empty_like(state)
-        dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
-        state, time = there, time + quiet
+        if quiet > 0:  # else rounding would move the state off the surface that it has just met
+            there = np.empty_like(state)
+            dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
+            state, time = there, time + quiet
         fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
         reach = 2 * reach if quiet == 0 and reach < math.inf else _TURNS / float(fastest)
 
@@ -79,16 +81,24 @@ def _searched(
     work: float,
     budget: Budget,
 ) -> Motion:
-    """Follow a motion with so much work of a budget; a search that does not end has taken all of it."""
-    part = Budget(min(budget.left, work))
-    before = part.left
-    try:
-        return follow(automaton, state, t_end, mode=mode, stop=stop, max_events=max_events, budget=part)
-    except UndecidedError:
-        still = follow(automaton, state, 0.0, mode=mode)
-        return replace(still, status=Status.WORK_SPENT)
-    finally:
-        budget.spend(before - part.left)
+    """Follow a motion with so much work of a budget; a search that does not end has taken all of it.
+
+    Where the events found have cost more than that, they are looked for again with more of it.
+    """
+    while True:
+        part = Budget(min(budget.left, work))
+        before, whole = part.left, part.left == budget.left
+        try:
+            return follow(automaton, state, t_end, mode=mode, stop=stop, max_events=max_events, budget=part)
+        except UndecidedError:
+            still = follow(automaton, state, 0.0, mode=mode)
+            return replace(still, status=Status.WORK_SPENT)
+        except WorkSpentError:
+            if whole:
+                raise
+            work *= _MORE
+        finally:
+            budget.spend(before - part.left)
 
 
 def _begun_at(piece: Motion, time: float) -> Motion:

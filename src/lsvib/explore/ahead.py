@@ -27,7 +27,8 @@ class Ahead:
     def start(self) -> None:
         """Start the process; without a cache that both share, everything is compiled here and now."""
         if OPTIONS["cache"]:
-            self._process = subprocess.Popen([sys.executable, "-m", __name__])
+            # In a session of its own: Ctrl+C is for the server, which ends the process.
+            self._process = subprocess.Popen([sys.executable, "-m", __name__], start_new_session=True)
         else:
             compile_larger_models()
 

@@ -7,6 +7,9 @@ with f ≠ 0 is one whose equilibrium may lie far away, or nowhere (r = 0), and 
 
     f = 0:  q(t) = q₀ e^{rt}            f ≠ 0:  q(t) = q₀ + (r q₀ + f) ∫₀ᵗ e^{rτ} dτ
 
+Where an equilibrium lies so far away that a coordinate is the small difference of large terms, as an angle of 10⁻¹⁰ rad
+beside an equilibrium at 10² rad, the coordinate is moved by the change of the modal state (:func:`_displace`).
+
 An affine function of the state, such as a guard, is a sum over pairs and singles, and so is every derivative of it:
 :mod:`lsvib.engine.kernels.guard_sums`.
 """
@@ -17,9 +20,12 @@ import numpy as np
 
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, R1
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
-from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+
+_FAR = 2.0**20  # distance of an equilibrium, in sizes of a coordinate, beside which it would lose six digits
+ROWS = 3  # of the scratch space of :func:`travel`
 
 
 @inlined_kernel
@@ -81,23 +87,81 @@ def carry(flow, mode, start, t, out):
         k += 1
 
 
+@kernel
+def _change(flow, mode, start, t, out):
+    """Write the change of the modal state within a time t [s] to ``out``; it has its own digits however small it is.
+
+    With S and J = ∫S of a pair, u(t) − u₀ = w₀ S − a₀ u₀ J and w(t) − w₀ = −w₀ (a₁ S + a₀ J) − a₀ u₀ S.
+    """
+    k = 0
+    for pair in range(flow.pairs[mode]):
+        row = flow.oscillators[mode, pair]
+        u, w = start[k], start[k + 1]
+        _, s, _, _, _, _ = responses(row, t)
+        integral = flow_planar.integrated_response(row, t)
+        out[k] = w * s - row[A0] * u * integral
+        out[k + 1] = -w * (row[A1] * s + row[A0] * integral) - row[A0] * u * s
+        k += 2
+    for single in range(flow.singles[mode]):
+        rate, push = flow.rates[mode, single], flow.pushes[mode, single]
+        more = math.expm1(min(rate * t, OVERFLOW))
+        out[k] = (rate * start[k] + push) * (more / rate if rate != 0.0 else t)
+        k += 1
+
+
+@inlined_kernel
+def _is_far(flow, mode, before, after, i):
+    """Whether a coordinate is small, before and after, beside the equilibrium that it is measured from."""
+    return abs(flow.from_modal[mode, i, flow.from_modal.shape[2] - 1]) > _FAR * max(abs(before[i]), abs(after[i]))
+
+
+@kernel
+def _displace(flow, mode, before, t, state, scale, room):
+    """Form those coordinates of ``state`` anew that are far from their equilibrium, and their sizes in ``scale`` (n).
+
+    ``before`` (n) is the state a time t [s] earlier; ``room`` (2, q) is scratch space.
+    """
+    count, table = size_of(flow, mode), flow.from_modal[mode]
+    start, moves = room[0, :count], room[1, :count]
+    apply(flow.to_modal[mode], before, start)
+    _change(flow, mode, start, t, moves)
+    for i in range(state.size):
+        if _is_far(flow, mode, before, state, i):
+            total, size = before[i], abs(before[i])
+            for j in range(count):
+                total += table[i, j] * moves[j]
+                size += abs(table[i, j] * moves[j])
+            if math.isfinite(total):
+                state[i], scale[i] = total, size
+
+
 @allocating_kernel
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
-    coordinates = np.empty(size_of(flow, mode))
+    n, count = state.size, size_of(flow, mode)
+    room = np.empty((ROWS + 1, max(n, count)))
+    coordinates, before, far = room[0, :count], room[2, :n], False
+    for i in range(n):
+        before[i] = state[i]
     apply(flow.to_modal[mode], state, coordinates)
     carry(flow, mode, coordinates, t, coordinates)
     apply(flow.from_modal[mode], coordinates, out)
+    for i in range(n):
+        far = far or _is_far(flow, mode, before, out, i)
+    if far:
+        _displace(flow, mode, before, t, out, room[ROWS, :n], room)
 
 
 @inlined_kernel
 def travel(flow, mode, state, stay, scale, room):
     """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (n) the sizes of its terms.
 
-    ``room`` (2 or more, q or more) is scratch space.
+    ``room`` (ROWS, q and n or more) is scratch space.
     """
-    count, last = size_of(flow, mode), flow.from_modal.shape[2] - 1
-    coordinates, sizes, table = room[0, :count], room[1, :count], flow.from_modal[mode]
+    n, count, last, far = state.size, size_of(flow, mode), flow.from_modal.shape[2] - 1, False
+    coordinates, sizes, before, table = room[0, :count], room[1, :count], room[2, :n], flow.from_modal[mode]
+    for i in range(n):
+        before[i] = state[i]
     apply(flow.to_modal[mode], state, coordinates)
     k = 2 * flow.pairs[mode]
     for pair in range(flow.pairs[mode]):
@@ -118,6 +182,9 @@ def travel(flow, mode, state, stay, scale, room):
         for j in range(count):
             total += abs(table[i, j]) * sizes[j]
         scale[i] = total
+        far = far or _is_far(flow, mode, before, state, i)
+    if far:
+        _displace(flow, mode, before, stay, state, scale, room)
 
 
 @inlined_kernel

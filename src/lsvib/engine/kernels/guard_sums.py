@@ -36,7 +36,7 @@ class Sums(NamedTuple):
     :func:`lsvib.engine.kernels.flow_modal.responses` wants them.
     """
 
-    states: np.ndarray  # (2, q) the modal state at time zero, and spare room
+    states: np.ndarray  # (ROWS, q and n or more) the modal state at time zero, and spare room
     form: np.ndarray  # (q + 1,) one guard in modal coordinates
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
     pairs: np.ndarray  # (g, p, 4)
@@ -53,9 +53,9 @@ class Sums(NamedTuple):
 def room_for(flow, guards):
     """Return uninitialised ``Sums`` for so many guards, with steps without end."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
-    size = flow.to_modal.shape[1]
+    size, n = flow.to_modal.shape[1], flow.from_modal.shape[1]
     return Sums(
-        np.empty((2, size)),
+        np.empty((flow_modal.ROWS, max(size, n))),
         np.empty(size + 1),
         np.empty(guards),
         np.empty((guards, pairs, 4)),
