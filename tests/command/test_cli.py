@@ -85,7 +85,8 @@ def test_thresholds_of_another_model(run, model, damping, unit):
     for name, entry in table.items():
         assert {"value", "unit", "stability", "stable_intervals"} <= set(entry)
         assert (entry["value"] is not None) or entry["reason"].endswith(".")
-        shown = "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+        unit = "" if entry["unit"] == "1" else f" {entry['unit']}"  # a pure number stands alone
+        shown = "none" if entry["value"] is None else f"{entry['value']:.12g}{unit}"
         assert any(line.split(maxsplit=1) == [name, shown] for line in text.splitlines())
         assert text.count("stability from") == sum(len(entry["stable_intervals"]) for entry in table.values())
 

@@ -26,7 +26,7 @@ def print_thresholds(table: Mapping[str, Any]) -> None:
         if entry["value"] is None:
             print(f"{name:22s} none: {entry['reason']}")
             continue
-        line = f"{name:22s} {entry['value']:.12g} {entry['unit']}"
+        line = f"{name:22s} {_value(entry)}"
         if entry["expected"] is not None:
             verdict = "pass" if entry["passed"] else "FAIL"
             line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
@@ -39,12 +39,13 @@ def print_solved_threshold(found: "SolvedThreshold") -> None:
         f"{found.name}: {len(found.solutions)} solution{'s' if found.several else ''} for {found.unknown}. {found.how}"
     )
     for solution in found.solutions:
-        print(f"{found.unknown} = {solution.value!r} {found.unit}, in error by at most {solution.error_bound:.1g}")
+        value = _with_unit(repr(solution.value), found.unit)
+        print(f"{found.unknown} = {value}, in error by at most {solution.error_bound:.1g}")
         print(f"  equation: {solution.equation}")
         print(f"  residual {solution.residual:.1g} of its terms")
         for name, slope in solution.derivatives.items():
             if slope.value:
-                print(f"  d/d {name} = {slope.value:.12g} {slope.unit}")
+                print(f"  d/d {name} = {_with_unit(f'{slope.value:.12g}', slope.unit)}")
 
 
 def print_stability(table: Mapping[str, Any]) -> None:
@@ -143,7 +144,7 @@ def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
     print(f"{name:27s} {_value(entry)}")
     for interval in entry["stable_intervals"]:
         high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
-        print(f"  {entry['stability']} stability from {interval['low']:.12g} {high} {entry['unit']}")
+        print(f"  {entry['stability']} stability from {interval['low']:.12g} {_with_unit(high, entry['unit'])}")
     if "reason" in entry:
         print(f"  {entry['reason']}")
 
@@ -154,7 +155,12 @@ def _plain(rate: float) -> str:
 
 
 def _value(entry: Mapping[str, Any]) -> str:
-    return "none" if entry["value"] is None else f"{entry['value']:.12g} {entry['unit']}"
+    return "none" if entry["value"] is None else _with_unit(f"{entry['value']:.12g}", entry["unit"])
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """A number with its unit; a pure number, whose unit is "1" in files, stands alone."""
+    return text if unit == "1" else f"{text} {unit}"
 
 
 def _print_quantities(quantities: Mapping[str, Any]) -> None:
