@@ -12,7 +12,6 @@ from lsvib import numbers
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
@@ -235,7 +234,7 @@ class _Drive(RigidParameters):
         """
         from lsvib.data.chart import chart
 
-        return chart(self, x, y, rule(resume), workers, progress)
+        return chart(self, x, y, resume, workers, progress)
 
     def sweep(
         self,
@@ -261,7 +260,7 @@ class _Drive(RigidParameters):
         """
         from lsvib.data.sweep import sweep
 
-        return sweep(self, over, start, rule(resume), workers, progress)
+        return sweep(self, over, start, resume, workers, progress)
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.

@@ -1,4 +1,4 @@
-"""The verdict on a data sheet against closed forms, published tables, many digits, and simulated drives."""
+"""The verdict on a data sheet against closed forms, many digits, and the motions of drives."""
 
 import math
 
@@ -9,21 +9,15 @@ import pytest
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
+from reference.chapter_sheet import sheet, values_of
+
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.catalogue import thread_size
 from lsvib.assess.chart import charts
-from lsvib.assess.friction import (
-    coefficient_from_efficiency,
-    damping_by_slope,
-    lifting_efficiency,
-    lowering_efficiency,
-    square_coefficient,
-)
+from lsvib.assess.friction import damping_by_slope
 from lsvib.assess.margins import margins, sensitivities
 from lsvib.assess.mechanisms import certain, drive_of, reserves
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.uncertainty import draw_of, evaluated, study
 from lsvib.assess.window import corners, worst
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.coefficients import coefficients
@@ -33,104 +27,6 @@ from lsvib.steady_sliding.boundaries import stable_set
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 from lsvib.steady_sliding.thresholds import detach_force, onset_force, stick_force
-
-# PBC Linear, white paper "Lead Screw Efficiency": per cent by lead [mm]; diameters 6, 10, 12, 16 mm.
-COATED = {
-    1: (39, 28, 24, 19), 2: (60, 45, 40, 33), 4: (71, 61, 56, 49), 5: (76, 66, 62, 55), 6: (77, 69, 65, 58),
-    8: (81, 74, 71, 65), 10: (84, 78, 75, 69), 12: (84, 80, 77, 72), 16: (None, 84, 81, 77), 25: (None, 86, 85, 83),
-}  # fmt: skip
-UNCOATED = {
-    1: (30, 21, 18, 14), 2: (51, 36, 31, 25), 4: (62, 52, 47, 40), 5: (68, 57, 53, 45), 6: (70, 61, 56, 49),
-    8: (75, 66, 62, 56), 10: (78, 71, 67, 61), 12: (81, 74, 70, 64), 16: (None, 78, 75, 70), 25: (None, 83, 81, 77),
-}  # fmt: skip
-# Trapezoidal screws, transdev.co.uk: thread, lead angle [degree, minute], efficiency at friction 0.1 and 0.2.
-TRAPEZOIDAL = [
-    ("Tr 10x2", (4, 2), 0.41, 0.26), ("Tr 10x4 P2", (8, 3), 0.58, 0.40), ("Tr 12x3", (5, 12), 0.47, 0.31),
-    ("Tr 12x6 P3", (10, 19), 0.63, 0.46), ("Tr 14x4", (6, 3), 0.51, 0.34), ("Tr 16x4", (5, 12), 0.47, 0.31),
-    ("Tr 18x4", (4, 33), 0.44, 0.28), ("Tr 20x4", (4, 3), 0.41, 0.26), ("Tr 20x8 P4", (8, 3), 0.58, 0.40),
-    ("Tr 22x5", (4, 40), 0.45, 0.28), ("Tr 24x5", (4, 14), 0.42, 0.27),
-]  # fmt: skip
-
-CHAPTER = {
-    "name": "Table 8.1",
-    "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
-    "screw": {"inertia": "3.12e-6 kg*m^2"},
-    "coupling": {"stiffness": "1 N*m/rad"},
-    "load": {"mass": "1 kg", "force": "-50 N"},
-    "operation": {"speed": "40 rad/s", "direction": "out"},
-    "friction": {"coefficient": 0.218},
-    "damping": {"rotational": "2e-4 N*m*s/rad"},
-}
-
-
-def sheet(**changes) -> Sheet:
-    """The chapter's drive with parts replaced."""
-    return Sheet.of({**CHAPTER, **changes})
-
-
-def values_of(given: Sheet) -> dict:
-    """Its quantities at the middle values."""
-    return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
-
-
-def rows(table: dict):
-    """Lead and diameter [mm] and efficiency [per cent] of a table."""
-    for lead, row in table.items():
-        yield from ((lead, d, eta) for d, eta in zip((6, 10, 12, 16), row, strict=True) if eta is not None)
-
-
-@pytest.mark.parametrize(("table", "low", "high"), [(COATED, 0.069, 0.085), (UNCOATED, 0.092, 0.123)])
-def test_friction_follows_from_published_efficiencies(table, low, high):
-    """μ from each entry of PBC's table, up to the rounding of the entry to whole per cent, and back to the entry."""
-    for lead, diameter, eta in rows(table):
-        angle = math.atan(lead / (math.pi * diameter))
-        found = coefficient_from_efficiency(eta / 100, angle)
-        ends = [coefficient_from_efficiency((eta + part) / 100, angle) for part in (0.5, -0.5)]
-        if (lead, diameter) in [(2, 10), (1, 16), (10, 6)]:
-            assert low - 0.0005 <= found <= high + 0.0005
-        assert ends[0] < high + 0.01
-        assert ends[1] > low - 0.02
-        assert round(100 * lifting_efficiency(found, angle)) == eta
-
-
-def test_published_efficiencies_follow_from_friction():
-    """One coefficient for each coating gives each row of the three screws within the spread of the table's friction."""
-    for table, low, high in ((COATED, 0.069, 0.085), (UNCOATED, 0.092, 0.123)):
-        for lead, diameter in ((2, 10), (1, 16), (10, 6)):
-            eta = dict(((lead, d), e) for lead, d, e in rows(table))[lead, diameter]
-            angle = math.atan(lead / (math.pi * diameter))
-            best, least = (100 * lifting_efficiency(mu, angle) for mu in (low, high))
-            assert least - 0.5 <= eta <= best + 0.5
-
-
-@pytest.mark.parametrize(("name", "angle", "at_01", "at_02"), TRAPEZOIDAL)
-def test_trapezoidal_threads_have_the_published_lead_angle_and_efficiency(name, angle, at_01, at_02):
-    """The published efficiencies leave the flank angle out; the lead angle is printed to a minute."""
-    size = thread_size(name)
-    lead_angle = math.atan(size.lead / (math.pi * size.pitch_diameter))
-    assert math.degrees(lead_angle) == pytest.approx(angle[0] + angle[1] / 60, abs=1 / 60)  # some are cut off
-    for coefficient, eta in ((0.1, at_01), (0.2, at_02)):
-        assert lifting_efficiency(coefficient, lead_angle) == pytest.approx(eta, abs=0.0051)
-
-
-def test_the_rule_of_a_third_is_a_friction_of_0106():
-    """Lead < diameter / 3 is self-locking exactly for μ > 1 / (3 π)."""
-    angle = math.atan(1 / (3 * math.pi))
-    assert lowering_efficiency(0.1062, angle) < 0 < lowering_efficiency(0.1060, angle)
-
-
-def test_a_flank_angle_raises_friction_as_in_the_force_balance():
-    """Against the balance of forces on a flank, with its normal vector from a cross product."""
-    lead_angle, half_angle, mu = 0.12, math.radians(15), 0.17
-    along = np.array([0.0, math.cos(lead_angle), math.sin(lead_angle)])  # radial, around, axial
-    radial = np.array([math.cos(half_angle), 0.0, math.sin(half_angle)])
-    normal = np.cross(along, radial)
-    normal *= math.copysign(1, normal[2]) / np.linalg.norm(normal)
-    force = normal - mu * along  # of the screw on the nut's flank when lifting
-    eta = math.tan(lead_angle) * force[2] / -force[1]
-    assert lifting_efficiency(square_coefficient(mu, lead_angle, half_angle), lead_angle) == pytest.approx(
-        eta, rel=1e-14
-    )
 
 
 def test_the_chapters_drive_has_the_thresholds_of_the_figures():
@@ -416,94 +312,3 @@ def test_a_curve_counts_by_its_value_and_slope_at_the_running_speed():
     one, other = (worst(given, values_of(given)) for given in (curved, plain))
     for name in one:
         assert one[name].reserve[0] == pytest.approx(other[name].reserve[0], rel=1e-12)
-
-
-KINEMATIC = {
-    "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
-    "friction": {"coefficient": {"mean": 0.218, "std": 0.015}},
-}
-FED = {
-    "load": {"mass": "1 kg", "force": ["-40 N", "10 N"]},
-    "damping": {
-        "rotational": {"median": "2e-4 N*m*s/rad", "factor": 1.5},
-        "translational": {"median": "600 N*s/m", "factor": 1.4},
-    },
-}
-
-
-def simulated_share(given: Sheet, count: int, seed: int) -> float:
-    """Share of independently drawn drives that, simulated from near steady sliding, end in anything else."""
-    rng = np.random.default_rng(seed)
-    draw = draw_of(given, rng.random((len(sheets.random_entries(given)), count)))
-    hits = 0
-    for k in range(count):
-        one = {key: float(np.ravel(value)[k] if np.size(value) > 1 else value) for key, value in draw.items()}
-        values = {key: float(value) for key, value in sheets.quantities(given, one).items()}
-        ends = []
-        for corner in corners(given, values):
-            drive = drive_of(given, values, *corner)
-            ends.append(steady_state(rigid_automaton(drive), [0.0, 1e-6 * drive.input_speed]).label)
-        hits += any(end != Attractor.STEADY_SLIDING for end in ends)
-    return hits / count
-
-
-def shares(changes: dict, name: str, count: int) -> tuple[float, tuple[float, float]]:
-    """Share of simulated drives that vibrate, and the interval of the samples, widened by the scatter of few drives."""
-    given = sheet(**changes)
-    found = study(given, 8192, 3).probability[name]
-    share = simulated_share(given, count, 11)
-    scatter = 3 * math.sqrt(max(share * (1 - share), 1 / count) / count) if count < 100_000 else 0.0
-    assert 0.05 < found.value < 0.95
-    return share, (found.interval[0] - scatter, found.interval[1] + scatter)
-
-
-@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
-def test_probabilities_against_simulated_drives(changes, name):
-    """A few hundred drives, each simulated by the engine."""
-    share, (low, high) = shares(changes, name, 300)
-    assert low <= share <= high
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
-def test_probabilities_against_a_hundred_thousand_simulated_drives(changes, name):
-    """10⁵ drives: their share lies within the confidence interval itself."""
-    share, (low, high) = shares(changes, name, 100_000)
-    assert low <= share <= high
-
-
-def test_samples_do_not_depend_on_threads_and_are_taken_up_again(tmp_path):
-    """The same counts with one thread, with two, and from blocks that were kept."""
-    given = sheet(**KINEMATIC)
-    plain = study(given, 16384, 5)
-    kept = study(given, 16384, 5, workers=2, folder=tmp_path)
-    blocks = sorted(tmp_path.glob("*.json"))
-    assert len(blocks) == 4
-    blocks[1].write_text("{", encoding="utf-8")  # cut off
-    again = study(given, 16384, 5, folder=tmp_path)
-    for name, one in plain.probability.items():
-        for other in (kept, again):
-            assert one.value == other.probability[name].value
-            assert (one.counts == other.probability[name].counts).all()
-    assert plain.total == kept.total == again.total
-
-
-def test_sobol_indices_of_a_reserve_that_two_entries_share():
-    """Only mass and friction vary, nearly without interaction: first orders sum to about one."""
-    found = study(sheet(**KINEMATIC), 4096, 2)
-    first, total = found.first_order["kinematic_constraint"], found.total["kinematic_constraint"]
-    assert set(first) == {"load.mass", "friction.coefficient"}
-    assert sum(first.values()) == pytest.approx(1.0, abs=0.05)
-    assert all(total[key] >= first[key] - 0.03 for key in first)
-
-
-def test_the_worst_case_is_at_least_as_bad_as_every_sample():
-    """The search ends below all samples, at the heaviest load with the highest friction."""
-    given = sheet(**KINEMATIC)
-    found = assess(given, samples=1024)
-    reserve = reserves(given, found.worst.values, *found.worst.corner)["kinematic_constraint"]
-    rng = np.random.default_rng(8)
-    shares = rng.random((2, 4000))
-    assert reserve <= evaluated(given, shares)["kinematic_constraint"].reserve.min() + 1e-12
-    assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
-    assert found.worst.vibration.attractor == "sprag slip cycle"

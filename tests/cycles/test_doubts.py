@@ -4,6 +4,7 @@ The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter
 """
 
 import pytest
+from reference.wide_scenes import scene
 
 from lsvib.basins import slice_mapper
 from lsvib.basins.grid import Grid
@@ -35,12 +36,6 @@ ERRORS = {
 }
 
 FEW = 30_000  # units of work, so that the tests are quick
-
-
-def scene(model: str, seed: int, index: int, start: int):
-    """Automaton and start of a motion of a random drive."""
-    wide = wide_drive(model, seed, index, 4)
-    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
 
 
 def test_every_error_of_the_engine_has_a_doubt_of_its_own():

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from reference.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.quiet import parts_of, quiet_until
-from lsvib.drives.registry import find_model
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
@@ -19,12 +18,6 @@ from lsvib.errors import EngineError
 
 PLACES = (0.0, 0.1, 0.5, 0.9, 0.999)  # parts of an arc at which the rest of it is asked about
 ALIKE = 1e-9  # of the size of a motion: parts of modes whose conditions are below 1e6
-
-
-def scene(model: str, seed: int, index: int, start: int):
-    """Automaton and start of a motion of a random drive."""
-    wide = wide_drive(model, seed, index, 4)
-    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
 
 
 @pytest.mark.parametrize("model", ["threads", "support", "nut"])
@@ -84,9 +77,7 @@ def test_a_cycle_with_a_long_rest_is_told(index, period):
 def test_an_oscillation_that_has_just_touched_is_left_to_die_away():
     """After each release the screw comes to within 1e-6 of standstill again; the search took a million steps."""
     automaton, state = scene("support", 71, 6, 0)
-    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=1000, budget=Budget(300_000))
-    assert motion.status == Status.SETTLED
-    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+    assert_slides_steadily(automaton, state, 1000, 300_000)
 
 
 def test_a_cycle_whose_slowest_multiplier_is_almost_one():

@@ -8,6 +8,7 @@ import warnings
 
 import numpy as np
 import pytest
+from reference.wide_scenes import assert_slides_steadily, scene
 
 import lsvib
 from lsvib.basins.mapper import mapper
@@ -16,20 +17,12 @@ from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import ReturnSection
-from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, follow
 
 CYCLES = (Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE)
-
-
-def scene(model: str, seed: int, index: int, start: int):
-    """Automaton and start of a motion of a random drive."""
-    wide = wide_drive(model, seed, index, 4)
-    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
 
 
 def followed(automaton, state, events: int):
@@ -193,9 +186,7 @@ def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work():
 def test_a_state_on_a_surface_stays_there_where_no_time_is_quiet():
     """A quiet time of 0 s once moved the state off θ′ = 0 by rounding, and stick and release followed without end."""
     automaton, state = scene("threads", 72, 7, 0)
-    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=2000, budget=Budget(700_000))
-    assert motion.status == Status.SETTLED
-    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+    assert_slides_steadily(automaton, state, 2000, 700_000)
 
 
 def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():

@@ -4,21 +4,15 @@ import math
 
 import numpy as np
 import pytest
+from reference.wide_scenes import scene
 
 from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.case_judge import allowed_residual
 from lsvib.bench.sweeps.energy_balance import balance
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import steady_state
-from lsvib.drives.registry import find_model
-from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
-
-
-def automaton_of(model: str, seed: int, index: int) -> Automaton:
-    wide = wide_drive(model, seed, index, 4)
-    return find_model(model).build(wide.drive, wide.physics, "contact_sign")
 
 
 @pytest.mark.parametrize(("index", "start"), [(28, 3), (46, 2)])
@@ -29,7 +23,7 @@ def test_a_corner_without_axial_force_is_passed(index, start):
     """
     wide = wide_drive("nut", 71, index, 4)
     assert wide.drive.axial_force == 0
-    motion = follow(automaton_of("nut", 71, index), wide.starts[start], math.inf, max_events=200)
+    motion = follow(*scene("nut", 71, index, start), math.inf, max_events=200)
     steps = np.stack([np.diff(motion.time), np.diff(motion.mode), np.diff(motion.kind)])
     assert (steps != 0).any(axis=0).all()
     drawn = balance(motion, wide.drive, wide.physics)
@@ -46,7 +40,7 @@ def test_a_corner_without_axial_force_is_passed(index, start):
 )
 def test_a_motion_goes_on_from_the_instant_of_a_release(index, state, mode):
     """The threads have just let go: the slip has no acceleration yet, and rounding seemed to stop it."""
-    automaton = automaton_of("nut", 71 if index == 5 else 72, index)
+    automaton, _ = scene("nut", 71 if index == 5 else 72, index, 0)
     motion = follow(automaton, state, math.inf, mode=mode, max_events=2 * event_loop.MANY)
     assert motion.time[0] > 0
 
@@ -54,5 +48,5 @@ def test_a_motion_goes_on_from_the_instant_of_a_release(index, state, mode):
 def test_a_motion_that_was_cut_there_is_followed_to_its_end():
     """By leaps, whose parts begin at releases."""
     wide = wide_drive("nut", 72, 18, 4)
-    found = steady_state(automaton_of("nut", 72, 18), wide.starts[1])
+    found = steady_state(*scene("nut", 72, 18, 1))
     assert found.label.name.lower() == fate(wide, 1, *constants_of(wide)).name == "steady_sliding"

@@ -62,6 +62,7 @@ def accepted(name: str, unknown: str, count: int, draw=drawn):
         except InputError:
             continue
         found += 1
+        assert solution.solutions
         yield rng, drive, solution, 2 if found <= SLOPES else 0
 
 

@@ -23,7 +23,8 @@ class PlanarMapper:
     """Maps the starts of a drive with two states to what becomes of them.
 
     * ``label``: the attractor (``lsvib.cycles.attractors.Attractor``), by the table of
-      :mod:`lsvib.basins.section_labels`; unresolved (−1) is a start that lies on a boundary to rounding.
+      :mod:`lsvib.basins.section_labels`; unresolved (−1) is a start that lies on a boundary to rounding or, where the
+      table has gaps, one whose motion comes to none of its labels in time. ``doubt`` says which of the two it is.
     * ``time`` [s] until it is reached: for steady sliding the entry into the largest ellipse around the equilibrium in
       which no guard can fire (closed form); for a cycle the first event after which the motion is on it to 1e-9 of its
       size; infinite if the motion is unbounded or unresolved.
@@ -58,7 +59,7 @@ class PlanarMapper:
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
 
-        Arguments and result as of :meth:`lsvib.basins.cells.Mapper.cells`; a doubt is always a start on a boundary.
+        Arguments and result as of :meth:`lsvib.basins.cells.Mapper.cells`; all cells have the same doubt, if any.
         """
         check_quantities(quantities)
         self._check(grid)

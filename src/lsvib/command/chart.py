@@ -44,14 +44,13 @@ def chart(
     from lsvib.data.chart import chart as charted
     from lsvib.data.chart import summary
     from lsvib.data.writer import write_dataset
-    from lsvib.drives.resumption import rule
     from lsvib.files import Outputs
 
     pictures = picture_files(figure)
     outputs = Outputs([*([(out, "netCDF")] if out else []), *pictures])
     drive = drive_class(model).of(pairs(changes))
     begin = perf_counter()
-    found = charted(drive, x, y, rule(resume), workers, Progress("motions"))
+    found = charted(drive, x, y, resume, workers, Progress("motions"))
     result = summary(found, perf_counter() - begin)
     with outputs.writing() as parts:
         if out:

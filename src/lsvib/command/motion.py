@@ -94,14 +94,13 @@ def sweep(
     from lsvib.data.sweep import summary as swept_summary
     from lsvib.data.sweep import sweep as swept
     from lsvib.data.writer import write_dataset
-    from lsvib.drives.resumption import rule
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
     begin = perf_counter()
     wanted = pairs(start) if start else None
-    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, rule(resume), workers, Progress("points"))
+    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, resume, workers, Progress("points"))
     seconds = perf_counter() - begin
     with outputs.writing() as parts:
         for part in parts:

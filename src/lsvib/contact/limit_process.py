@@ -23,7 +23,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Self, get_args
+from typing import Any, Self
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from lsvib.cycles.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.resumption import Resume
+from lsvib.drives.resumption import RULES
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
 from lsvib.engine.motion import Motion, follow
@@ -170,7 +170,7 @@ def branches(drive: RigidParameters, speed: float, duration: float, start: Seque
     """
     if not coefficients(drive).paradox or drive.translation_damping != 0:
         raise InputError("The limit process needs a drive with Γ₊ <= 0 (mass above m_cr) and translation_damping = 0.")
-    automata = [rigid_automaton(drive, resume=rule) for rule in get_args(Resume)]
+    automata = [rigid_automaton(drive, resume=rule) for rule in RULES]
     for impact in impacts(drive, speed):
         state = (impact.u, impact.w)
         yield LimitBranch.of(drive, impact, state, [follow(automaton, state, duration) for automaton in automata])

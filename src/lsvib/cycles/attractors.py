@@ -132,7 +132,8 @@ def _slow_end(
         there = ReturnSection(automaton, key, beyond, size, 1, patience)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else cycle_through(there, fixed)
-        faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(size, np.abs(beyond)), 1, patience))
+        if found is None:
+            faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(size, np.abs(beyond)), 1, patience))
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, LONG, twice)
     else:

@@ -149,6 +149,7 @@ def in_shares(
     cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
 
     def told(parts: Any) -> Iterator[tuple[slice, Done]]:
+        """Yield each share with its place, and tell the progress."""
         for here, part in zip(places, parts, strict=True):
             yield here, part
             if progress is not None:

@@ -104,6 +104,7 @@ def all_endings(
     found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
 
     def tell(more: int) -> None:
+        """Count drives that are done, and tell the progress."""
         nonlocal done
         done += more
         if progress is not None and more:

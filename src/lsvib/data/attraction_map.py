@@ -24,8 +24,7 @@ from lsvib.data import phase_plane
 from lsvib.data.attributes import flags, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.data.phase_plane import attributes
-from lsvib.drives import parameters as names
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 
@@ -280,7 +279,7 @@ def _grid(given: Grid | Mapping[str, Any]) -> Grid:
     """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
     if isinstance(given, Grid):
         return given
-    values = names.names_and_values("grid", given)
+    values = names_and_values("grid", given)
     for name, span in values.items():
         if isinstance(span, tuple | list):
             if len(span) != 3:

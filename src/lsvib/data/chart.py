@@ -22,7 +22,7 @@ from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.resumption import Resume
+from lsvib.drives.resumption import Resume, rule
 from lsvib.errors import InputError
 from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves, curves_of
 
@@ -205,7 +205,7 @@ def chart(
     drive: RigidParameters,
     x: Any,
     y: Any,
-    resume: Resume = "contact_sign",
+    resume: str = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -216,12 +216,12 @@ def chart(
     label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane, processes = Plane.of(drive, x, y), numbers.workers("workers", workers)
+    plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers("workers", workers)
     if processes > 1 and plane.x.axis.count * plane.y.axis.count >= _WORTH:
-        labels, curves = _in_processes(plane, resume, processes, progress)
+        labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
-        labels, curves = plane.labels(resume=resume, workers=processes, progress=progress), plane.curves()
-    return plane.frame(resume, curves).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
+        labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
+    return plane.frame(resumption, curves).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:

@@ -19,7 +19,7 @@ from lsvib.data.attributes import attributes, flags
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters, described, names_and_values
 from lsvib.drives.registry import find_model
-from lsvib.drives.resumption import Resume
+from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 
 Progress = Callable[[int, int], None]
@@ -41,7 +41,7 @@ def sweep(
     drive: RigidParameters,
     over: Mapping[str, Any],
     start: Mapping[str, Any] | None = None,
-    resume: Resume = "contact_sign",
+    resume: str = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -53,7 +53,7 @@ def sweep(
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
     """
-    kind = find_model(drive.model)
+    kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers("workers", workers)
     axes = {name: parameter_values(name, values, kind.drive) for name, values in names_and_values("over", over).items()}
     if not axes:
         raise InputError("over names no parameter; give the values of one, such as axial_force.")
@@ -63,14 +63,10 @@ def sweep(
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     kind.initial_state(drive, begin)  # refuses other keys
-    at_once, drives, sizes = (
-        numbers.workers("workers", workers),
-        product_of(drive, axes),
-        tuple(map(len, axes.values())),
-    )
+    drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-    found = all_endings(drives, starts, resume, at_once, progress, others)
+    found = all_endings(drives, starts, resumption, at_once, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
         coords={name: (name, np.array(values), coordinate(name, kind.drive)) for name, values in axes.items()},

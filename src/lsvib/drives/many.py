@@ -110,6 +110,7 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
     def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
+        """Return a table with a first axis for the drives, which it may have already."""
         table = np.asarray(table)
         if table.ndim > dimensions:
             return table

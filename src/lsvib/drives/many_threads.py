@@ -20,6 +20,7 @@ def threads_automata(drives: ManyDrives) -> list[tuple[Automaton, float] | None]
     found: list[tuple[Automaton, float] | None] = [None] * drives.size
 
     def make(group: np.ndarray) -> tuple[Automaton, np.ndarray, np.ndarray]:
+        """Return the automata of some drives, the mismatch of each, and whether it is safe."""
         unsafe = np.zeros(group.size, dtype=bool)
         d = drives.exact(group, unsafe)
         c = coefficients_of(d)

@@ -70,6 +70,7 @@ def pack(sources: Mapping[str, Columns]) -> list[Any]:
     length = 0
 
     def place(row: Any) -> Any:
+        """Put a row into a piece, if it is an array; return where it is, or the row itself."""
         nonlocal length
         if not isinstance(row, np.ndarray):
             return row

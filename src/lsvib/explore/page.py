@@ -150,6 +150,7 @@ class Page:
         self._say(self._alert, _COMPILING)
 
         def again() -> None:
+            """Look once more whether the engine is compiled."""
             if self._wanted is not view:
                 return  # something else was asked for meanwhile
             try:

@@ -73,6 +73,7 @@ class Icon(RequestHandler):
 def make_server(port: int, ahead: Ahead) -> Server:
     """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
     known = presets()
+    # Bokeh has no option for the class of its sockets.
     per_app_patterns[:] = [
         (path, PromptSocket if handler is WSHandler else handler) for path, handler in per_app_patterns
     ]

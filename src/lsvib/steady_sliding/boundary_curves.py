@@ -191,6 +191,7 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
 
     @lru_cache(maxsize=_KEPT)
     def of(drive: RigidParameters) -> float:
+        """Return the threshold of a drive, or nan."""
         try:
             return force(drive)
         except NoThreshold:

@@ -103,6 +103,7 @@ def _touches(law: int, start: Callable[[DualDrive], Dual]) -> Callable[[DualDriv
     """Slip from the end of rest touches Q = 0: there Q′ = 0 and Q = 0."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
+        """Return what vanishes: Q′ and Q at the time ``inner[0]`` after the end of rest."""
         slip, (q_u, q_w) = d.slip(law), d.contact
         y, w = slip.state(start(d), -d.speed, inner[0])
         rate = -slip.a0 * y - slip.a1 * w

@@ -36,6 +36,7 @@ def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
     """
 
     def at(value: float) -> float | None:
+        """Return the gap at a value of the parameter; None where there is none."""
         try:
             found = gap(drive.replace(**{unknown: value}))
         except (InputError, EngineError):
@@ -70,6 +71,7 @@ def _between(at: Callable[[float], float | None], low: float, high: float) -> It
     """Yield the root between two values; none if the gap is not defined somewhere on the way."""
 
     def function(value: float) -> float:
+        """Return the gap, for a method that wants a number everywhere."""
         found = at(value)
         if found is None:
             raise _Undefined

@@ -211,11 +211,12 @@ def _best_row(first: Matrix, second: Matrix, both: list, scale: list, unit: np.n
     """Choose among rows ℓΠ the one that is as independent of ℓAΠ as possible, as for one drive; indices (k)."""
 
     def scaled(table: Matrix, factor: Any) -> np.ndarray:
+        """Return the candidates of all drives in sizes of the coordinates, (k, candidates, n)."""
         one = [
             np.stack([high(x, unsafe.size) * s * factor for x, s in zip(row, scale, strict=True)], axis=-1)
             for row in table
         ]
-        return np.stack([one[i] if j is None else one[i] + one[j] for i, j in both], axis=1)  # (k, candidates, n)
+        return np.stack([one[i] if j is None else one[i] + one[j] for i, j in both], axis=1)
 
     here, there = scaled(first, 1.0), scaled(second, 1.0 / unit)
     length, other = np.sqrt((here * here).sum(axis=2)), np.sqrt((there * there).sum(axis=2))

@@ -1,0 +1,112 @@
+"""Probabilities, shares of the variance and worst cases of uncertain sheets against simulated drives."""
+
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pint")
+pytest.importorskip("scipy")
+
+from reference.chapter_sheet import sheet
+
+from lsvib.assess import drive as sheets
+from lsvib.assess.assessment import assess
+from lsvib.assess.mechanisms import drive_of, reserves
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.uncertainty import draw_of, evaluated, study
+from lsvib.assess.window import corners
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.drives.rigid import rigid_automaton
+
+KINEMATIC = {
+    "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
+    "friction": {"coefficient": {"mean": 0.218, "std": 0.015}},
+}
+
+
+FED = {
+    "load": {"mass": "1 kg", "force": ["-40 N", "10 N"]},
+    "damping": {
+        "rotational": {"median": "2e-4 N*m*s/rad", "factor": 1.5},
+        "translational": {"median": "600 N*s/m", "factor": 1.4},
+    },
+}
+
+
+def simulated_share(given: Sheet, count: int, seed: int) -> float:
+    """Share of independently drawn drives that, simulated from near steady sliding, end in anything else."""
+    rng = np.random.default_rng(seed)
+    draw = draw_of(given, rng.random((len(sheets.random_entries(given)), count)))
+    hits = 0
+    for k in range(count):
+        one = {key: float(np.ravel(value)[k] if np.size(value) > 1 else value) for key, value in draw.items()}
+        values = {key: float(value) for key, value in sheets.quantities(given, one).items()}
+        ends = []
+        for corner in corners(given, values):
+            drive = drive_of(given, values, *corner)
+            ends.append(steady_state(rigid_automaton(drive), [0.0, 1e-6 * drive.input_speed]).label)
+        hits += any(end != Attractor.STEADY_SLIDING for end in ends)
+    return hits / count
+
+
+def shares(changes: dict, name: str, count: int) -> tuple[float, tuple[float, float]]:
+    """Share of simulated drives that vibrate, and the interval of the samples, widened by the scatter of few drives."""
+    given = sheet(**changes)
+    found = study(given, 8192, 3).probability[name]
+    share = simulated_share(given, count, 11)
+    scatter = 3 * math.sqrt(max(share * (1 - share), 1 / count) / count) if count < 100_000 else 0.0
+    assert 0.05 < found.value < 0.95
+    return share, (found.interval[0] - scatter, found.interval[1] + scatter)
+
+
+@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
+def test_probabilities_against_simulated_drives(changes, name):
+    """A few hundred drives, each simulated by the engine."""
+    share, (low, high) = shares(changes, name, 300)
+    assert low <= share <= high
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
+def test_probabilities_against_a_hundred_thousand_simulated_drives(changes, name):
+    """10⁵ drives: their share lies within the confidence interval itself."""
+    share, (low, high) = shares(changes, name, 100_000)
+    assert low <= share <= high
+
+
+def test_samples_do_not_depend_on_workers_and_are_taken_up_again(tmp_path):
+    """The same counts by one worker, by two, and from blocks that were kept."""
+    given = sheet(**KINEMATIC)
+    plain = study(given, 16384, 5)
+    kept = study(given, 16384, 5, workers=2, folder=tmp_path)
+    blocks = sorted(tmp_path.glob("*.json"))
+    assert len(blocks) == 4
+    blocks[1].write_text("{", encoding="utf-8")  # cut off
+    again = study(given, 16384, 5, folder=tmp_path)
+    for name, one in plain.probability.items():
+        for other in (kept, again):
+            assert one.value == other.probability[name].value
+            assert (one.counts == other.probability[name].counts).all()
+    assert plain.total == kept.total == again.total
+
+
+def test_sobol_indices_of_a_reserve_that_two_entries_share():
+    """Only mass and friction vary, nearly without interaction: first orders sum to about one."""
+    found = study(sheet(**KINEMATIC), 4096, 2)
+    first, total = found.first_order["kinematic_constraint"], found.total["kinematic_constraint"]
+    assert set(first) == {"load.mass", "friction.coefficient"}
+    assert sum(first.values()) == pytest.approx(1.0, abs=0.05)
+    assert all(total[key] >= first[key] - 0.03 for key in first)
+
+
+def test_the_worst_case_is_at_least_as_bad_as_every_sample():
+    """The search ends below all samples, at the heaviest load with the highest friction."""
+    given = sheet(**KINEMATIC)
+    found = assess(given, samples=1024)
+    reserve = reserves(given, found.worst.values, *found.worst.corner)["kinematic_constraint"]
+    rng = np.random.default_rng(8)
+    shares = rng.random((2, 4000))
+    assert reserve <= evaluated(given, shares)["kinematic_constraint"].reserve.min() + 1e-12
+    assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
+    assert found.worst.vibration.attractor == "sprag slip cycle"

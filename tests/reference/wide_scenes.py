@@ -1,0 +1,26 @@
+"""Motions of the random drives of ``lsvib.bench.sweeps.wide_drives``, by seed, drive and start."""
+
+import math
+
+import numpy as np
+
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.patience import follow_patiently
+from lsvib.drives.registry import find_model
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import Budget
+
+
+def scene(model: str, seed: int, index: int, start: int) -> tuple[Automaton, np.ndarray]:
+    """Automaton and start of a motion of a random drive."""
+    wide = wide_drive(model, seed, index, 4)
+    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+
+
+def assert_slides_steadily(automaton: Automaton, state: np.ndarray, most_events: int, work: float) -> None:
+    """The motion settles within so many events and so much work, and steady sliding is what it is told to end on."""
+    motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=most_events, budget=Budget(work))
+    assert motion.status == Status.SETTLED
+    assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
