@@ -3,7 +3,9 @@
 Tolerance: ``4 eps (1 + rate t)`` of the natural magnitude; the largest error seen was 1.4 of these units. The natural
 magnitude of u is |u| + |w| T + f min(t, T)², that of w is |w| + f min(t, T), f = |b| + |a₀ u|, both times the growth of
 the mode, where T = 1/√|a₀| (or t without stiffness) is its time scale: sizes of the terms that the state is summed
-from. The factor 1 + rate t is the rounding of the argument of sine, cosine and exponential.
+from. An equilibrium up to 16 times as far away as the state is one of these terms, too: u is then its distance from
+it; from farther on the flow does without it. The factor 1 + rate t is the rounding of the argument of sine, cosine and
+exponential.
 """
 
 import math
@@ -21,20 +23,27 @@ from lsvib.engine.kernels import columns, flow_planar, search_planar
 ANGLES = [1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 40.0]  # rate · t
 
 
+def growth(row, t) -> float:
+    """How much the mode grows in a time."""
+    return math.exp(max(0.0, -row[columns.ALPHA] if row[columns.BETA] > 0 else row[columns.R1]) * t)
+
+
 def magnitude(row, state, t) -> np.ndarray:
     """The natural magnitude, see the module docstring."""
     u, w = state
     scale = row[columns.TIME_SCALE] if row[columns.A0] != 0 else t
     push = (abs(row[columns.B]) + abs(row[columns.A0] * u)) * min(t, scale)
-    growth = math.exp(max(0.0, -row[columns.ALPHA] if row[columns.BETA] > 0 else row[columns.R1]) * t)
-    return growth * np.array([abs(u) + abs(w) * scale + push * min(t, scale), abs(w) + push])
+    return growth(row, t) * np.array([abs(u) + abs(w) * scale + push * min(t, scale), abs(w) + push])
 
 
 def error(row, coefficients, state, t) -> float:
     """Largest error of the flow in units of eps (1 + rate t) times the natural magnitude."""
     exact = flow(*coefficients, *state, t)
     gap = np.array([abs(float(number(float(x)) - y)) for x, y in zip(advanced(row, state, t), exact, strict=True)])
-    unit = EPS * (1 + rate_of(row) * t) * magnitude(row, state, t)
+    sizes = magnitude(row, state, t)
+    if not flow_planar.far(row, *state):
+        sizes[0] += growth(row, t) * abs(row[columns.EQUILIBRIUM])
+    unit = EPS * (1 + rate_of(row) * t) * sizes
     return float(np.max(np.divide(gap, unit, out=np.where(gap > 0, np.inf, 0.0), where=unit > 0)))
 
 
@@ -55,11 +64,11 @@ SIZES = st.floats(1e-6, 1e6) | st.floats(-1e6, -1e-6) | st.just(0.0)
     st.floats(1e-6, 30.0),
 )  # fmt: skip
 def test_flow_of_any_oscillator(inertia, damping, stiffness, force, u, w, angle):
-    """A dozen operations of half a unit each, and e^x, which doubles its own; hypothesis has found 6.02, not more."""
+    """A dozen operations of half a unit each; 30 000 examples that hypothesis chose to be bad came to 2.6."""
     row = oscillator(inertia, damping, stiffness, force)
     t = angle / rate_of(row)
     assume(1e-100 < t < 1e100)
-    assert error(row, (inertia, damping, stiffness, force), (u, w), t) <= 9.0
+    assert error(row, (inertia, damping, stiffness, force), (u, w), t) <= 4.0
 
 
 @settings(max_examples=300)
