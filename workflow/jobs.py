@@ -19,19 +19,17 @@ from typing import Any
 
 from snakemake.exceptions import WorkflowError
 
+# What most jobs load. Nothing of ours: an edit in the middle of a run would not reach the jobs after it.
+_LIBRARIES = [
+    *("numba", "numba.cpython.setobj", "numba.np.linalg", "numba.np.npyimpl", "numba.typed.typeddict"),
+    *("mpmath", "netCDF4", "scipy.linalg", "xarray"),
+    "pint",  # which xarray loads as soon as it computes
+    *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure"),
+    "snakemake.cli",  # the main module, which multiprocessing would load in every process
+]
+
 _PROCESSES = multiprocessing.get_context("forkserver")
-_PROCESSES.set_forkserver_preload(
-    [
-        "snakemake.cli",  # the main module, which multiprocessing loads again in every process
-        "numba",
-        "scipy.linalg",
-        "netCDF4",
-        "xarray",
-        "matplotlib.figure",
-        "matplotlib.backends.backend_agg",
-        "matplotlib.backends.backend_pdf",
-    ]
-)
+_PROCESSES.set_forkserver_preload(_LIBRARIES)
 Texts = list[str]
 _TURN = threading.Lock()  # multiprocessing starts and reaps processes in one thread at a time; Snakemake has several
 
