@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import mean_load
 from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
 from lsvib.drives.parameters import RigidParameters
@@ -52,15 +53,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 table[name][i, j] = value
     dims = ("rule", "support_damping")
     return xr.Dataset(
-        {name: (dims, values, phase_plane.attributes(*_QUANTITIES[name])) for name, values in table.items()}
-        | {"attractor": (dims, labels, phase_plane.flag(phase_plane.ATTRACTOR, Attractor))},
+        {name: variable(dims, values, *_QUANTITIES[name]) for name, values in table.items()}
+        | {"attractor": flagged(dims, labels, phase_plane.ATTRACTOR, Attractor)},
         coords={
             **axis("support_damping", damping),
             **phase_plane.rule_coordinate(),
-            "resting_support_damping": (
-                (),
-                limit,
-                phase_plane.attributes("N m s rad-1", "damping below which the screw rests after a seizure", "$c$"),
+            "resting_support_damping": variable(
+                (), limit, "N m s rad-1", "damping below which the screw rests after a seizure", "$c$"
             ),
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(settings["start"], "of the motions whose cycles are found"),
