@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.bench.figures.work_precision.settings import SCENES
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import catalogue
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.bench.rivals.on_sweeps import Effort
 from lsvib.bench.rivals.race import Budget, contest
-from lsvib.bench.rivals.race_scenes import NAMES, scene
+from lsvib.bench.rivals.race_scenes import scene
 from lsvib.errors import InputError
 
 ONCE = Budget(repeats=1, seconds=0.0, limit=20.0)
@@ -29,7 +30,7 @@ def needed(method):
     pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_the_engine_agrees_with_40_digits_on_every_scene(name):
     """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
     entry = results(name, SHORT.get(name, 0.1), exact=[0])["exact", 0]
@@ -119,7 +120,7 @@ def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
     assert free.errors.state > 100 * 1e-9 > 1e4 * capped.errors.state
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_heyoka_is_right_to_rounding_on_every_scene(name):
     """At its own tolerance, also at grazing and on the stiff contact: held to what the engine is held to."""
     needed("heyoka")

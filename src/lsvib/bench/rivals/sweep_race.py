@@ -46,7 +46,7 @@ def scenes(forces: np.ndarray, seconds: float) -> list[RaceScene]:
     """Return the motions to follow."""
     begin = tuple(_START.values())
     return [
-        RaceScene("sweep", "a sweep", "rigid", _DRIVE.replace(axial_force=force), begin, seconds, _STEP_CAP)
+        RaceScene("sweep", "a sweep", _DRIVE.replace(axial_force=force), begin, seconds, _STEP_CAP)
         for force in forces.tolist()
     ]
 

@@ -30,9 +30,8 @@ _EXACT = 1e-9  # of a ray: the label changes on the exact boundary; bisection go
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compare planar slices (seated contact) with the map of the rigid drive.
 
-    ``settings``: ``drive``; ``grid``, the box in u and w; ``stiffnesses`` [N/m], the damping c_c being as large in
-    N s/m; ``rays``, straight lines from steady sliding to an ellipse within the box, on each of which the boundary is
-    found by bisection. Raises ``InputError``, also if a ray ends within the basin.
+    ``settings``: see ``Settings``; on each ray, from steady sliding to an ellipse within the box, the boundary is found
+    by bisection. Raises ``InputError``, also if a ray ends within the basin.
     """
     drive, grid = RigidParameters.of(settings["drive"]), Grid.of(settings["grid"])
     stiffness = np.array(settings["stiffnesses"], dtype=float)

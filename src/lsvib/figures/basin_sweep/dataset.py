@@ -32,11 +32,7 @@ _TURNS = 16  # cells more, for the ends of a boundary and where it turns
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact fraction of a window along four sweeps.
 
-    ``settings``: ``drive``, whose parameters are swept one at a time; ``window`` (``left``, ``right`` [rad],
-    ``bottom``, ``top`` [rad/s]); a span (``start``, ``stop``, ``count``) for each of ``axial_force`` [N],
-    ``support_damping`` [N m s/rad], ``mass`` [kg] and ``friction_coefficient`` [1]; ``cases``, each with changes of the
-    ``drive`` and a ``window``, drawn and compared with grids of ``resolutions`` × resolutions starts; ``masses`` [kg]
-    and ``axial_forces`` [N] of the readings of Fig. 8.14, the printed mass first. Raises ``InputError``.
+    ``settings``: see ``Settings``; parameters of ``drive`` are swept one at a time. Raises ``InputError``.
     """
     drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}

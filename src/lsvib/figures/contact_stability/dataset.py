@@ -35,10 +35,7 @@ _CONTACT = ("contact_stiffness", "contact_damping")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
 
-    ``settings``: ``drive`` (c_x = 0, R Ω > 0); ``stiffnesses`` k_c [N/m] of the curves, ascending, and
-    ``contact_damping`` c_c [N s/m] along them; ``contacts`` that figures draw; ``masses`` [kg], one above and one below
-    the rigid drive's critical mass; ``stiffness`` k_c [N/m] and ``dampings`` c_c [N s/m], the first zero, of the growth
-    rates. Spans have ``start``, ``stop``, ``count`` and are spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
     """
     drive = ThreadsParameters.of(settings["drive"])
     rigid = critical_mass(drive)

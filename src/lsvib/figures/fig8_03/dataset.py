@@ -23,9 +23,7 @@ _DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives.
 
-    ``settings``: ``drive`` (keys of :class:`RigidParameters`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with
-    ``start``, ``stop``, ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in
-    the plane. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     stiffness = drive.coupling_stiffness

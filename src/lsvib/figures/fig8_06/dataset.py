@@ -36,9 +36,7 @@ class Regime(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses.
 
-    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``start`` (u [rad],
-    w [rad/s]); ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``;
-    ``mass_readings``, the masses [kg] for which Γ and C are computed. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}

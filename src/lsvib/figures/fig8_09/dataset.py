@@ -23,8 +23,7 @@ _SWEEP = "of the last case with another axial force, from the first start"
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text does not state.
 
-    ``settings``: ``drive``; ``cases`` (a) and (b), changes of the drive; ``starts``, ``duration`` [s], ``samples``;
-    ``axial_force`` [N] with ``start``, ``stop``, ``count``. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(**changes) for changes in settings["cases"]]

@@ -32,9 +32,7 @@ _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the motion and its cycle with compliant threads, the rigid one beside it, and the effect of R.
 
-    ``settings``: ``drive``, ``contact_stiffness`` [N/m], ``contact_damping`` [N s/m]; ``start`` u [rad], w [rad/s],
-    with the contact seated; ``duration`` [s], ``samples``; ``axial_force`` [N] with ``start``, ``stop``, ``count``,
-    over which the cycle is repeated, since the text does not state R. Raises ``InputError``.
+    ``settings``: see ``Settings``; the start has a seated contact. Raises ``InputError``.
     """
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]

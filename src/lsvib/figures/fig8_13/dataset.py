@@ -42,9 +42,7 @@ _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive.
 
-    ``settings``: ``drive``; ``contacts``, each with ``contact_stiffness`` [N/m] and ``contact_damping`` [N s/m], the
-    stiffest first; ``start`` u [rad], w [rad/s]; ``samples`` of a cycle; ``contact_stiffness`` and ``contact_damping``
-    of the grid with ``start``, ``stop``, ``count``, spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)

@@ -29,9 +29,7 @@ _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cy
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
-    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a), (b); ``angle`` [rad]
-    and ``velocity`` [rad/s] with ``start``, ``stop``, ``count``, a grid of starts whose attractor is found; ``starts``,
-    ``duration`` [s], ``samples`` of the motions drawn; the last start is the one whose seizures accumulate under the
+    ``settings``: see ``Settings``; seizures of the motion from the last of the ``starts`` accumulate under the
     chapter's reading of the rule. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])

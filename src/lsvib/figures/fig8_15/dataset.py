@@ -26,8 +26,7 @@ _LAW = 1  # R Ω > 0
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map by eigenvalues, the flutter boundaries in closed form, and the critical friction both ways.
 
-    ``settings``: ``drive`` (its damping plays no part); ``screw_mass`` [kg]; ``friction_coefficient`` with ``start``,
-    ``stop``, ``count``; ``support_stiffness`` [N/m] with the same, spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``; the damping of ``drive`` plays no part. Raises ``InputError``.
     """
     drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])

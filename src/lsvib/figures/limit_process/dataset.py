@@ -43,10 +43,8 @@ class BranchVerdict(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
-    ``settings``: ``drive`` (Γ₊ < 0, c_x = 0); ``axial_forces`` [N] and ``support_dampings`` [N m s/rad], whose pairs
-    are the drives; ``speed`` [rad/s] of the impacts and ``duration`` [s] of the motions after them; ``start`` u [rad],
-    w [rad/s] of the cycles; ``stiffness`` [N/m], ascending; ``fit_from`` [N/m], the least that the orders are fitted
-    to; ``damping_ratio`` [1]. Raises ``InputError``.
+    ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
+    of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
     """
     stiffness = np.array(settings["stiffness"], dtype=float)
     base = RigidParameters.of(settings["drive"])

@@ -36,9 +36,7 @@ _PARAMETERS = (
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the critical mass over the inertia of the nut, in closed form and by eigenvalues, and the class map.
 
-    ``settings``: ``drive`` (c_x = 0; its mass is that of the map); ``nut_inertia`` I_2 [kg m²] with ``start``,
-    ``stop``, ``count``, spaced logarithmically; ``friction_coefficient`` with the same, evenly spaced. Raises
-    ``InputError``.
+    ``settings``: see ``Settings``; c_x = 0, and the mass of ``drive`` is that of the map. Raises ``InputError``.
     """
     drive = NutParameters.of(settings["drive"])
     rigid = critical_mass(drive)
@@ -186,14 +184,11 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> li
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
     return [
-        Check.within(
+        Check.exact(
             "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
             "Remark 8.6",
             1.0,
             float(factor[np.argmax(np.abs(factor - 1))]),
-            1e-12,
-            "1",
-            "both exact; rounding only",
         ),
         Check.within(
             "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",

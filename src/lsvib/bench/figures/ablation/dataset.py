@@ -38,8 +38,7 @@ _NUMBERS = {
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Measure the scenes of :func:`lsvib.bench.ablation.leaving_out.scenes`, the imports and the compilation.
 
-    ``settings``: ``duration`` [s] of the motions, ``repeats`` of each measurement, ``compile``: kinds of flow whose
-    compilation is measured one after the other, each with those before it (about 10 s of CPU time for each).
+    ``settings``: see ``Settings``; compilation takes about 10 s of CPU time for each kind of flow.
     """
     scenes = leaving_out.scenes(settings["duration"])
     kinds = {

@@ -29,11 +29,7 @@ _PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes.
 
-    ``settings``: ``boxes`` by name, each with a ``drive``, a ``window`` (``left``, ``right`` [rad], ``bottom``, ``top``
-    [rad/s]) and ``ratio_floor`` [1], how many times faster than RK4 with the coarse step the engine is asked to be;
-    ``cells`` along an edge of each method's grid, 0 to leave it out; ``repeats``; ``distances`` (``start``, ``stop``
-    [widths of the box], ``count``), evenly spaced in logarithms; ``starts`` on either side at each; ``seed``. Raises
-    ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])

@@ -53,11 +53,9 @@ class _Row(NamedTuple):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Ask the methods.
+    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`.
 
-    ``settings``: ``seed``; ``counts``, number of cases of each family, by name, that every method is asked; ``more``,
-    number of further cases that only the fixed-step methods are asked; ``methods``, relative tolerances of each method
-    of :data:`lsvib.bench.rivals.catalogue.METHODS`. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
     every = [True] * len(entries)

@@ -55,12 +55,7 @@ _LONG = ({"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axia
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the sweeps, and search on from the worst cases of each family.
-
-    ``settings``: ``seed``; ``counts``, number of cases of each family by name; ``thorough``, how many of them are asked
-    of the reference in any case; ``evaluations``, steps of the search in each family; ``distances`` [1] from the
-    thresholds at which attractors are found; ``periods`` of the long runs.
-    """
+    """Run the sweeps, and search on from the worst cases of each family; ``settings``: see ``Settings``."""
     rows: list[tuple[Case, CaseOutcome]] = []
     worst: dict[CaseFamily, Tried] = {}
     for name, count in settings["counts"].items():

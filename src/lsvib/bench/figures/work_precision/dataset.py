@@ -41,13 +41,9 @@ _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods on the scenes.
+    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on the scenes.
 
-    ``settings``: ``scenes`` (names of :data:`lsvib.bench.rivals.race_scenes.NAMES`); ``shorten``, part of each duration
-    that is run; ``methods``, settings of each method of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``repeats``,
-    ``seconds`` and ``limit`` as in :class:`lsvib.bench.rivals.race.Budget`; ``error_levels`` [1] at which run times are
-    compared; ``ratio_floor`` [1] that the checks ask for of solvers whose field is a Python function,
-    ``compiled_floor`` [1] of those that compile it. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     names = [name for name, values in settings["methods"].items() if values]
     longest = max(len(settings["methods"][name]) for name in names)

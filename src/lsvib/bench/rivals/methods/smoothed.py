@@ -47,7 +47,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
     scene = hybrid.scene
     drive, state = scene.drive, np.array(scene.state)
-    compliant = scene.model == "threads"
+    compliant = scene.drive.model == "threads"
     if not compliant and coefficients(drive).paradox:
         drive, compliant = ThreadsParameters.of(drive.model_dump()), True
         state = seated_state(drive, *state)
