@@ -194,7 +194,7 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
     effort = Effort(MOST_STEPS if method.family == MethodFamily.TAYLOR else MOST_EVALUATIONS)
     function = method.prepare(question.hybrid, setting, effort, most)
     try:
-        run = function().run()
+        run = function()()
     except GaveUp as reason:
         return Answer(Verdict.GAVE_UP, failure=_in_words(str(reason)))
     except (ArithmeticError, ValueError, RuntimeError) as fault:  # of the solver: not finite, no bracket
