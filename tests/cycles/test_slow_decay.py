@@ -18,6 +18,7 @@ from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.return_map import ReturnSection
+from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, follow
@@ -82,6 +83,17 @@ def test_steady_sliding_on_the_surface_of_no_force():
     automaton, state = scene("support", 7, 46, 2)
     assert not state.any()
     assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(("model", "seed", "index"), [("nut", 81, 28), ("support", 555, 29)])
+def test_steady_sliding_is_an_equilibrium_to_the_last_bit(model, seed, index):
+    """Forces over a small inertia cancel in steps: 10⁻⁴⁰ that rounding left of them pushed the motion off."""
+    wide = wide_drive(model, seed, index, 1)
+    automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
+    motion = follow(automaton, np.zeros(4), 1e3, max_events=10)
+    assert not motion.time.size
+    assert not motion.end_state.any()
+    assert steady_state(automaton, np.zeros(4)).label == Attractor.STEADY_SLIDING
 
 
 def test_little_damping_is_damping():
