@@ -17,6 +17,7 @@ from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.cones import shrinking
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
@@ -94,6 +95,19 @@ def test_steady_sliding_is_an_equilibrium_to_the_last_bit(model, seed, index):
     assert not motion.time.size
     assert not motion.end_state.any()
     assert steady_state(automaton, np.zeros(4)).label == Attractor.STEADY_SLIDING
+
+
+def test_a_motion_that_shrinks_turn_by_turn_ends_in_steady_sliding():
+    """R = 0: each return is its image made smaller by 6e-12, and nothing else is ever met."""
+    automaton, state = scene("nut", 81, 38, 1)
+    motion = follow(automaton, state, math.inf, max_events=5000)
+    assert shrinking(motion, Budget(1e5)).label == Attractor.STEADY_SLIDING
+    assert steady_state(automaton, state, max_events=20_000).label == Attractor.STEADY_SLIDING
+    speeds = np.abs(motion.after[1000::1000, 1])
+    shrinks = np.diff(np.log(speeds)) / 500
+    assert shrinks == pytest.approx(np.full(shrinks.size, -6.277e-12), rel=1e-2)
+    loaded, start = scene("nut", 7, 22, 0)
+    assert shrinking(follow(loaded, start, math.inf, max_events=5000), Budget(1e5)) is None
 
 
 def test_little_damping_is_damping():
