@@ -56,6 +56,13 @@ rule all:
         "All figures are drawn and all checks passed"
 
 
+onstart:
+    jobs.start()
+    # Here jobs need no limit for each second; keeping one makes Snakemake choose anew up to fifty times a second.
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
+
+
 onsuccess:
     remove_leftovers()
     print_results(STARTED)

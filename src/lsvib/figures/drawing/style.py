@@ -2,15 +2,18 @@
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import wraps
 from typing import Any
 
 import matplotlib
 import numpy as np
 import xarray as xr
+from fontTools.subset import Options
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from lsvib.files import replacing
 
@@ -59,13 +62,25 @@ _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 _LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
 
+class _PlainTicks(ScalarFormatter):
+    """The numbers at ticks as text, not as a formula: set in a tenth of the time, they look the same."""
+
+    def __call__(self, value: float, position: int | None = None) -> str:
+        return super().__call__(value, position).removeprefix("$\\mathdefault{").removesuffix("}$")
+
+
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
     """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
 
     @wraps(draw)
     def in_style(dataset: xr.Dataset) -> Figure:
         with matplotlib.rc_context(_STYLE):
-            return draw(dataset)
+            figure = draw(dataset)
+            every = [one for axes in figure.axes for one in (axes, *axes.child_axes)]
+            for axis in (axis for axes in every for axis in (axes.xaxis, axes.yaxis)):
+                if type(axis.get_major_formatter()) is ScalarFormatter:
+                    axis.set_major_formatter(_PlainTicks())
+            return figure
 
     return in_style
 
@@ -189,13 +204,25 @@ def save(
     has the same. Raises ``LsvibError`` if a file cannot be written.
     """
     metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
-    with matplotlib.rc_context(_STYLE):
+    # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
+    with matplotlib.rc_context(_STYLE | {"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
-            figure.set_layout_engine("none")  # else each file would be drawn once more, unseen, to lay it out
+            figure.set_layout_engine(None)
         for path, kind in ((png, "png"), (pdf, "pdf")):
             if path is None:
                 continue
-            with replacing(path) as part:
+            with replacing(path) as part, _glyphs_alone():
                 figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)
+
+
+@contextmanager
+def _glyphs_alone() -> Iterator[None]:
+    """Embed no tables of a font that help to set text: a PDF says where each glyph is, and to read them is slow."""
+    usual = Options._drop_tables_default
+    Options._drop_tables_default = [*usual, "GDEF", "GPOS", "GSUB", "kern"]
+    try:
+        yield
+    finally:
+        Options._drop_tables_default = usual
