@@ -197,12 +197,9 @@ def _name(mode: tuple, model: str) -> str:
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: RigidParameters, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    model, steady = (
-        drive.model,
-        TwoBodies(drive.model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics),
-    )
+    steady = TwoBodies(drive.model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics)
     speed = abs(drive.input_speed)
-    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if model == "support" else speed
+    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.model == "support" else speed
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
 
 
