@@ -208,10 +208,12 @@ def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
         assert ask() == [judges.Finding(judges.RIGHT, k)]
 
 
-@pytest.mark.parametrize(("model", "index", "start"), [("threads", 0, 0), ("nut", 1, 12)])
-def test_strides_decide_without_the_reference(model, index, start):
-    """N = 0 where N is one coordinate, put on zero up to its own last digits; an event within the last stretch."""
-    wide = wide_drive(model, 9802, index, start + 1)
+@pytest.mark.parametrize(
+    ("drive", "start"), [(("threads", 9802, 0), 0), (("nut", 9802, 1), 12), (("threads", 9901, 48), 11)]
+)
+def test_strides_decide_without_the_reference(drive, start):
+    """N = 0 where N is one coordinate, up to its own last digits; events within the last stretch and the first rung."""
+    wide = wide_drive(*drive, start + 1)
     _, ask = list(judges.stages(wide, ["motion"]))[start]
     assert ask() == [judges.Finding(judges.RIGHT, start)]
 

@@ -20,6 +20,7 @@ _SAFETY = 4.0  # times the error of the polynomial in the middle
 _ROUNDING = 1e-13  # of the coefficients
 MOST_STRIDES = 100_000  # of a motion of some turns
 _PATIENCE = 4  # strides after one that was too long, before a longer one is tried
+_LOWEST = -20  # rung of the shortest stride, below the ladder's by the series; two events may follow each other so fast
 _NONE = -1  # index of no mode and of no condition
 
 
@@ -185,32 +186,38 @@ def _arc(c, m, x, zero, t, t_end, budget, size):
         if not fresh[r] and value <= 0:
             return AMBIGUOUS, t, r, budget
     rung, patience = 1, 0
-    while True:
+    while t_end - t > 0:
         while rung > 0 and t + first * 2.0**rung > t_end:
             rung -= 1
-        if rung == 0:
-            break
         budget -= 1
         if budget < 0:
             return LATE, t, _NONE, budget
         h = first * 2.0**rung
-        moved(tables[rung - 1], x, middle)
-        moved(tables[rung - 1], middle, end)
+        last = rung <= 0 and t + h >= t_end
+        if last:
+            h = t_end - t
+        if rung > 0:
+            moved(tables[rung - 1], x, middle)
+            moved(tables[rung - 1], middle, end)
+        else:
+            _shift(field, x, 0.5 * h, term, other, middle)
+            _shift(field, x, h, term, other, end)
         if not finite(end):
             return AMBIGUOUS, t, _NONE, budget
         unclear, crossed = _judge(c, m, x, middle, end, h, fresh, crossing, left, mid, right)
         if unclear:
             rung, patience = rung - 1, _PATIENCE
-            if rung == 0:
+            if rung < _LOWEST:
                 return AMBIGUOUS, t, _NONE, budget
             continue
         if crossed:
-            s, fired = _close_in(c, m, x, rung, crossing, middle, end)
-            if fired == _NONE:
-                return AMBIGUOUS, t, _NONE, budget
-            return TIME_REACHED, t + s, fired, budget
+            if rung > 0:
+                s, fired = _close_in(c, m, x, rung, crossing, middle, end)
+            else:
+                s, fired = _last_digits(c, m, x, 0.0, crossing, middle, other, end)
+            return (AMBIGUOUS if fired == _NONE else TIME_REACHED), t + s, fired, budget
         fresh[:] = False
-        t += h
+        t = t_end if last else t + h
         for i in range(4):
             size[i] = max(size[i], abs(middle[i, 0]), abs(end[i, 0]))
             x[i, 0], x[i, 1] = end[i, 0], end[i, 1]
@@ -218,19 +225,6 @@ def _arc(c, m, x, zero, t, t_end, budget, size):
             patience -= 1
         elif rung + 1 < len(tables):
             rung += 1
-    while t_end - t > 0:  # what is left is less than two first rungs
-        s = min(t_end - t, first)
-        _shift(field, x, 0.5 * s, term, other, middle)
-        _shift(field, x, s, term, other, end)
-        unclear, crossed = _judge(c, m, x, middle, end, s, fresh, crossing, left, mid, right)
-        if unclear:
-            return AMBIGUOUS, t, _NONE, budget
-        if crossed:
-            s, fired = _last_digits(c, m, x, 0.0, crossing, middle, other, end)
-            return (AMBIGUOUS if fired == _NONE else TIME_REACHED), t + s, fired, budget
-        fresh[:] = False
-        x[:] = end
-        t = t_end if s == t_end - t else t + s
     return TIME_REACHED, t_end, _NONE, budget
 
 
