@@ -40,15 +40,15 @@ class Model:
     start: Callable[[Any, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
     events: type[IntEnum]
-    required: tuple[str, ...]
-    optional: tuple[str, ...]
     states: tuple[str, ...]
     terms: tuple[str, ...]
-    options: tuple[str, ...]
-    outputs: tuple[str, ...]
     equations: str
     characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial]
     powers: "type[Powers]"
+    required: tuple[str, ...] = ("u", "w")
+    optional: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
