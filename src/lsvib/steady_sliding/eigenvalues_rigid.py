@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_SPLIT = 2.0**27 + 1  # Dekker's constant: it splits the 53 bits of a double into halves whose products are exact
+from lsvib.engine.exact.pair_arrays import rounded_product
 
 
 class Stability(IntEnum):
@@ -78,13 +78,5 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
 
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
     """C_0² − 4kΓ_0 with the rounding errors of both products added back, so nearly equal roots keep their digits."""
-    square, product = c * c, 4 * k * gamma
-    return (square - product) + (_product_error(c, c, square) - _product_error(4 * k, gamma, product))
-
-
-def _product_error(a: NDArray, b: NDArray, product: NDArray) -> NDArray:
-    """Exact a·b − fl(a·b) by Dekker's splitting (T. J. Dekker 1971)."""
-    a_high = _SPLIT * a - (_SPLIT * a - a)
-    b_high = _SPLIT * b - (_SPLIT * b - b)
-    a_low, b_low = a - a_high, b - b_high
-    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+    (square, of_square), (product, of_product) = rounded_product(c, c), rounded_product(4 * k, gamma)
+    return (square - product) + (of_square - of_product)

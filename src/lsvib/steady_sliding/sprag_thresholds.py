@@ -11,10 +11,10 @@ from collections.abc import Callable
 from typing import Any
 
 from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
-from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding.threshold_motions import Start
+from lsvib.steady_sliding.thresholds import seizing
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before a root among them is refined
 _CLOSE = 1e-13  # relative, of a root: Newton's method squares it in every step
@@ -23,15 +23,7 @@ _FIRST = 0.1  # of the shortest time in which slip does anything: no root is ear
 
 
 def _forward(drive: RigidParameters) -> ForwardDrive:
-    """The drive mirrored to Ω > 0; refused outside the Painlevé region and without damping."""
-    c = coefficients(drive)
-    if not c.paradox:
-        raise NoThreshold(
-            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
-        )
-    if c.damping[-1] <= 0:
-        raise NoThreshold("without damping no cycle of this drive is isolated.")
-    return ForwardDrive(drive, c)
+    return seizing(drive, "without damping no cycle of this drive is isolated.")
 
 
 def _without_rest(drive: RigidParameters) -> ForwardDrive:

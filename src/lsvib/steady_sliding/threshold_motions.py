@@ -158,15 +158,10 @@ def _rest_lost(start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Seque
     return equations
 
 
+_STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
 _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]]] = {
-    "stick+": (
-        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law + w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
-        _stick(1),
-    ),
-    "stick-": (
-        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law − w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
-        _stick(-1),
-    ),
+    "stick+": (_STICK.format("+"), _stick(1)),
+    "stick-": (_STICK.format("−"), _stick(-1)),
     "detach": (
         "slip under law + from the end of rest, u = C₊ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
         _touches(1, lambda d: d.end_of_rest(1)),

@@ -20,10 +20,9 @@ from typing import Any
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundaries import interpolated
-from lsvib.steady_sliding.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
+from lsvib.steady_sliding.boundaries import interpolated, margins, undamped
+from lsvib.steady_sliding.characteristic import DIGITS, polynomial, rationals, tangents
 from lsvib.steady_sliding.real_roots import SAME, positive_roots
-from lsvib.steady_sliding.spectrum import neutral_margins
 from lsvib.steady_sliding.threshold_solver import Equations
 
 Values = Mapping[str, Any]
@@ -81,22 +80,6 @@ def _net_force(kind: type[RigidParameters], values: Values, t: Any, sense: int) 
 
 def _margin(law: int, neutral: bool, which: int, words: str) -> Condition:
     return Condition(words, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which])
-
-
-def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
-    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
-
-    Without damping (``neutral``) those for which no motion grows and all frequencies are distinct.
-    """
-    if len(p) == 3:
-        return p[:1] if neutral else p[:2]
-    return neutral_margins(p) if neutral else (*p[:4], hurwitz(p))
-
-
-def undamped(drive: RigidParameters, unknown: str) -> bool:
-    """Whether nothing damps the drive, whatever the unknown is: stability is then neutral stability."""
-    dampings = ["support_damping", "translation_damping", drive.own_damping]
-    return unknown not in dampings and not any(getattr(drive, name) for name in dampings if name)
 
 
 def conditions(drive: RigidParameters, name: str, unknown: str) -> list[Condition]:
@@ -194,7 +177,7 @@ def places(drive: RigidParameters, name: str, unknown: str) -> list[Place] | Non
         for x in distances or []
         if (x or line is lines[0]) and (name != "flutter" or _flutters(line, condition, wanted, x))
     ]
-    return sorted((place for place in found if _allowed(drive, unknown, place.value)), key=lambda place: place.value)
+    return sorted((place for place in found if allowed(drive, unknown, place.value)), key=lambda place: place.value)
 
 
 def _flutters(line: Line, condition: Condition, wanted: list[Condition], x: Fraction) -> bool:
@@ -229,10 +212,11 @@ def _changes(drive: RigidParameters, unknown: str, roots: list[tuple[Line, Any]]
             at_zero = [condition for condition, ds in of_line if ds and ds[0] == 0]
             if at_zero and line.stable(min([*cuts, line.limit]) / 2) != other.stable(min(first, other.limit) / 2):
                 found.append(Place(0.0, at_zero[0], line.sense))
-    return sorted((p for p in found if _allowed(drive, unknown, p.value)), key=lambda place: place.value)
+    return sorted((p for p in found if allowed(drive, unknown, p.value)), key=lambda place: place.value)
 
 
-def _allowed(drive: RigidParameters, unknown: str, value: float | Fraction) -> bool:
+def allowed(drive: RigidParameters, unknown: str, value: float | Fraction) -> bool:
+    """Whether the drive may have this value of a parameter."""
     try:
         drive.replace(**{unknown: float(value)})
     except InputError:
