@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from types import new_class
 from typing import TYPE_CHECKING, Any
 
-from lsvib import numbers
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
 
 Progress = Callable[[int, int], None]
-_LONGEST = 1e9  # s, as of a scene
 
 
 class _Drive(RigidParameters):
@@ -309,15 +307,7 @@ class _Drive(RigidParameters):
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene
 
-        try:
-            end = numbers.number(duration)
-        except numbers.NotNumber as error:
-            raise InputError(f"duration = {numbers.shown(duration)} {error}.") from None
-        if not 0 < end <= _LONGEST:
-            raise InputError(
-                f"duration = {numbers.shown(duration)} is outside the allowed range 0 < duration <= {_LONGEST:g}."
-            )
-        return Scene(model=self.model, drive=self, start=start, duration=end, **more)
+        return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
 
 
 class RigidDrive(_Drive):

@@ -138,11 +138,8 @@ class _ThreadsBuild:
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = plus(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-        force, stiffness, damping = (
-            abs(double(d.axial_force)) + 1.0,
-            double(d.contact_stiffness),
-            double(d.contact_damping),
-        )
+        force = abs(double(d.axial_force)) + 1.0
+        stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
         mass, swing = double(d.mass), double((d.screw_inertia / d.coupling_stiffness).sqrt())
         mismatch = force / (stiffness + damping / swing + mass / squared(swing))
         rate = force / (damping + np.sqrt(stiffness * mass) + mass / swing)
