@@ -49,7 +49,7 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
         ),
     ]
     if motion is assessment.worst and motion is not assessment.nominal:
-        spreads = assessment.sheet.spreads()
+        spreads = assessment.sheet.spreads
         values = ", ".join(
             f"{entry_name(path)} = {shown(motion.entries[path], spreads[path].unit)}"
             for path in random_entries(assessment.sheet)

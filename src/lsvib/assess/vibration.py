@@ -94,8 +94,7 @@ def vibration(
         drive = drive_of(sheet, values, *corner, part)
         kind = find_model(model)
         start = {"u": 0.0, "w": push * drive.input_speed}
-        options = tuple(kind.options) + tuple(term for term in kind.terms if getattr(drive, term) != 0)
-        automaton = kind.build(drive, options, "contact_sign")
+        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
         state = kind.initial_state(drive, start)
         end = steady_state(automaton, state, max_events=_MOST_WORK[part])
     except (InputError, EngineError) as error:
@@ -229,7 +228,6 @@ def springy_push(
     """
     drive = drive_of(sheet, values, *corner, "contact")
     kind = find_model(_MODELS["contact"])
-    options = tuple(term for term in kind.terms if getattr(drive, term) != 0)
 
     def ends(push: float) -> str:
         state = kind.initial_state(drive, {"u": 0.0, "w": push})
@@ -240,7 +238,7 @@ def springy_push(
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
     low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
     try:
-        automaton = kind.build(drive, options, "contact_sign")
+        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")

@@ -53,6 +53,10 @@ class Model:
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
 
+    def physics_of(self, drive: RigidParameters) -> tuple[str, ...]:
+        """Return the words of all that a drive has: its terms that are not zero, and the options."""
+        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
+
     def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""
         known = (*self.required, *self.optional)
