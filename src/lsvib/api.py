@@ -138,11 +138,7 @@ class _Drive(RigidParameters):
         return trajectory(scene, run(scene))
 
     def steady_state(
-        self,
-        start: Mapping[str, float],
-        *,
-        resume: str = "contact_sign",
-        physics: Sequence[str] | None = None,
+        self, start: Mapping[str, float], *, resume: str = "contact_sign", physics: Sequence[str] | None = None
     ) -> "SteadyState":
         """Return the attractor that the motion from a start reaches; arguments as of :meth:`simulate`.
 
@@ -324,11 +320,7 @@ class RigidDrive(_Drive):
         return basin(self)
 
     def resilience(
-        self,
-        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
-        *,
-        samples: int = 0,
-        seed: int = 0,
+        self, window: "Window | Mapping[str, tuple[float, float]] | None" = None, *, samples: int = 0, seed: int = 0
     ) -> "Resilience":
         """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
 

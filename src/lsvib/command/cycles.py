@@ -59,8 +59,8 @@ def follow(
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])
-    ((parameter, text),) = pairs([over]).items()
-    span: Any = ends("over", parameter, text, "KEY=START:STOP")
+    ((parameter, given),) = pairs([over]).items()
+    span: Any = ends("over", parameter, given, "KEY=START:STOP")
     drive = drive_class(model).of(pairs(changes))
     listed = drive.cycles(resume=resume).cycles
     if not listed:

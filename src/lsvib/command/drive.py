@@ -96,12 +96,7 @@ def thresholds(
 
 
 @app.command
-def stability(
-    *,
-    model: Annotated[str, MODEL] = "rigid",
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+def stability(*, model: Annotated[str, MODEL] = "rigid", changes: Changes = None, as_json: AsJson = False) -> None:
     """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
 
     Examples of use:

@@ -55,25 +55,15 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
     pair = eigenvalues(inertia, damping, stiffness)
     low, high = pair[..., 0], pair[..., 1]
     oscillates = high.imag != 0
-    return np.select(
-        [
-            np.isnan(high.real),
-            oscillates & (high.real < 0),
-            oscillates & (high.real > 0),
-            oscillates,
-            high.real < 0,
-            low.real > 0,
-        ],
-        [
-            Stability.DEGENERATE,
-            Stability.STABLE_FOCUS,
-            Stability.UNSTABLE_FOCUS,
-            Stability.CENTRE,
-            Stability.STABLE_NODE,
-            Stability.UNSTABLE_NODE,
-        ],
-        Stability.SADDLE,
-    ).astype(np.int8)
+    first_of = {
+        Stability.DEGENERATE: np.isnan(high.real),
+        Stability.STABLE_FOCUS: oscillates & (high.real < 0),
+        Stability.UNSTABLE_FOCUS: oscillates & (high.real > 0),
+        Stability.CENTRE: oscillates,
+        Stability.STABLE_NODE: high.real < 0,
+        Stability.UNSTABLE_NODE: low.real > 0,
+    }
+    return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
 
 
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
