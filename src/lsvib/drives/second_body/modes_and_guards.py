@@ -29,11 +29,13 @@ from lsvib.engine.kernels.status import Test
 
 @once
 def automaton_of(
-    model: type[TwoBodies], drive: SupportParameters | NutParameters, slide: bool, bearing: bool
+    model: type[TwoBodies], drive: SupportParameters | NutParameters, slide: bool = False, bearing: bool = False
 ) -> Automaton:
     """Return the automaton of a drive; ``slide``, ``bearing``: with F_0, with T_0.
 
-    Raises ``EngineError`` if the rates of a mode cannot be separated in double precision.
+    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 or T_0 leaves the motion undetermined (see the models),
+    ``EngineError`` if the rates of a mode cannot be separated in double precision.
     """
     with localcontext(prec=PLACES):
         return _Layout(model(drive, slide, bearing)).automaton()

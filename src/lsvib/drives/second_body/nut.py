@@ -33,6 +33,7 @@ the rule for the motion after an impact does not cover it.
 
 from collections.abc import Mapping
 from decimal import Decimal
+from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
@@ -47,16 +48,6 @@ from lsvib.errors import InputError
 
 NutMode = mode_enum("NutMode", ("rest",), "screw")
 NutEvent = event_enum("NutEvent", "bearing")
-
-
-def nut_automaton(drive: NutParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
-    """Return the automaton of the drive with a rotating nut; ``slide``, ``bearing``: with F_0, with T_0.
-
-    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` for T_0 in the Painlevé region, ``EngineError`` if the rates of
-    a mode cannot be separated in double precision.
-    """
-    return automaton_of(_Nut, drive, slide, bearing)
 
 
 class _Nut(TwoBodies):
@@ -145,6 +136,9 @@ class _Nut(TwoBodies):
         speed = constant(-self.d.input_speed) if second else (0, 1, 0, 0, 0)
         common = constant(0) if second else self.speed
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
+
+
+nut_automaton = partial(automaton_of, _Nut)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:

@@ -29,6 +29,7 @@ infinite, and the motion is not determined.
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
@@ -43,16 +44,6 @@ from lsvib.errors import InputError
 
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
 SupportEvent = event_enum("SupportEvent", "slide")
-
-
-def support_automaton(drive: SupportParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
-    """Return the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
-
-    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``EngineError`` if
-    the rates of a mode cannot be separated in double precision.
-    """
-    return automaton_of(_Support, drive, slide, bearing)
 
 
 class _Support(TwoBodies):
@@ -139,6 +130,9 @@ class _Support(TwoBodies):
         speed = constant(-self.d.input_speed) if slip else (0, 1, 0, 0, 0)
         held = constant(0) if slip else scaled(self.speed, -self.reach)
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
+
+
+support_automaton = partial(automaton_of, _Support)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
