@@ -160,21 +160,18 @@ def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.flo
 
 
 def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
-    automaton = orbit.automaton
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
-    rates = np.zeros(row.size + 1)
-    rates[1], rates[-1] = row[0], row[0] * drive.input_speed
-    if row.size > 2:
-        rates[3] = 1.0
-    impulses = np.abs(event_impulses(drive, orbit).normal)
-    turning = np.zeros(row.size + 1)
+    turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
     turning[1], turning[-1] = 1.0, drive.input_speed
+    rates[1:-1:2], rates[-1] = row[::2], row[0] * drive.input_speed  # each coordinate is followed by its rate
+    impulses = np.abs(event_impulses(drive, orbit).normal)
+    normal = orbit_extremes(orbit, orbit.automaton.observables["normal_force"])
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
         "load_speed": _speeds(orbit, rates),
         "screw_speed": _speeds(orbit, turning),
-        "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
+        "peak_force": float(max(map(abs, normal))),
         "impulse": float(impulses.max(initial=0.0)),
     }
 
