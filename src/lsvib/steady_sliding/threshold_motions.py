@@ -99,24 +99,19 @@ def _stick(law: int) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
     return equations
 
 
-def _touches(law: int, start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
-    """Slip from the end of rest touches Q = 0: there Q′ = 0 and Q = 0."""
+def _touches(
+    law: int, start: Callable[[DualDrive], Dual], stops: bool = False
+) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-        """Return what vanishes: Q′ and Q at the time ``inner[0]`` after the end of rest."""
+        """Return what vanishes at the time ``inner[0]`` after the end of rest: Q′, or θ′, and Q."""
         slip, (q_u, q_w) = d.slip(law), d.contact
         y, w = slip.state(start(d), -d.speed, inner[0])
-        rate = -slip.a0 * y - slip.a1 * w
-        return [q_u * w + q_w * rate, q_u * y + q_w * w + d.inertia[law] * d.net]
+        q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
+        return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
 
     return equations
-
-
-def _comes_back_at_zero(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-    """Slip under law + from the end of rest is back at θ′ = 0 just where Q = 0."""
-    slip, (q_u, q_w) = d.slip(1), d.contact
-    y, w = slip.state(d.end_of_rest(1), -d.speed, inner[0])
-    return [w + d.speed, q_u * y + q_w * w + d.inertia[1] * d.net]
 
 
 class Return:
@@ -165,7 +160,7 @@ _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]
     ),
     "detach at rest": (
         "slip under law + from the end of rest, u = C₊ Ω / k, has θ′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
-        _comes_back_at_zero,
+        _touches(1, lambda d: d.end_of_rest(1), stops=True),
     ),
     "rest seizes": (
         "slip under law − from the end of rest, u = C₋ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)",
