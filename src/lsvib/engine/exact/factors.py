@@ -79,7 +79,7 @@ def projector(factors: list, k: int, polynomial: Callable[[list], Any], product:
 
     ``polynomial`` of the matrix, by its coefficients; ``product`` of two matrices: in any kind of number.
     """
-    others, remainder = None, [1]  # of the product of the others modulo this factor
+    others, remainder = None, [1]  # the product of the others, and what it leaves modulo this factor
     for j, other in enumerate(factors):
         if j != k:
             others = polynomial(other) if others is None else product(others, polynomial(other))
@@ -114,9 +114,12 @@ def _size(matrix, scale: list) -> mpmath.mpf:
 
 
 def _polynomial(coefficients, matrix):
-    result = mpmath.zeros(matrix.rows)
-    for coefficient in coefficients:
-        result = result * matrix + coefficient * mpmath.eye(matrix.rows)
+    lead, *others = coefficients
+    result = lead * (matrix if others else mpmath.eye(matrix.rows))
+    for k, coefficient in enumerate(others):
+        result = result * matrix if k else result
+        for i in range(matrix.rows):
+            result[i, i] += coefficient
     return result
 
 
