@@ -87,7 +87,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves = None, 1.0, 0
+    before, trust, moves, vain = None, 1.0, 0, 0
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -95,8 +95,10 @@ def pursue(
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
-        leap = _by_returns(motion, budget)
-        moves = moves + 1 if leap.moved else 0
+        # Beside a trend that is leapt along, leaps by returns that led nowhere are tried again only now and then.
+        tries = vain == 0 or vain % _MOVES == 0
+        leap = _by_returns(motion, budget) if tries else _Leap(motion.end_state, motion.end_mode, False)
+        moves, vain = (moves + 1, 0) if leap.moved else (0, vain)
         leapt |= leap.moved
         if leap.moved:
             motion = follow_patiently(
@@ -116,7 +118,7 @@ def pursue(
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
-            leapt, before = True, trend
+            leapt, before, vain = True, trend, vain + 1
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
             blank = 0
         elif trend.none and window == longest:
@@ -288,7 +290,9 @@ def _trend(motion: Motion) -> _Trend | None:
     if not isinstance(flow, ModalFlow):
         return None
     modes, _, _, durations = motion.arcs()
-    home = int(np.argmax(np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs))))
+    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
+    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
+    home = int(np.argmax(shares))
     rows = flow.oscillators[home, : flow.pairs[home]]
     turning = np.flatnonzero(rows[:, BETA] > 0)
     if turning.size == 0:
@@ -308,10 +312,16 @@ def _trend(motion: Motion) -> _Trend | None:
     steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
+    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
     return _Trend(home, full, bend, consistent and not none, none)
+
+
+def _moves(states: np.ndarray) -> bool:
+    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
+    changes = np.diff([part.mean(axis=0) for part in np.array_split(states, _QUARTERS)], axis=0)
+    return bool((np.abs(changes.mean(axis=0)) > _TREND_NOISE * np.ptp(changes, axis=0)).any())
 
 
 def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:
