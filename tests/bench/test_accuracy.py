@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from lsvib.bench.figures.work_precision import dataset as work_precision
+from lsvib.bench.figures.work_precision.settings import SCENES
 from lsvib.bench.record import Record, Verdict, errors
 from lsvib.bench.rivals.catalogue import MethodFamily
 from lsvib.bench.rivals.hybrid import Hybrid, _affine
 from lsvib.bench.rivals.markdown_tables import markdown
 from lsvib.bench.rivals.padded_tables import NEVER, even_tables
-from lsvib.bench.rivals.race_scenes import NAMES, scene
+from lsvib.bench.rivals.race_scenes import scene
 from lsvib.bench.rivals.time_at_equal_error import fastest, time_at_error
 from lsvib.data.writer import read_dataset, write_dataset
 
@@ -90,7 +91,7 @@ def test_an_affine_function_and_the_size_of_its_terms(n):
         assert _affine(row.tolist(), state.tolist()) == pytest.approx((terms.sum(), np.abs(terms).sum()), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_a_guard_is_due_where_it_falls_from_zero(name):
     """On a guard the rate decides, beyond it the value: against the definition, with numpy."""
     hybrid, rng = Hybrid(scene(name)), np.random.default_rng(1)
@@ -114,7 +115,7 @@ def test_a_guard_is_due_where_it_falls_from_zero(name):
     assert seen == {True, False}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_even_tables_hold_the_scene_and_nothing_that_acts(name):
     hybrid = Hybrid(scene(name))
     tables, original = even_tables(hybrid), hybrid.tables

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from lsvib.bench.figures.work_precision.settings import SCENES
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import catalogue
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.bench.rivals.on_sweeps import Effort
 from lsvib.bench.rivals.race import Budget, contest
-from lsvib.bench.rivals.race_scenes import NAMES, scene
+from lsvib.bench.rivals.race_scenes import scene
 from lsvib.errors import InputError
 
 ONCE = Budget(repeats=1, seconds=0.0, limit=20.0)
@@ -29,7 +30,7 @@ def needed(method):
     pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_the_engine_agrees_with_40_digits_on_every_scene(name):
     """1e-11: rounding (1e-16) times the worst condition of a scene, 1e4, of the seizure that is just reached."""
     entry = results(name, SHORT.get(name, 0.1), exact=[0])["exact", 0]
@@ -88,8 +89,7 @@ def test_diffrax_makes_the_events_of_the_engine():
     needed("diffrax_tsit5")
     hybrid = Hybrid(scene("stick_slip"))
     ours, theirs = (
-        catalogue.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)().run()
-        for name in ("exact", "diffrax_tsit5")
+        catalogue.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)()() for name in ("exact", "diffrax_tsit5")
     )
     assert len(ours.kinds) == 152
     assert theirs.kinds == ours.kinds
@@ -102,11 +102,11 @@ def test_diffrax_keeps_the_limits_of_all():
     """Too many events, across the chunks of the compiled loop too, and the time."""
     needed("diffrax_tsit5")
     find = catalogue.find_method("diffrax_tsit5").prepare
-    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)().run().failure == "over 20 events"
+    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)()().failure == "over 20 events"
     long = Hybrid(scene("long_run", 0.3))  # 1500 events
-    assert find(long, 1e-6, Clock(20.0), 1100)().run().failure == "over 1100 events"
-    assert len(find(long, 1e-6, Clock(20.0), 1600)().run().kinds) > 1100
-    assert find(long, 1e-6, Clock(0.0), 1600)().run().failure == "over 0 s"
+    assert find(long, 1e-6, Clock(20.0), 1100)()().failure == "over 1100 events"
+    assert len(find(long, 1e-6, Clock(20.0), 1600)()().kinds) > 1100
+    assert find(long, 1e-6, Clock(0.0), 1600)()().failure == "over 0 s"
 
 
 def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
@@ -119,7 +119,7 @@ def test_dopri8_of_diffrax_is_as_good_as_its_interpolation():
     assert free.errors.state > 100 * 1e-9 > 1e4 * capped.errors.state
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SCENES)
 def test_heyoka_is_right_to_rounding_on_every_scene(name):
     """At its own tolerance, also at grazing and on the stiff contact: held to what the engine is held to."""
     needed("heyoka")
@@ -135,7 +135,7 @@ def test_heyoka_keeps_time_in_two_doubles():
     needed("heyoka")
     hybrid = Hybrid(scene("long_run", 0.3))
     ours, theirs = (
-        catalogue.find_method(name).prepare(hybrid, 2.2e-16, Clock(20.0), 2000)().run() for name in ("exact", "heyoka")
+        catalogue.find_method(name).prepare(hybrid, 2.2e-16, Clock(20.0), 2000)()() for name in ("exact", "heyoka")
     )
     assert len(ours.kinds) > 1400
     assert theirs.kinds == ours.kinds
@@ -146,10 +146,10 @@ def test_heyoka_keeps_the_limits_of_all():
     """Too many events, the time, and too many steps where those are counted."""
     needed("heyoka")
     find = catalogue.find_method("heyoka").prepare
-    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)().run().failure == "over 20 events"
+    assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)()().failure == "over 20 events"
     stiff = Hybrid(scene("stiff_contact", 0.1))
-    assert find(stiff, 1e-6, Clock(0.0), 100)().run().failure == "over 0 s"
-    assert find(stiff, 1e-6, Effort(3000), 100)().run().failure == "over 3000 steps"
+    assert find(stiff, 1e-6, Clock(0.0), 100)()().failure == "over 0 s"
+    assert find(stiff, 1e-6, Effort(3000), 100)()().failure == "over 3000 steps"
 
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, -0.7])
@@ -189,7 +189,7 @@ def test_a_run_over_its_time_gives_up():
 def test_an_endless_chain_of_events_gives_up():
     hybrid = Hybrid(scene("stick_slip"))
     record = hybrid.run(lambda mode, now, state, end: (now, state, 0), Clock(10.0), 20)
-    assert record.run().failure == "over 20 events"
+    assert record().failure == "over 20 events"
 
 
 def test_the_clock_stops_a_run():

@@ -21,9 +21,8 @@ from lsvib.basins.refinement import RefinedMap, count
 from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import phase_plane
-from lsvib.data.attributes import flags, quantity
+from lsvib.data.attributes import attributes, flagged, flags, flags_or_none, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
-from lsvib.data.phase_plane import attributes
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
@@ -121,9 +120,9 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
     row, column = (np.concatenate([place[k] for place in places]).astype(np.int32) for k in (0, 1))
     return xr.Dataset(
         {
-            "level": ("block", level, attributes("1", "level of the block; it is 2 to the power of it cells wide")),
-            "row": ("block", row, attributes("1", "row of the block among those of its level")),
-            "column": ("block", column, attributes("1", "column of the block among those of its level")),
+            "level": variable("block", level, "1", "level of the block; it is 2 to the power of it cells wide"),
+            "row": variable("block", row, "1", "row of the block among those of its level"),
+            "column": variable("block", column, "1", "column of the block among those of its level"),
             "label": ("block", label, variable_attributes(mapper, "label")),
         }
         | fractions(refined.counts())
@@ -152,7 +151,7 @@ def parameters(mapper: Mapper) -> dict[str, tuple]:
 def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
     """Return the attributes of a quantity of a map, by its name."""
     if name == "label":
-        return phase_plane.flag(phase_plane.ATTRACTOR, Attractor)
+        return attributes("1", phase_plane.ATTRACTOR, **flags(Attractor))
     if name == "time":
         return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
     if name == "seizures":
@@ -165,9 +164,7 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
             flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         )
-    kinds = flags(mapper.events)
-    kinds["flag_values"] = np.append(kinds["flag_values"], np.int8(-1))
-    return attributes("1", "first event of the motion", **kinds | {"flag_meanings": kinds["flag_meanings"] + " none"})
+    return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
 
 
 def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
@@ -175,8 +172,8 @@ def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
     kinds = np.array([int(kind) for kind in Attractor], dtype=np.int8)
     values = np.array([counts[kind] for kind in Attractor]) / sum(counts.values())
     return {
-        "attractor": ("attractor", kinds, phase_plane.flag("attractor", Attractor)),
-        "fraction": ("attractor", values, attributes("1", "fraction of the cells")),
+        "attractor": flagged("attractor", kinds, "attractor", Attractor),
+        "fraction": variable("attractor", values, "1", "fraction of the cells"),
     }
 
 
@@ -194,13 +191,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
-        dims = ("cycle", "sample")
-        data["cycle_angle"] = (dims, points[..., 0], attributes("rad", "deviation on the limit cycle", "$u$"))
-        data["cycle_velocity"] = (
-            dims,
-            points[..., 1],
-            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
-        )
+        data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
     if mapper.model != "rigid":
         return data
     lines = phase_plane.lines([mapper.drive])
@@ -208,18 +199,9 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
     found = exact_basin(mapper)
     if found is not None:
         window = window_of(grid)
-        line = found.line(window, _BOUNDARY_SAMPLES)
-        names = (
-            ("boundary_angle", "rad", "deviation", "$u$"),
-            ("boundary_velocity", "rad s-1", "rate of the deviation", r"$\dot u$"),
-        )
-        for k, (name, unit, what, symbol) in enumerate(names):
-            data[name] = ("boundary_point", line[:, k], attributes(unit, f"{what} on the exact boundary", symbol))
-        data["basin_area"] = (
-            (),
-            found.area(window),
-            attributes("rad2 s-1", "area of the basin of steady sliding within the map, exact"),
-        )
+        line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
+        data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
+        data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
     return data
 
 

@@ -1,6 +1,6 @@
 """Attributes of the variables that datasets share: names, units, symbols, flags."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -21,11 +21,24 @@ _LONG_NAMES = {
 }
 
 
+Dims = str | tuple[str, ...]
+Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
+
+
 def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
     return {
         "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
         "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
+    }
+
+
+def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
+    """Return :func:`flags` with one more, −1 for none of the kinds."""
+    known = flags(kinds)
+    return {
+        "flag_values": np.append(known["flag_values"], np.int8(-1)),
+        "flag_meanings": f"{known['flag_meanings']} none",
     }
 
 
@@ -46,20 +59,36 @@ def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dic
     return {"units": units, "long_name": long_name, **({"symbol": symbol} if symbol else {}), **more}
 
 
-def yes_no(long_name: str) -> dict[str, Any]:
-    """Return the attributes of an int8 variable that is 1 where a statement is true, else 0."""
-    return attributes("1", long_name, flag_values=np.array([0, 1], dtype=np.int8), flag_meanings="no yes")
+def variable(dims: Dims, values: Any, units: str, long_name: str, symbol: str = "", **more: Any) -> Variable:
+    """Return a variable: its dimensions, values of any shape that these have, and :func:`attributes`."""
+    return dims, values, attributes(units, long_name, symbol, **more)
 
 
-def flag(long_name: str, kinds: Iterable[IntEnum]) -> dict[str, Any]:
-    """Return the attributes of an int8 variable that holds members of ``kinds``."""
-    return attributes("1", long_name, **flags(kinds))
+def flagged(dims: Dims, values: Any, long_name: str, kinds: Iterable[IntEnum], **more: Any) -> Variable:
+    """Return a variable that holds members of ``kinds``, as int8 with flags."""
+    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(kinds), **more)
 
 
-def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> tuple[str, np.ndarray, dict[str, Any]]:
+def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
+    """Return a variable that is 1 where a statement is true, else 0, as int8 with flags."""
+    return named_flags(dims, values, long_name, {0: "no", 1: "yes"})
+
+
+def yes_no_or(other: str, dims: Dims, values: Sequence[bool | None], long_name: str) -> Variable:
+    """Return a variable as :func:`yes_no`, −1 and named ``other`` where a value is None."""
+    return named_flags(dims, [-1 if x is None else x for x in values], long_name, {-1: other, 0: "no", 1: "yes"})
+
+
+def named_flags(dims: Dims, values: Any, long_name: str, words: Mapping[int, str], **more: Any) -> Variable:
+    """Return a variable of numbers that ``words`` name, as int8 with flags."""
+    flag_values = np.array(list(words), dtype=np.int8)
+    about = attributes("1", long_name, flag_values=flag_values, flag_meanings=" ".join(words.values()), **more)
+    return dims, np.asarray(values, dtype=np.int8), about
+
+
+def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> Variable:
     """Return the coordinate along ``dim`` of things that have names: their index, whose flags are the names."""
-    index = np.arange(len(words), dtype=np.int8)
-    return dim, index, attributes("1", long_name, flag_values=index, flag_meanings=" ".join(words), **more)
+    return named_flags(dim, range(len(words)), long_name, dict(enumerate(words)), **more)
 
 
 CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")

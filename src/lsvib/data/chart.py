@@ -17,7 +17,7 @@ from lsvib import numbers
 from lsvib.basins.grid import Axis
 from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flagged, flags, named_flags, variable
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
@@ -164,17 +164,13 @@ class Plane:
         if not found:
             return {}
         masses, places, kinds = (list(column) for column in zip(*found, strict=True))
-        words = " ".join(reading.source.replace(" ", "_") for reading in chapter.READINGS)
-        flagged = {"flag_values": np.arange(len(chapter.READINGS), dtype=np.int8), "flag_meanings": words}
-        both = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "as_stated as_needed"}
+        words = {place: reading.source.replace(" ", "_") for place, reading in enumerate(chapter.READINGS)}
+        both = {0: "as_stated", 1: "as_needed"}
         return {
             **axis("reading_mass", masses, "reading"),
-            "reading_place": (
-                "reading", np.array(places, dtype=np.int8),
-                attributes("1", "place where the text contradicts itself", **flagged),
-            ),
-            "reading_kind": ("reading", np.array(kinds, dtype=np.int8), attributes("1", "which reading it is", **both)),
-        }  # fmt: skip
+            "reading_place": named_flags("reading", places, "place where the text contradicts itself", words),
+            "reading_kind": named_flags("reading", kinds, "which reading it is", both),
+        }
 
     def curves(self, *kinds: Boundary) -> Curves:
         """Return the exact curves of some kinds, by default of all."""
@@ -193,8 +189,8 @@ class Plane:
         return {
             f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
             f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
-            "boundary_name": (dim, kinds, attributes("1", "name of the exact curve", **flags(Boundary))),
-            "boundary_line": (dim, number, attributes("1", "number of the line, whose points are joined")),
+            "boundary_name": flagged(dim, kinds, "name of the exact curve", Boundary),
+            "boundary_line": variable(dim, number, "1", "number of the line, whose points are joined"),
         }
 
 
@@ -272,7 +268,7 @@ def _fractions(labels: np.ndarray) -> Mapping[str, tuple]:
     values = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
     return {
         "behaviour": ("behaviour", kinds, LABEL),
-        "fraction": ("behaviour", values, attributes("1", "fraction of the cells")),
+        "fraction": variable("behaviour", values, "1", "fraction of the cells"),
     }
 
 

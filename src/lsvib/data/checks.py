@@ -62,6 +62,11 @@ class Check:
         return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
 
     @classmethod
+    def exact(cls, claim: str, source: str, expected: float, computed: float, unit: str = "1") -> Self:
+        """Check as :meth:`within` that two numbers agree which are both exact but for rounding, to 1e-12."""
+        return cls.within(claim, source, expected, computed, 1e-12, unit, "both exact; rounding only")
+
+    @classmethod
     def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
         """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
         return cls(claim, source, "true", computed, None, None, "", None, bool(truth))

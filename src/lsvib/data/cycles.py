@@ -15,7 +15,7 @@ from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.cycles.continuation import CycleBranch, follow_cycle
 from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.search import Search, Seed, search, starts
-from lsvib.data.attributes import attributes, flags
+from lsvib.data.attributes import attributes, flags, variable
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
@@ -161,7 +161,7 @@ def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
     data: dict[str, Any] = {name: ("point", np.array(values), attrs) for name, (values, attrs) in columns.items()}
     for part, name in (("real", "multiplier_real_part"), ("imag", "multiplier_imaginary_part")):
         long_name = f"{'real' if part == 'real' else 'imaginary'} part of the Floquet multipliers"
-        data[name] = (("point", "multiplier_number"), getattr(multipliers, part), attributes("1", long_name))
+        data[name] = variable(("point", "multiplier_number"), getattr(multipliers, part), "1", long_name)
     return xr.Dataset(
         data,
         attrs={

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.data.attributes import attributes, named_index
+from lsvib.data.attributes import attributes, named_index, variable
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters
 
@@ -116,15 +116,9 @@ def labels(dim: str, drives: Sequence[RigidParameters], names: Sequence[str]) ->
 
 def start_state(start: Mapping[str, float], words: str) -> Variables:
     """Return the state that motions start from, u [rad] and w [rad/s]; ``words`` say which motions."""
+    u, w, about = float(start["u"]), float(start["w"]), {"comment": words}
+    rate = "rate of the deviation at the start"
     return {
-        "initial_angle_deviation": (
-            (),
-            float(start["u"]),
-            attributes("rad", "deviation at the start", "$u$", comment=words),
-        ),
-        "initial_velocity_deviation": (
-            (),
-            float(start["w"]),
-            attributes("rad s-1", "rate of the deviation at the start", r"$\dot u$", comment=words),
-        ),
+        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", **about),
+        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", **about),
     }

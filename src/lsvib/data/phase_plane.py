@@ -6,12 +6,23 @@ motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import event_impulses
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, named_index, quantity
+from lsvib.data.attributes import (
+    IMPULSES,
+    SIGNS,
+    WITHOUT_IMPULSES,
+    Dims,
+    flagged,
+    flags_or_none,
+    named_index,
+    quantity,
+    variable,
+)
 from lsvib.data.parameter_origins import Variables
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -32,11 +43,30 @@ _ARC = 17  # samples of an arc between two events, if there is room
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
     return {
-        "grid_angle_deviation": ("grid_angle_deviation", angle, attributes("rad", "deviation, of the grid", "$u$")),
-        "grid_velocity_deviation": (
-            "grid_velocity_deviation",
-            velocity,
-            attributes("rad s-1", "rate of the deviation, of the grid", r"$\dot u$"),
+        "grid_angle_deviation": variable("grid_angle_deviation", angle, "rad", "deviation, of the grid", "$u$"),
+        "grid_velocity_deviation": variable(
+            "grid_velocity_deviation", velocity, "rad s-1", "rate of the deviation, of the grid", r"$\dot u$"
+        ),
+    }
+
+
+def curve(name: str, dims: Dims, points: np.ndarray, where: str, **more: str) -> Variables:
+    """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
+    return {
+        f"{name}_angle": variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
+        f"{name}_velocity": variable(
+            dims, points[..., 1], "rad s-1", f"rate of the deviation {where}", r"$\dot u$", **more
+        ),
+    }
+
+
+def window_edges(name: str, dims: Dims, windows: Any, of: str = "") -> Variables:
+    """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
+    edges = np.array(windows)
+    return {
+        f"{name}_angle": variable(dims, edges[..., :2], "rad", f"left and right edge of the window{of}", "$u$"),
+        f"{name}_velocity": variable(
+            dims, edges[..., 2:], "rad s-1", f"bottom and top edge of the window{of}", r"$\dot u$"
         ),
     }
 
@@ -64,27 +94,17 @@ def portraits(
 def lines(drives: Sequence[RigidParameters]) -> Variables:
     """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
     exact = [coefficients(drive) for drive in drives]
+    angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
+    stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
     return {
-        "contact_line_angle": (
-            "case",
-            [float(-c.q_row[2] / c.q_row[0]) for c in exact],
-            attributes("rad", "deviation at which the contact force vanishes, at zero rate", "$u$"),
+        "contact_line_angle": variable(
+            "case", angle, "rad", "deviation at which the contact force vanishes, at zero rate", "$u$"
         ),
-        "contact_line_slope": (
-            "case",
-            [float(-c.q_row[1] / c.q_row[0]) for c in exact],
-            attributes("s", "slope du/du' of the line of zero contact force"),
+        "contact_line_slope": variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
+        "stop_velocity": variable(
+            "case", stop, "rad s-1", "rate of the deviation at which the screw stands still", r"$-\Omega$"
         ),
-        "stop_velocity": (
-            "case",
-            [-drive.input_speed for drive in drives],
-            attributes("rad s-1", "rate of the deviation at which the screw stands still", r"$-\Omega$"),
-        ),
-        "effective_inertia_plus": (
-            "case",
-            [float(c.gamma[1]) for c in exact],
-            attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-        ),
+        "effective_inertia_plus": variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
     }
 
 
@@ -100,10 +120,10 @@ def motions(drives: Sequence[RigidParameters], followed: Sequence[Sequence[Motio
         for name in ("normal_force", "coupling_deflection")
     }
     variables = {
-        "time": (dims, time, attributes("s", "time", "$t$")),
+        "time": variable(dims, time, "s", "time", "$t$"),
         "angle_deviation": (dims, states[..., 0], quantity("angle_deviation")),
         "velocity_deviation": (dims, states[..., 1], quantity("velocity_deviation")),
-        "mode": (dims, modes, flag("mode of motion", MotionMode)),
+        "mode": flagged(dims, modes, "mode of motion", MotionMode),
         **{name: (dims, values, quantity(name)) for name, values in observed.items()},
     }
     variables["normal_force"][2]["comment"] = WITHOUT_IMPULSES
@@ -127,14 +147,9 @@ def _events(drives: Sequence[RigidParameters], followed: Sequence[Sequence[Motio
             impulses = event_impulses(drive, motion)
             for name in IMPULSES:
                 numbers[name][here] = getattr(impulses, name.removesuffix("_impulse"))
-    kinds = flags(EventKind)
-    kinds = {
-        "flag_values": np.append(kinds["flag_values"], np.int8(-1)),
-        "flag_meanings": kinds["flag_meanings"] + " none",
-    }
     return {
-        "event_time": (dims, numbers["time"], attributes("s", "time of the event")),
-        "event_kind": (dims, kind, attributes("1", "kind of the event", **kinds)),
+        "event_time": variable(dims, numbers["time"], "s", "time of the event"),
+        "event_kind": variable(dims, kind, "1", "kind of the event", **flags_or_none(EventKind)),
         "event_sign": (dims, sign, SIGNS),
         **{f"event_{name}": (dims, numbers[name], quantity(_STATES[k], when)) for name, k, when in states},
         **{f"event_{name}": (dims, numbers[name], known) for name, known in IMPULSES.items()},
@@ -153,23 +168,10 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
         if case[0][0].orbit is not None:
             points[:] = sample(case[0][0].orbit, samples)[1]
     return {
-        "attractor": (dims, table("label", np.int8), flag(ATTRACTOR, Attractor)),
-        "amplitude": (
-            dims,
-            table("amplitude", float),
-            attributes("rad", AMPLITUDE),
-        ),
-        "period": (dims, table("period", float), attributes("s", PERIOD, "$T$")),
-        "cycle_angle": (
-            ("case", "sample"),
-            cycle[..., 0],
-            attributes("rad", "deviation on the limit cycle", "$u$", comment=_WHICH_CYCLE),
-        ),
-        "cycle_velocity": (
-            ("case", "sample"),
-            cycle[..., 1],
-            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$", comment=_WHICH_CYCLE),
-        ),
+        "attractor": flagged(dims, table("label", np.int8), ATTRACTOR, Attractor),
+        "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
+        "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
+        **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
     }
 
 

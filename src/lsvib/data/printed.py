@@ -1,13 +1,13 @@
 """Numbers that the chapter prints: as variables of a dataset, to be drawn beside what is computed, and as checks."""
 
-from lsvib.data.attributes import attributes
+from lsvib.data import attributes
 from lsvib.data.checks import Check
 from lsvib.drives.chapter import Claim
 
 
 def variable(claim: Claim, words: str) -> tuple:
     """Return a printed number, whose ``words`` say what it is, as a variable without dimensions."""
-    return (), claim.value, attributes(claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
+    return attributes.variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 
 
 def check(words: str, claim: Claim, computed: float) -> Check:

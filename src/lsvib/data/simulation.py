@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
-from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flag, flags, quantity
+from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values, parameters_of
 from lsvib.drives.scene import Scene, in_present_words, read_yaml
@@ -81,7 +81,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     states, modes = motion.at(times)
     codes = motion.automaton.codes
     data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
-    data["mode"] = ("time", codes[modes], {"long_name": "mode of motion", "units": "1", **flags(scene.kind.modes)})
+    data["mode"] = ("time", codes[modes], attributes("1", "mode of motion", **flags(scene.kind.modes)))
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
@@ -126,9 +126,9 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
     doubt = {} if steady.doubt is None else {"comment": f"unresolved, because {steady.doubt}"}
     return dataset.assign_coords(parameters).assign(
-        attractor=((), np.int8(steady.label), flag(phase_plane.ATTRACTOR, Attractor) | doubt),
-        amplitude=((), steady.amplitude, attributes("rad", phase_plane.AMPLITUDE)),
-        period=((), steady.period, attributes("s", phase_plane.PERIOD, "$T$")),
+        attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
+        amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
+        period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
     )
 
 

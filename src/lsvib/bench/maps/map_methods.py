@@ -49,26 +49,13 @@ def _engine(mapper: PlanarMapper) -> Label:
     return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
-def _stepped(step: float, seizures: int) -> Callable[[PlanarMapper], Label]:
+def _by(kernel: Callable[..., None], *limits: float) -> Callable[[PlanarMapper], Label]:
+    """Return what prepares a kernel of ``map_kernels``; ``limits``: its arguments between the grid and the labels."""
+
     def prepare(mapper: PlanarMapper) -> Label:
-        """Return the function that labels by steps of one length."""
-        tables, known, sprags = _tables(mapper)
-        cycle = int(Attractor.SPRAG_SLIP_CYCLE)
-        return lambda x, y, labels: map_kernels.stepped_labels(
-            tables, known, sprags, x, y, step, _HORIZON, seizures, cycle, labels
-        )
-
-    return prepare
-
-
-def _followed(seizures: int) -> Callable[[PlanarMapper], Label]:
-    def prepare(mapper: PlanarMapper) -> Label:
-        """Return the function that labels event by event, without proofs."""
-        tables, known, sprags = _tables(mapper)
-        cycle = int(Attractor.SPRAG_SLIP_CYCLE)
-        return lambda x, y, labels: map_kernels.followed_labels(
-            tables, known, sprags, x, y, _BUDGET, seizures, cycle, labels
-        )
+        """Return the function that labels."""
+        tables, cycle = _tables(mapper), int(Attractor.SPRAG_SLIP_CYCLE)
+        return lambda x, y, labels: kernel(*tables, x, y, *limits, cycle, labels)
 
     return prepare
 
@@ -83,7 +70,7 @@ def _lsoda(mapper: PlanarMapper) -> Label:
     from lsvib.bench.rivals.methods.scipy_events import integrator
 
     clock = Clock(_LIMIT)
-    hybrid = Hybrid(RaceScene("map", "map", mapper.model, mapper.drive, (0.0, 0.0), _HORIZON, _STEP_CAP))
+    hybrid = Hybrid(RaceScene("map", "map", mapper.drive, (0.0, 0.0), _HORIZON, _STEP_CAP))
     integrate = integrator(hybrid, _TOLERANCE, clock, "LSODA")
     tables, known, _ = _tables(mapper)
 
@@ -131,11 +118,12 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
     return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 
+_STEPPED, _FOLLOWED = map_kernels.stepped_labels, map_kernels.followed_labels
 METHODS: dict[str, MapMethod] = {
     "engine": MapMethod("lsvib", Rule.PROOF, _engine),
-    "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _followed(3)),
-    "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _stepped(1e-4, 0)),
-    "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _stepped(1e-5, 0)),
-    "rk4_seizures": MapMethod("RK4, 1e-4 s, to the third seizure", Rule.SEIZURES, _stepped(1e-4, 3)),
+    "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _by(_FOLLOWED, _BUDGET, 3)),
+    "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _by(_STEPPED, 1e-4, _HORIZON, 0)),
+    "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _by(_STEPPED, 1e-5, _HORIZON, 0)),
+    "rk4_seizures": MapMethod("RK4, 1e-4 s, to the third seizure", Rule.SEIZURES, _by(_STEPPED, 1e-4, _HORIZON, 3)),
     "lsoda": MapMethod("LSODA with events", Rule.TABLE, _lsoda),
 }

@@ -143,8 +143,8 @@ def first_root(functions, sides, end):
 class ThreadsTrueArc:
     """Motion in one mode: coordinates c0 + c1 t + sum over columns of Re(column * exp(rate t))."""
 
-    def __init__(self, rates, columns, c0, c1, check):
-        self.rates, self.columns, self.c0, self.c1, self.check = rates, columns, c0, c1, check
+    def __init__(self, rates, columns, c0, c1):
+        self.rates, self.columns, self.c0, self.c1 = rates, columns, c0, c1
         self.fastest = max(abs(rate) for rate in rates)
         self.clusters = _clusters(rates)
         self._exponentials, self._magnitudes = {}, {}

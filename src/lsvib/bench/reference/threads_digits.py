@@ -14,7 +14,6 @@ then m x'' = R - c_x x' - N cos - F sin.  State (u, w, e, v): u = z - z0 with z0
 
 Flow: in slip x' = A x + b, solved with the eigenvectors of A; at rest u = u0 - Omega t, and (e, v) obeys a scalar
 second-order equation with a force that is linear in time.  So every coordinate is c0 + c1 t + sum_j Re(c_j exp(l_j t)).
-(`ThreadsTrueArc.check` holds it against the matrix exponential of mpmath.)
 The search for its events is that of :mod:`lsvib.bench.reference.exponential_sums`.
 """
 
@@ -104,7 +103,7 @@ class ThreadsTrueDrive:
     def _spectrum(self, law):
         A, b = self.matrix(lambda x: self.slip(law, x))
         rates, vectors = mp.eig(A)
-        return A, b, rates, vectors, mp.lu_solve(A, -b)
+        return rates, vectors, mp.lu_solve(A, -b)
 
     def guards(self, mode):
         """Pairs (row, side): side*function is positive inside the mode; N or limit of friction first, then speed."""
@@ -120,7 +119,7 @@ class ThreadsTrueDrive:
 
     def slip_arc(self, law, x):
         """Return the closed form of slip under a law from the state x on, in eigenvectors."""
-        A, b, rates, vectors, steady = self.fields[law]
+        rates, vectors, steady = self.fields[law]
         weights = mp.lu_solve(vectors, mp.matrix(x) - steady)
         kept, columns = [], []
         for j, rate in enumerate(rates):
@@ -130,7 +129,7 @@ class ThreadsTrueDrive:
                 column = [(1 if real or close else 2) * weights[j] * vectors[i, j] for i in range(4)]
                 kept.append(mp.re(rate) if real else rate)
                 columns.append([mp.re(c) for c in column] if real else column)
-        return ThreadsTrueArc(kept, columns, list(steady), [mpf(0)] * 4, lambda t: _by_matrix_exponential(A, b, x, t))
+        return ThreadsTrueArc(kept, columns, list(steady), [mpf(0)] * 4)
 
     def rest_arc(self, x):
         """Return the closed form of rest from the state x on."""
@@ -148,7 +147,7 @@ class ThreadsTrueDrive:
             rates, parts = rates[:1], [2 * parts[0]]
         columns = [[mpf(0), mpf(0), c, rate * c] for c, rate in zip(parts, rates, strict=True)]
         c0, c1 = [u, w, alpha, beta], [w, mpf(0), beta, mpf(0)]
-        return ThreadsTrueArc(rates, columns, c0, c1, lambda t: _by_matrix_exponential(A, b, x, t))
+        return ThreadsTrueArc(rates, columns, c0, c1)
 
     def mode_at(self, x):
         """Mode at a state; N = 0 is judged by its first non-zero derivative, which is the same under every law."""
@@ -162,15 +161,6 @@ class ThreadsTrueDrive:
             return int(mp.sign(speed)), contact
         F = self.friction(x)
         return (0 if abs(F) <= self.mu * abs(N) else int(mp.sign(F))), contact
-
-
-def _by_matrix_exponential(A, b, x, t):
-    extended = mp.zeros(5)
-    for i in range(4):
-        extended[i, 4] = b[i] * t
-        for j in range(4):
-            extended[i, j] = A[i, j] * t
-    return tuple((mp.expm(extended) * mp.matrix([*x, 1]))[:4])
 
 
 def name(mode):

@@ -114,7 +114,7 @@ class TwoBodiesTrueMode:
         if not kept:  # nothing swings; a rate of no weight sets the scale of time
             stiffness, inertia = self.drive.p["coupling_stiffness"], self.drive.p["screw_inertia"]
             kept, columns = [-mp.sqrt(stiffness / inertia)], [[mpf(0)] * 4]
-        return ThreadsTrueArc(kept, columns, c0, c1, None)
+        return ThreadsTrueArc(kept, columns, c0, c1)
 
     def lasts(self, x, zero):
         """Whether the mode's own flow keeps all its conditions; the speeds in ``zero`` are zero exactly."""

@@ -6,18 +6,16 @@ A method's module is loaded when it is used, since it may need a package that on
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from lsvib.bench.rivals import methods
 from lsvib.bench.rivals.hybrid import Clock, Hybrid
 from lsvib.errors import InputError
 
-_PACKAGES = {
-    "scipy": "scipy",
-    "sksundae": "scikit-sundae",
-    "diffrax": "diffrax",
-    "heyoka": "heyoka",
-}  # import name: package
+_PACKAGES = {"sksundae": "scikit-sundae"}  # import name: package, where they differ
 
 
 class MethodFamily(IntEnum):
@@ -31,94 +29,51 @@ class MethodFamily(IntEnum):
     TAYLOR = 5  # a general solver with compiled Taylor series and roots isolated on them, Python from event to event
 
 
-def _exact() -> Callable:
-    from lsvib.bench.rivals.methods.this_engine import prepare
-
-    return prepare
-
-
-def _scipy_events() -> Callable:
-    from lsvib.bench.rivals.methods.scipy_events import prepare
-
-    return prepare
-
-
-def _cvode() -> Callable:
-    from lsvib.bench.rivals.methods.cvode import prepare
-
-    return prepare
-
-
-def _diffrax_events() -> Callable:
-    from lsvib.bench.rivals.methods.diffrax_events import prepare
-
-    return prepare
-
-
-def _heyoka_events() -> Callable:
-    from lsvib.bench.rivals.methods.heyoka_events import prepare
-
-    return prepare
-
-
-def _smoothed() -> Callable:
-    from lsvib.bench.rivals.methods.smoothed import prepare
-
-    return prepare
-
-
-def _fixed_step() -> Callable:
-    from lsvib.bench.rivals.methods.fixed_step import prepare
-
-    return prepare
-
-
 @dataclass(frozen=True)
 class Method:
     """A method: ``control`` is what its setting is, ``relative_tolerance`` [1], ``time_step`` [s], ``smoothing_width``
-    [rad/s] or ``none``; ``load`` returns the function that prepares what is timed; ``needs``: a package by its import
-    name; ``explicit``: bounded region of stability, so no method for stiff scenes.
+    [rad/s] or ``none``; ``module``, one of :data:`lsvib.bench.rivals.methods.MODULES`, prepares what is timed;
+    ``needs``: a package by its import name; ``explicit``: bounded region of stability, so no method for stiff scenes.
     """
 
     label: str
     family: MethodFamily
-    load: Callable[[], Callable]
+    module: str
     control: str = "relative_tolerance"
     options: Mapping[str, Any] = field(default_factory=dict)
     needs: str | None = None
     explicit: bool = False
 
     def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
-        """Return the function to time; ``InputError`` if the package is missing."""
+        """Return the function to time; what it returns makes a record when called. ``InputError`` without the package."""
         self.require()
-        return self.load()(hybrid, setting, clock, max_events, **self.options)
+        prepare: Callable = import_module(f"{methods.__name__}.{self.module}").prepare
+        return prepare(hybrid, setting, clock, max_events, **self.options)
 
     def require(self) -> None:
         """Raise ``InputError`` if the package that the method needs is missing."""
         if self.needs and find_spec(self.needs) is None:
             raise InputError(
-                f"The package {_PACKAGES[self.needs]}, which {self.label} needs, is not installed; "
+                f"The package {_PACKAGES.get(self.needs, self.needs)}, which {self.label} needs, is not installed; "
                 "run pip install -r requirements-accuracy.txt."
             )
 
 
-def _with_scipy(label: str, **options) -> Method:
-    explicit = options["solver"] in ("RK45", "DOP853")
-    return Method(label, MethodFamily.GENERAL, _scipy_events, options=options, needs="scipy", explicit=explicit)
+_EXPLICIT = ("RK45", "DOP853", "Adams", "Tsit5", "Dopri8")  # solvers
 
 
-def _with_cvode(label: str, **options) -> Method:
-    explicit = options["solver"] == "Adams"
-    return Method(label, MethodFamily.GENERAL, _cvode, options=options, needs="sksundae", explicit=explicit)
+def _general(label: str, module: str, needs: str, **options) -> Method:
+    """A general solver of a package, by its name there."""
+    family = MethodFamily.COMPILED if needs == "diffrax" else MethodFamily.GENERAL
+    return Method(label, family, module, options=options, needs=needs, explicit=options["solver"] in _EXPLICIT)
 
 
-def _with_diffrax(label: str, **options) -> Method:
-    explicit = options["solver"] in ("Tsit5", "Dopri8")
-    return Method(label, MethodFamily.COMPILED, _diffrax_events, options=options, needs="diffrax", explicit=explicit)
-
+_with_scipy = partial(_general, module="scipy_events", needs="scipy")
+_with_cvode = partial(_general, module="cvode", needs="sksundae")
+_with_diffrax = partial(_general, module="diffrax_events", needs="diffrax")
 
 METHODS = {
-    "exact": Method("lsvib", MethodFamily.EXACT, _exact, "none"),
+    "exact": Method("lsvib", MethodFamily.EXACT, "this_engine", "none"),
     "rk45": _with_scipy("RK45", solver="RK45"),
     "dop853": _with_scipy("DOP853", solver="DOP853"),
     "dop853_capped": _with_scipy("DOP853, step cap", solver="DOP853", capped=True),
@@ -134,11 +89,11 @@ METHODS = {
     "diffrax_dopri8_capped": _with_diffrax("diffrax Dopri8, step cap", solver="Dopri8", capped=True),
     "diffrax_kvaerno5": _with_diffrax("diffrax Kvaerno5", solver="Kvaerno5"),
     # Explicit too, but of so high an order and with steps so cheap that it does the stiff scene: not left out of it.
-    "heyoka": Method("heyoka", MethodFamily.TAYLOR, _heyoka_events, needs="heyoka"),
-    "smoothed": Method("smoothed friction", MethodFamily.SMOOTHED, _smoothed, "smoothing_width", needs="sksundae"),
-    "rk4": Method("RK4, fixed step", MethodFamily.FIXED_STEP, _fixed_step, "time_step", explicit=True),
+    "heyoka": Method("heyoka", MethodFamily.TAYLOR, "heyoka_events", needs="heyoka"),
+    "smoothed": Method("smoothed friction", MethodFamily.SMOOTHED, "smoothed", "smoothing_width", needs="sksundae"),
+    "rk4": Method("RK4, fixed step", MethodFamily.FIXED_STEP, "fixed_step", "time_step", explicit=True),
     "rk4_refined": Method(
-        "RK4, refined events", MethodFamily.FIXED_STEP, _fixed_step, "time_step", {"refined": True}, explicit=True
+        "RK4, refined events", MethodFamily.FIXED_STEP, "fixed_step", "time_step", {"refined": True}, explicit=True
     ),
 }
 

@@ -191,7 +191,7 @@ class Hybrid:
         raise GaveUp("no branch fits")
 
     def run(self, integrate: Integrate, clock: Clock, max_events: int) -> "Recorder":
-        """Follow the scene with a solver, event by event."""
+        """Follow the scene with a solver, event by event; what is returned works out the rest when it is called."""
         clock.start()
         mode, state = self.enter()
         now, end = 0.0, self.scene.duration
@@ -213,7 +213,7 @@ class Hybrid:
 
 
 class Recorder:
-    """The arcs of a run; :meth:`run` works out the rest after the time has been taken."""
+    """The arcs of a run; a call works out the rest after the time has been taken."""
 
     def __init__(self, hybrid: Hybrid, mode: int, state: Sequence[float]) -> None:
         self.hybrid = hybrid
@@ -232,7 +232,7 @@ class Recorder:
         self.end, self.end_state, self.failure = now, state, failure
         return self
 
-    def run(self) -> Record:
+    def __call__(self) -> Record:
         """Return the run with its extremes: those of the closed form from the states that the method found."""
         extremes = (np.nan, np.nan)
         if not self.failure:

@@ -21,8 +21,6 @@ from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case
 from lsvib.bench.sweeps.paths import INSTANT, automaton
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.model_files import model_names
-from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 
@@ -128,11 +126,8 @@ def pose(case: Case, rng: np.random.Generator) -> tuple[Verdict, Question | None
         outcome = case_judge.judge(case, rng)
     if outcome.verdict is not Verdict.RIGHT or not outcome.path.complete:
         return outcome.verdict, None
-    kind = next(name for name in model_names() if find_model(name).drive is type(case.drive))
     size = outcome.path.size
-    scene = _Posed(
-        "case", "a case", kind, case.drive, case.start, case.duration, math.inf, sizes=tuple(size), case=case
-    )
+    scene = _Posed("case", "a case", case.drive, case.start, case.duration, math.inf, sizes=tuple(size), case=case)
     hybrid = Hybrid(scene)
     motion = follow(hybrid.automaton, case.start, case.duration, max_events=case_judge.MOST_EVENTS)
     question = Question(case, _truth(hybrid, motion, size), hybrid, *_rates(hybrid, motion))
@@ -199,7 +194,7 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
     effort = Effort(MOST_STEPS if method.family == MethodFamily.TAYLOR else MOST_EVALUATIONS)
     function = method.prepare(question.hybrid, setting, effort, most)
     try:
-        run = function().run()
+        run = function()()
     except GaveUp as reason:
         return Answer(Verdict.GAVE_UP, failure=_in_words(str(reason)))
     except (ArithmeticError, ValueError, RuntimeError) as fault:  # of the solver: not finite, no bracket

@@ -104,7 +104,7 @@ def _warm_up(method, this: RaceScene, setting: float, clock: Clock) -> float:
     short = Hybrid(replace(this, duration=_WARM_UP * this.duration))
     start = time.process_time()
     with suppress(GaveUp):  # then the whole run gives up too, and is counted
-        method.prepare(short, setting, clock, 1000)().run()
+        method.prepare(short, setting, clock, 1000)()()
     return time.process_time() - start
 
 
@@ -144,6 +144,6 @@ def _run(entry: Entry, function, truth: Record) -> None:
         entry.errors = errors(Record(failure=entry.failure), truth)
         return
     if entry.errors is None:
-        run = outcome.run()
+        run = outcome()
         entry.errors, entry.failure = errors(run, truth), run.failure
         entry.events = -1 if run.kinds is None else len(run.kinds)

@@ -1,7 +1,7 @@
 """The scenes on which methods are compared: drive, start, duration and the sizes that errors are measured in."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -29,7 +29,6 @@ class RaceScene:
 
     name: str
     title: str
-    model: str
     drive: RigidParameters
     state: tuple[float, ...]
     duration: float
@@ -38,8 +37,8 @@ class RaceScene:
 
     @property
     def kind(self) -> Model:
-        """The model by its name."""
-        return find_model(self.model)
+        """The model of the drive."""
+        return find_model(self.drive.model)
 
     @property
     def window(self) -> float:
@@ -60,69 +59,42 @@ class RaceScene:
         return self.kind.build(self.drive, self.kind.options, "contact_sign")
 
 
-def _stick_slip() -> RaceScene:
-    drive = RigidParameters.of(mass=1, translation_damping=1e3, axial_force=40)
-    return RaceScene("stick_slip", "stick–slip, 40 N", "rigid", drive, (0.01, 0.0), 0.5, 2e-4)
+@cache
+def _scenes() -> dict[str, RaceScene]:
+    """All scenes by their names."""
+    slips = RigidParameters.of(mass=1, translation_damping=1e3)
+    vibrates, grazes = slips.replace(axial_force=40), stick_force(slips)
+    sprags = RigidParameters.of(mass=11, support_damping=1e-3)
+    just = sprags.replace(axial_force=global_stability_force(sprags) * (1 - _NEAR))
+    stiff = ThreadsParameters.of(mass=11, axial_force=100)
+    seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
+    light = RigidParameters.of(translation_damping=1e3, axial_force=40)
+    critical = light.replace(mass=critical_mass(light) * (1 - _GAMMA))
 
+    def rigid(
+        name: str, title: str, drive: RigidParameters, start: tuple[float, float], duration: float = 0.5
+    ) -> RaceScene:
+        return RaceScene(name, title, drive, start, duration, 2e-4)
 
-def _graze(name: str, title: str, side: int) -> RaceScene:
-    drive = RigidParameters.of(mass=1, translation_damping=1e3)
-    drive = drive.replace(axial_force=stick_force(drive) * (1 + side * _NEAR))
-    return RaceScene(name, title, "rigid", drive, (0.05, 0.0), 0.5, 2e-4)
+    def graze(name: str, title: str, side: int) -> RaceScene:
+        return rigid(name, title, slips.replace(axial_force=grazes * (1 + side * _NEAR)), (0.05, 0.0))
 
-
-def _graze_above() -> RaceScene:
-    return _graze("graze_above", "just above stick force", 1)
-
-
-def _graze_below() -> RaceScene:
-    return _graze("graze_below", "just below stick force", -1)
-
-
-def _sprag_slip() -> RaceScene:
-    drive = RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)
-    return RaceScene("sprag_slip", "sprag–slip, Painlevé", "rigid", drive, (0.1, 0.0), 0.5, 2e-4)
-
-
-def _sprag_graze() -> RaceScene:
-    drive = RigidParameters.of(mass=11, support_damping=1e-3)
-    drive = drive.replace(axial_force=global_stability_force(drive) * (1 - _NEAR))
-    return RaceScene("sprag_graze", "seizure just reached", "rigid", drive, (0.06, -drive.input_speed), 0.5, 2e-4)
-
-
-def _stiff_contact() -> RaceScene:
-    drive = ThreadsParameters.of(mass=11, axial_force=100)
-    state = tuple(float(x) for x in seated_state(drive, 0.005, 0.0))
-    return RaceScene("stiff_contact", "stiff contact, Fig. 8.10", "threads", drive, state, 0.05, 5e-5, explicit=False)
-
-
-def _near_critical() -> RaceScene:
-    drive = RigidParameters.of(translation_damping=1e3, axial_force=40)
-    drive = drive.replace(mass=critical_mass(drive) * (1 - _GAMMA))
-    return RaceScene("near_critical", "near-critical mass", "rigid", drive, (0.01, 0.0), 0.3, 2e-4)
-
-
-def _long_run() -> RaceScene:
-    drive = RigidParameters.of(mass=1, translation_damping=1e3, axial_force=40)
-    return RaceScene("long_run", "1000 periods", "rigid", drive, (0.01, 0.0), 13.5, 2e-4)
-
-
-_SCENES: dict[str, Callable[[], RaceScene]] = {
-    "stick_slip": _stick_slip,
-    "graze_above": _graze_above,
-    "graze_below": _graze_below,
-    "sprag_slip": _sprag_slip,
-    "sprag_graze": _sprag_graze,
-    "stiff_contact": _stiff_contact,
-    "near_critical": _near_critical,
-    "long_run": _long_run,
-}
-NAMES = tuple(_SCENES)
+    found = (
+        rigid("stick_slip", "stick–slip, 40 N", vibrates, (0.01, 0.0)),
+        graze("graze_above", "just above stick force", 1),
+        graze("graze_below", "just below stick force", -1),
+        rigid("sprag_slip", "sprag–slip, Painlevé", sprags.replace(axial_force=-10), (0.1, 0.0)),
+        rigid("sprag_graze", "seizure just reached", just, (0.06, -just.input_speed)),
+        RaceScene("stiff_contact", "stiff contact, Fig. 8.10", stiff, seated, 0.05, 5e-5, explicit=False),
+        rigid("near_critical", "near-critical mass", critical, (0.01, 0.0), 0.3),
+        rigid("long_run", "1000 periods", vibrates, (0.01, 0.0), 13.5),
+    )
+    return {scene.name: scene for scene in found}
 
 
 def scene(name: str, shorten: float = 1.0) -> RaceScene:
     """Return a scene by name, cut to a part of its duration; ``InputError`` if there is none of that name."""
-    if name not in _SCENES:
-        raise InputError(f"scene = {name!r} is not one of {', '.join(NAMES)}.")
-    found = _SCENES[name]()
+    if name not in _scenes():
+        raise InputError(f"scene = {name!r} is not one of {', '.join(_scenes())}.")
+    found = _scenes()[name]
     return replace(found, duration=shorten * found.duration)

@@ -11,7 +11,7 @@ from lsvib.bench.second_opinions.endings import DIGITS
 
 def reference(scene: RaceScene) -> Record:
     """Compute a scene with the independent reference; takes seconds to a minute."""
-    return _threads(scene) if scene.model == "threads" else _rigid(scene)
+    return _threads(scene) if scene.drive.model == "threads" else _rigid(scene)
 
 
 def _rigid(scene: RaceScene) -> Record:

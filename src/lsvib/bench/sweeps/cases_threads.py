@@ -15,6 +15,7 @@ from mpmath import mp, mpf
 from lsvib.bench.second_opinions.endings import DIGITS
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
 from lsvib.drives.parameters import ThreadsParameters
+from lsvib.engine.exact.factors import multiplied
 from lsvib.steady_sliding.linearised import threads_model
 
 _LOW, _HIGH = 1e-3, 1e14  # of k_c [N/m] and c_c [N s/m]
@@ -73,20 +74,20 @@ def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -
     """
     with mp.workdps(DIGITS):
         g, h = _polynomials(drive, law)
-        first = _minus(_times(_slope(g), h), _times(g, _slope(h)))  # −q′ h²
+        first = _minus(multiplied(_slope(g), h), multiplied(g, _slope(h)))  # −q′ h²
         if group == Group.TRIPLE:
-            condition = _minus(_times(_slope(first), h), _times([2 * x for x in _slope(h)], first))
+            condition = _minus(multiplied(_slope(first), h), multiplied([2 * x for x in _slope(h)], first))
         elif group == Group.DOUBLE_BY_DAMPING:  # q − k_c = σ q′
-            condition = _minus([*first, mpf(0)], _times(h, _minus(g, [-mpf(other) * x for x in h])))
+            condition = _minus([*first, mpf(0)], multiplied(h, _minus(g, [-mpf(other) * x for x in h])))
         else:
-            condition = _minus(first, [-mpf(other) * x for x in _times(h, h)])
+            condition = _minus(first, [-mpf(other) * x for x in multiplied(h, h)])
         found = []
         for root in _roots(condition):
             rate = mp.re(root)
             if abs(mp.im(root)) > mpf(10) ** -15 * abs(root) or not rate < 0:
                 continue
-            value, slope = _value(h, rate), -_value(first, rate) / _value(h, rate) ** 2
-            quotient = -_value(g, rate) / value
+            value, slope = mp.polyval(h, rate), -mp.polyval(first, rate) / mp.polyval(h, rate) ** 2
+            quotient = -mp.polyval(g, rate) / value
             damping = {Group.DOUBLE_BY_STIFFNESS: mpf(other), Group.DOUBLE_BY_DAMPING: (quotient - other) / rate}
             damping = damping.get(group, slope)
             stiffness = mpf(other) if group == Group.DOUBLE_BY_DAMPING else quotient - damping * rate
@@ -104,7 +105,7 @@ def _polynomials(drive: ThreadsParameters, law: int) -> tuple[list, list]:
     screw = [p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]]
     rigid = [screw[0] - lever * p["mass"], screw[1] - lever * p["translation_damping"], screw[2]]
     nu = cos * (cos + mu * sin)
-    return _times(screw, [p["mass"], p["translation_damping"], mpf(0)]), [nu * x for x in rigid]
+    return multiplied(screw, [p["mass"], p["translation_damping"], mpf(0)]), [nu * x for x in rigid]
 
 
 def _roots(polynomial: list) -> list:
@@ -121,21 +122,6 @@ def _roots(polynomial: list) -> list:
         if k:
             companion[k, k - 1] = mpf(1)
     return [unit * root for root in mp.eig(companion, left=False, right=False)]
-
-
-def _value(a: list, x) -> mpf:
-    value = mpf(0)
-    for coefficient in a:
-        value = value * x + coefficient
-    return value
-
-
-def _times(a: list, b: list) -> list:
-    product = [mpf(0)] * (len(a) + len(b) - 1)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            product[i + j] += x * y
-    return product
 
 
 def _minus(a: list, b: list) -> list:

@@ -1,7 +1,7 @@
 """Motions as far as judges compare them: of the engine, of the Taylor stepper, and of the references with 40 digits."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import lru_cache
 
@@ -17,11 +17,8 @@ from lsvib.bench.second_opinions import strides, taylor, watch
 from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
 from lsvib.bench.sweeps.families import Case
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
-from lsvib.drives.rigid import EventKind, rigid_automaton
-from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
-from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
-from lsvib.drives.threads import ThreadsEvent, threads_automaton
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
@@ -33,6 +30,7 @@ _MOST_STEPS = 100_000  # steps of the stepper; motions that need more go to the 
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
 TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 _CORNER = "corner"
+_TWO_BODIES = ("support", "nut")  # models with a second body
 _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
 _CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
@@ -57,33 +55,25 @@ def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
 
 def is_rigid(case: Case) -> bool:
     """Whether a case is of the rigid drive, which the stepper can follow."""
-    return type(case.drive) is RigidParameters
+    return case.drive.model == "rigid"
 
 
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
-    if isinstance(case.drive, ThreadsParameters):
-        return threads_automaton(case.drive)
-    if is_rigid(case):
-        return rigid_automaton(case.drive)
-    build = support_automaton if isinstance(case.drive, SupportParameters) else nut_automaton
-    return build(case.drive, **_frictions(case))
+    kind = find_model(case.drive.model)
+    return kind.build(case.drive, (*kind.options, *case.physics), "contact_sign")
 
 
 def engine_path(motion: Motion, case: Case) -> Record:
     """Record of the engine's motion."""
-    counted = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    kind, counted = find_model(case.drive.model), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
-    if isinstance(case.drive, SupportParameters | NutParameters):
-        modes, events = (
-            (SupportMode, SupportEvent) if isinstance(case.drive, SupportParameters) else (NutMode, NutEvent)
-        )
-        pairs = zip(motion.mode[counted], motion.kind[counted] == events.SEIZURE, strict=True)
-        kinds = [_token(modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
+    if case.drive.model in _TWO_BODIES:
+        pairs = zip(motion.mode[counted], motion.kind[counted] == kind.events["SEIZURE"], strict=True)
+        kinds = [_token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
         size = np.maximum(size, _least(case))
     else:
-        names: Callable = EventKind if is_rigid(case) else ThreadsEvent
-        kinds = [names(kind).name.lower() for kind in motion.kind[counted]]
+        kinds = [kind.events(event).name.lower() for event in motion.kind[counted]]
     return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 
@@ -114,7 +104,7 @@ def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) 
 
 def case_ladders(case: Case, longest: float) -> Ladders:
     """Constants of a drive with four states for :func:`strides_path`, for motions up to ``longest`` [s]."""
-    return ladders(_model(case), dict(case.drive), *_frictions(case).values(), longest)
+    return ladders(case.drive.model, dict(case.drive), *_frictions(case), longest)
 
 
 def strides_path(case: Case, constants: Ladders) -> Record | None:
@@ -122,23 +112,14 @@ def strides_path(case: Case, constants: Ladders) -> Record | None:
     times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
     before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
     status, count, _ = strides.follow(
-        constants,
-        np.array(case.start),
-        case.duration,
-        strides.MOST_STRIDES,
-        times,
-        before,
-        after,
-        fired,
-        np.empty((0, 4)),
-        end,
-        size,
-    )
+        constants, np.array(case.start), case.duration, strides.MOST_STRIDES, times, before, after, fired,
+        np.empty((0, 4)), end, size,
+    )  # fmt: skip
     if status not in (strides.TIME_REACHED, strides.EVENTS_FULL):
         return None
     kinds = []
     for one, other, kind in zip(before[:count], after[:count], fired[:count], strict=True):
-        if isinstance(case.drive, ThreadsParameters):
+        if case.drive.model == "threads":
             if constants.direction[one] == 0:
                 kinds.append("release")
             elif kind == FORCE:
@@ -148,8 +129,8 @@ def strides_path(case: Case, constants: Ladders) -> Record | None:
         else:
             seconds = constants.second[other] if constants.has_second else None
             mode = (constants.direction[other], constants.contact[other], seconds)
-            kinds.append(_token(_name(mode, _model(case)), kind == strides.SEIZURE))
-    if not isinstance(case.drive, ThreadsParameters):
+            kinds.append(_token(_name(mode, case.drive.model), kind == strides.SEIZURE))
+    if case.drive.model in _TWO_BODIES:
         size = np.maximum(size, _least(case))
     return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
 
@@ -170,7 +151,7 @@ def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> 
 
 
 def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Record:
-    if isinstance(drive, ThreadsParameters):
+    if drive.model == "threads":
         result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
         visited += [arc.state(stay * x) for _, _, arc, stay in result.arcs for x in _SAMPLES if stay]
@@ -182,35 +163,23 @@ def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], di
         visited += [(segment.u, segment.w) for segment in result.segments]
         end, complete = (result.u, result.w), result.complete
     else:
-        model = "support" if isinstance(drive, SupportParameters) else "nut"
         result = two_bodies_digits.simulate(
-            dict(drive),
-            model,
-            *_frictions(case).values(),
-            start,
-            case.duration,
-            dps=digits,
-            max_events=MOST_EVENTS,
+            dict(drive), drive.model, *_frictions(case), start, case.duration, dps=digits, max_events=MOST_EVENTS
         )
-        kinds = [_token(_name(event.mode_after, model), event.seizure) for event in result.events]
+        kinds = [_token(_name(event.mode_after, drive.model), event.seizure) for event in result.events]
         visited = [event.state for event in result.events]
         visited += result.sampled(_SAMPLES)
         end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
-    if isinstance(drive, SupportParameters | NutParameters):
+    if drive.model in _TWO_BODIES:
         size = np.maximum(size, _least(case))
     times = np.array([float(event.time) for event in result.events])
     return _path(case, kinds, times, end, size, complete)
 
 
-def _model(case: Case) -> str:
-    if isinstance(case.drive, ThreadsParameters):
-        return "threads"
-    return "support" if isinstance(case.drive, SupportParameters) else "nut"
-
-
-def _frictions(case: Case) -> dict[str, bool]:
-    return {"slide": "slide_friction" in case.physics, "bearing": "bearing_friction" in case.physics}
+def _frictions(case: Case) -> tuple[bool, bool]:
+    """Whether the slide and the bearing rub."""
+    return "slide_friction" in case.physics, "bearing_friction" in case.physics
 
 
 def _token(mode: str, seized: bool) -> str:
@@ -227,8 +196,7 @@ def _name(mode: tuple, model: str) -> str:
 
 def _least(case: Case) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    model = "support" if isinstance(case.drive, SupportParameters) else "nut"
-    steady = TwoBodies(model, dict(case.drive), *_frictions(case).values())
+    model, steady = case.drive.model, TwoBodies(case.drive.model, dict(case.drive), *_frictions(case))
     speed = abs(case.drive.input_speed)
     rate = speed * math.tan(case.drive.lead_angle) * case.drive.pitch_radius if model == "support" else speed
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])

@@ -6,7 +6,7 @@ import numpy as np
 
 from lsvib.bench.sweeps.case_judge import VERDICTS
 from lsvib.bench.sweeps.worst_case import Tried
-from lsvib.data.attributes import attributes, flag
+from lsvib.data.attributes import flagged, variable
 
 
 def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
@@ -18,21 +18,11 @@ def worst_cases(worst: list[Tried]) -> dict[str, tuple]:
         "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
     }
     found = {
-        name: (
-            "edge_family",
-            np.array([getattr(tried.outcome, key) for tried in worst]),
-            attributes("1", text),
-        )
+        name: variable("edge_family", np.array([getattr(tried.outcome, key) for tried in worst]), "1", text)
         for name, (key, text) in words.items()
     }
-    verdicts = np.array([tried.outcome.verdict for tried in worst], np.int8)
-    return found | {
-        "worst_verdict": (
-            "edge_family",
-            verdicts,
-            flag("verdict on the worst case", VERDICTS),
-        )
-    }
+    verdicts = [tried.outcome.verdict for tried in worst]
+    return found | {"worst_verdict": flagged("edge_family", verdicts, "verdict on the worst case", VERDICTS)}
 
 
 def description(tried: Tried) -> dict[str, Any]:

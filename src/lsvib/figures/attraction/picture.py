@@ -30,16 +30,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     first = draw_map(axes, dataset)
     draw_boundary(axes, dataset)
-    _draw_attractors(axes, dataset)
-    limits = _limits(dataset)
-    axes.axis(limits)
+    for index in range(dataset.sizes.get("cycle", 0)):
+        phase_planes.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
+    phase_planes.mark_origin(axes)
+    axes.axis(_limits(dataset))
     if "contact_line_angle" in dataset:
         phase_planes.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     phase_planes.label_axes(axes, dataset)
-    given = [
-        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
-    ]
-    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
+    phase_planes.state_given(figure, dataset)
     phase_planes.legend(figure, [axes], 2, first)
     return figure
 
@@ -92,12 +90,6 @@ def draw_boundary(axes: Axes, dataset: xr.Dataset) -> None:
         axes.plot(
             dataset.boundary_angle, dataset.boundary_velocity, color=style.BLACK, linewidth=0.9, label="exact boundary"
         )
-
-
-def _draw_attractors(axes: Axes, dataset: xr.Dataset) -> None:
-    for index in range(dataset.sizes.get("cycle", 0)):
-        phase_planes.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
-    phase_planes.mark_origin(axes)
 
 
 def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:

@@ -14,10 +14,9 @@ from lsvib.contact.limit_process import fitted_order
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane
 from lsvib.data.attraction_map import axis_coordinate, window_of
-from lsvib.data.attributes import yes_no
+from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
-from lsvib.data.phase_plane import attributes
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.errors import InputError
 
@@ -31,9 +30,8 @@ _EXACT = 1e-9  # of a ray: the label changes on the exact boundary; bisection go
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compare planar slices (seated contact) with the map of the rigid drive.
 
-    ``settings``: ``drive``; ``grid``, the box in u and w; ``stiffnesses`` [N/m], the damping c_c being as large in
-    N s/m; ``rays``, straight lines from steady sliding to an ellipse within the box, on each of which the boundary is
-    found by bisection. Raises ``InputError``, also if a ray ends within the basin.
+    ``settings``: see ``Settings``; on each ray, from steady sliding to an ellipse within the box, the boundary is found
+    by bisection. Raises ``InputError``, also if a ray ends within the basin.
     """
     drive, grid = RigidParameters.of(settings["drive"]), Grid.of(settings["grid"])
     stiffness = np.array(settings["stiffnesses"], dtype=float)
@@ -48,25 +46,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ]
     radius = _boundary(rigid, ends)
     displacement = np.array([_boundary(mapped, ends) / radius - 1 for mapped in compliant])
-    exact = basin(drive)
+    exact, crossing = basin(drive), f"the exact boundary crosses the ray there, to {_EXACT:g} of it"
     return xr.Dataset(
         _maps(grid, rigid, compliant)
-        | _displacements(displacement)
-        | _exact_boundary(exact.line(window_of(grid), _ARC))
+        | _displacements(stiffness, displacement)
+        | phase_plane.curve("boundary", "boundary_point", exact.line(window_of(grid), _ARC), "on the exact boundary")
         | _on_rays(np.array([radius, *((displacement + 1) * radius)])[:, None] * ends)
-        | {
-            "on_exact_boundary": (
-                "ray",
-                _crossed(exact, radius, ends),
-                yes_no(f"the exact boundary crosses the ray there, to {_EXACT:g} of it"),
-            )
-        }
-        | _order(stiffness, displacement),
+        | {"on_exact_boundary": yes_no("ray", _crossed(exact, radius, ends), crossing)},
         coords={
             **axis("contact_stiffness", stiffness),
             **axis("contact_damping", _TIME * stiffness, "contact_stiffness"),
             **drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
-            "ray": ("ray", angle, attributes("rad", "direction of the ray, in halves of the box")),
+            "ray": variable("ray", angle, "rad", "direction of the ray, in halves of the box"),
             "angle_deviation": axis_coordinate(grid.x),
             "velocity_deviation": axis_coordinate(grid.y),
         },
@@ -82,65 +73,28 @@ def _maps(grid: Grid, rigid: Mapper, compliant: Sequence[Mapper]) -> phase_plane
     """The attractor of each cell, of the rigid drive and with each contact, and how many cells differ."""
     plane = ("velocity_deviation", "angle_deviation")
     label, *labels = (mapped.cells(grid, quantities=("label",))["label"] for mapped in (rigid, *compliant))
+    different, words = [np.mean(other != label) for other in labels], "whose attractor is not the rigid drive's"
     return {
-        "rigid_attractor": (
-            plane,
-            label,
-            phase_plane.flag(f"{phase_plane.ATTRACTOR}, of the rigid drive", Attractor),
-        ),
-        "attractor": (
-            ("contact_stiffness", *plane),
-            np.array(labels),
-            phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
-        ),
-        "different": (
-            "contact_stiffness",
-            [np.mean(other != label) for other in labels],
-            attributes("1", "fraction of the cells whose attractor is not the rigid drive's"),
-        ),
+        "rigid_attractor": flagged(plane, label, f"{phase_plane.ATTRACTOR}, of the rigid drive", Attractor),
+        "attractor": flagged(("contact_stiffness", *plane), labels, phase_plane.ATTRACTOR, Attractor),
+        "different": variable("contact_stiffness", different, "1", f"fraction of the cells {words}"),
     }
 
 
-def _typical(displacement: np.ndarray) -> np.ndarray:
-    """Root mean square over the rays of the displacements (contact stiffness, ray)."""
-    return np.sqrt(np.mean(displacement**2, axis=1))
+def _displacements(stiffness: np.ndarray, displacement: np.ndarray) -> phase_plane.Variables:
+    """How far the boundary of each contact [N/m] lies from that of the rigid drive, relative (contact stiffness, ray).
 
-
-def _displacements(displacement: np.ndarray) -> phase_plane.Variables:
-    """How far the boundary of each contact lies from that of the rigid drive, relative, by ray and over all rays."""
-    return {
-        "displacement": (
-            ("contact_stiffness", "ray"),
-            displacement,
-            attributes("1", "displacement of the boundary along a ray, relative to the rigid drive's"),
-        ),
-        "typical_displacement": (
-            "contact_stiffness",
-            _typical(displacement),
-            attributes("1", "root mean square displacement of the boundary"),
-        ),
-    }
-
-
-def _order(stiffness: np.ndarray, displacement: np.ndarray) -> phase_plane.Variables:
-    """Order in which the typical displacement falls with the stiffness [N/m], from those that are small."""
-    typical = _typical(displacement)
+    Over all rays the root mean square; the order in which that falls with the stiffness, from those that are small.
+    """
+    typical = np.sqrt(np.mean(displacement**2, axis=1))
     order, error = fitted_order(stiffness, np.where(typical < _SMALL, typical, np.nan))
+    words = "displacement of the boundary along a ray, relative to the rigid drive's"
+    mean = "root mean square displacement of the boundary"
     return {
-        "order": ((), order, attributes("1", "order of the displacement in one over the stiffness")),
-        "order_error": ((), error, attributes("1", "standard error of the order")),
-    }
-
-
-def _exact_boundary(line: np.ndarray) -> phase_plane.Variables:
-    """The exact boundary of the basin of the rigid drive, points (n, 2)."""
-    return {
-        "boundary_angle": ("boundary_point", line[:, 0], attributes("rad", "deviation on the exact boundary", "$u$")),
-        "boundary_velocity": (
-            "boundary_point",
-            line[:, 1],
-            attributes("rad s-1", "rate of the deviation on the exact boundary", r"$\dot u$"),
-        ),
+        "displacement": variable(("contact_stiffness", "ray"), displacement, "1", words),
+        "typical_displacement": variable("contact_stiffness", typical, "1", mean),
+        "order": variable((), order, "1", "order of the displacement in one over the stiffness"),
+        "order_error": variable((), error, "1", "standard error of the order"),
     }
 
 
@@ -150,10 +104,10 @@ def _on_rays(points: np.ndarray) -> phase_plane.Variables:
     rigid, compliant = "of the rigid drive changes on a ray", "changes on a ray"
     dims = ("contact_stiffness", "ray")
     return {
-        "rigid_ray_angle": ("ray", points[0, 0], attributes("rad", f"{angle} {rigid}", "$u$")),
-        "rigid_ray_velocity": ("ray", points[0, 1], attributes("rad s-1", f"{velocity} {rigid}", r"$\dot u$")),
-        "ray_angle": (dims, points[1:, 0], attributes("rad", f"{angle} {compliant}", "$u$")),
-        "ray_velocity": (dims, points[1:, 1], attributes("rad s-1", f"{velocity} {compliant}", r"$\dot u$")),
+        "rigid_ray_angle": variable("ray", points[0, 0], "rad", f"{angle} {rigid}", "$u$"),
+        "rigid_ray_velocity": variable("ray", points[0, 1], "rad s-1", f"{velocity} {rigid}", r"$\dot u$"),
+        "ray_angle": variable(dims, points[1:, 0], "rad", f"{angle} {compliant}", "$u$"),
+        "ray_velocity": variable(dims, points[1:, 1], "rad s-1", f"{velocity} {compliant}", r"$\dot u$"),
     }
 
 

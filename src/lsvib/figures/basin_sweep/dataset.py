@@ -13,9 +13,8 @@ from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import CRITICAL_MASS
+from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
-from lsvib.data.phase_plane import attributes
 from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
@@ -26,17 +25,14 @@ __all__ = ["build", "checks"]
 SWEPT = ("axial_force", "support_damping", "mass", "friction_coefficient")
 _CLOSE = 1e-6  # relative distance of the two values between which a kind of boundary gives way to another
 _ARC = 60  # samples of an arc
+_FRACTION = "fraction of the window that steady sliding attracts, exact"
 _TURNS = 16  # cells more, for the ends of a boundary and where it turns
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact fraction of a window along four sweeps.
 
-    ``settings``: ``drive``, whose parameters are swept one at a time; ``window`` (``left``, ``right`` [rad],
-    ``bottom``, ``top`` [rad/s]); a span (``start``, ``stop``, ``count``) for each of ``axial_force`` [N],
-    ``support_damping`` [N m s/rad], ``mass`` [kg] and ``friction_coefficient`` [1]; ``cases``, each with changes of the
-    ``drive`` and a ``window``, drawn and compared with grids of ``resolutions`` × resolutions starts; ``masses`` [kg]
-    and ``axial_forces`` [N] of the readings of Fig. 8.14, the printed mass first. Raises ``InputError``.
+    ``settings``: see ``Settings``; parameters of ``drive`` are swept one at a time. Raises ``InputError``.
     """
     drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
@@ -46,7 +42,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         variables |= _along(name, basins, window)
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
     variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
-    variables |= _edges(window) | _critical_values(drive, coordinates["swept_support_damping"][1])
+    variables |= phase_plane.window_edges("window", "edge", window)
+    variables |= _critical_values(drive, coordinates["swept_support_damping"][1])
     return xr.Dataset(
         variables,
         coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
@@ -58,39 +55,17 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _edges(window: Window) -> phase_plane.Variables:
-    """The edges of the window along whose sweeps the fractions are computed."""
-    return {
-        "window_angle": ("edge", list(window[:2]), attributes("rad", "left and right edge of the window", "$u$")),
-        "window_velocity": (
-            "edge",
-            list(window[2:]),
-            attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
-        ),
-    }
-
-
 def _critical_values(drive: RigidParameters, dampings: np.ndarray) -> phase_plane.Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
-    stable = attributes("N", phase_plane.GLOBAL_STABILITY, "$R$")
-    mass, friction = critical_mass(drive), critical_friction(drive)
+    stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
+    mass, friction = (np.nan if x is None else x for x in (critical_mass(drive), critical_friction(drive)))
+    forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
+    words = "friction coefficient at which the effective inertia of law + vanishes, missing if at none"
     return {
-        "swept_global_stability_force": (
-            "swept_support_damping",
-            [global_stability_force(drive.replace(support_damping=c)) for c in dampings],
-            stable,
-        ),
-        "critical_mass": ((), np.nan if mass is None else mass, CRITICAL_MASS),
-        "critical_friction_of_rigid_drive": (
-            (),
-            np.nan if friction is None else friction,
-            attributes(
-                "1",
-                "friction coefficient at which the effective inertia of law + vanishes, missing if at none",
-                r"$\mu_\mathrm{cr}$",
-            ),
-        ),
-        "global_stability_force": ((), global_stability_force(drive), stable),
+        "swept_global_stability_force": variable("swept_support_damping", forces, *stable),
+        "critical_mass": ((), mass, CRITICAL_MASS),
+        "critical_friction_of_rigid_drive": variable((), friction, "1", words, r"$\mu_\mathrm{cr}$"),
+        "global_stability_force": variable((), global_stability_force(drive), *stable),
     }
 
 
@@ -119,25 +94,14 @@ def _swept(drive: RigidParameters, name: str, values: np.ndarray) -> tuple[np.nd
 
 def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Variables:
     """Fraction of the window and kind of boundary along a sweep; along that of the force also the area."""
+    dim, fraction = f"swept_{name}", [b.fraction(window) for b in basins]
     variables = {
-        f"fraction_{name}": (
-            f"swept_{name}",
-            [b.fraction(window) for b in basins],
-            attributes("1", "fraction of the window that steady sliding attracts, exact"),
-        ),
-        f"boundary_kind_{name}": (
-            f"swept_{name}",
-            np.array([b.boundary for b in basins], np.int8),
-            phase_plane.flag("what bounds the basin", Boundary),
-        ),
+        f"fraction_{name}": variable(dim, fraction, "1", _FRACTION),
+        f"boundary_kind_{name}": flagged(dim, [b.boundary for b in basins], "what bounds the basin", Boundary),
     }
     if name == "axial_force":
         words = "area of the basin, infinite where it has no bound"
-        variables["basin_area_axial_force"] = (
-            f"swept_{name}",
-            [b.area() for b in basins],
-            attributes("rad2 s-1", words),
-        )
+        variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
     return variables
 
 
@@ -152,6 +116,7 @@ def _cases(
     regions = [sampled(b.flow, b.clipped(w), _ARC) for b, w in zip(basins, windows, strict=True)]
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
+    fraction = [b.fraction(w) for b, w in zip(basins, windows, strict=True)]
     named = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
     own = drive_parameters(drives, along=named, printed=("Fig. 8.14", "Sect. 8.6"))
     parameters = {
@@ -163,36 +128,15 @@ def _cases(
         **phase_plane.lines(drives),
         **_points("boundary", lines, "on the exact boundary"),
         **_points("region", regions, "on the curves around the basin within the window"),
-        "resolution": ("resolution", list(resolutions), attributes("1", "starts along each edge of a grid")),
-        "case_angle": (
-            ("case", "edge"),
-            [w[:2] for w in windows],
-            attributes("rad", "left and right edge of the window of the case", "$u$"),
+        "resolution": variable("resolution", list(resolutions), "1", "starts along each edge of a grid"),
+        **phase_plane.window_edges("case", ("case", "edge"), windows, " of the case"),
+        "case_boundary_kind": flagged("case", [b.boundary for b in basins], "what bounds the basin", Boundary),
+        "case_fraction": variable(
+            "case", fraction, "1", "fraction of the case's window that steady sliding attracts, exact"
         ),
-        "case_velocity": (
-            ("case", "edge"),
-            [w[2:] for w in windows],
-            attributes("rad s-1", "bottom and top edge of the window of the case", r"$\dot u$"),
-        ),
-        "case_boundary_kind": (
-            "case",
-            np.array([b.boundary for b in basins], np.int8),
-            phase_plane.flag("what bounds the basin", Boundary),
-        ),
-        "case_fraction": (
-            "case",
-            [b.fraction(w) for b, w in zip(basins, windows, strict=True)],
-            attributes("1", "fraction of the case's window that steady sliding attracts, exact"),
-        ),
-        "grid_fraction": (
-            ("case", "resolution"),
-            grid,
-            attributes("1", "the same fraction, counted on a grid of starts"),
-        ),
-        "grid_bound": (
-            ("case", "resolution"),
-            bound,
-            attributes("1", "fraction of the cells of the grid that the boundary cuts at most"),
+        "grid_fraction": variable(("case", "resolution"), grid, "1", "the same fraction, counted on a grid of starts"),
+        "grid_bound": variable(
+            ("case", "resolution"), bound, "1", "fraction of the cells of the grid that the boundary cuts at most"
         ),
     }
 
@@ -202,11 +146,7 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> phase_plane.
     table = np.full((len(curves), max(len(points) for points in curves), 2), np.nan)
     for row, points in zip(table, curves, strict=True):
         row[: len(points)] = points
-    dims = ("case", f"{name}_point")
-    return {
-        f"{name}_angle": (dims, table[..., 0], attributes("rad", f"deviation {where}", "$u$")),
-        f"{name}_velocity": (dims, table[..., 1], attributes("rad s-1", f"rate of the deviation {where}", r"$\dot u$")),
-    }
+    return phase_plane.curve(name, ("case", f"{name}_point"), table, where)
 
 
 def _grid_fraction(drive: RigidParameters, window: Window, resolutions: Sequence[int]) -> list[float]:
@@ -234,11 +174,7 @@ def _readings(
     """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
     table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
     return {
-        "reading_fraction": (
-            ("reading_mass", "reading_axial_force"),
-            table,
-            attributes("1", "fraction of the window that steady sliding attracts, exact"),
-        ),
+        "reading_fraction": variable(("reading_mass", "reading_axial_force"), table, "1", _FRACTION),
         **axis("reading_mass", masses),
         **axis("reading_axial_force", forces),
     }

@@ -39,18 +39,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     below = rows[1].subplots(1, len(_SWEEPS), sharey=True)
     for index, (axes, name) in enumerate(zip(below, _SWEEPS, strict=True)):
         _sweep(axes, dataset, name, "defg"[index])
-    rows[0].legend(*_entries(above), loc="outside upper center", ncols=4)
-    rows[1].legend(*_entries(below), loc="outside upper center", ncols=2)
+    phase_planes.legend(rows[0], np.atleast_1d(above), 4)
+    phase_planes.legend(rows[1], below, 2)
     style.state_values(figure, dataset)
     return figure
-
-
-def _entries(panels) -> tuple[list, list]:
-    entries = {}
-    for panel in np.atleast_1d(panels):
-        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            entries.setdefault(name, handle)
-    return list(entries.values()), list(entries.keys())
 
 
 def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
@@ -125,8 +117,8 @@ def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None
     if known:
         place = float(dataset[known])
     else:
-        codes = {word: value for value, word in style.flag_names(dataset[f"boundary_kind_{name}"]).items()}
-        stable = dataset[f"boundary_kind_{name}"].values == codes["none"]
+        kinds = dataset[f"boundary_kind_{name}"]
+        stable = kinds.values == phase_planes.code(kinds, "none")
         place = float(dataset[f"swept_{name}"].values[stable].min(initial=np.inf))
     if not axes.get_xlim()[0] <= place <= axes.get_xlim()[1]:
         return

@@ -8,7 +8,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import style
+from lsvib.figures.drawing import phase_planes, style
 
 # Light where nothing vibrates, so that the eye goes to what does; told apart by the colour-blind and in grey.
 COLOURS = {
@@ -72,10 +72,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for kind, name in names.items()
         if shares[kind]
     ]
-    given = [
-        variable for variable in dataset.variables.values() if variable.attrs.get("origin", "").startswith("given")
-    ]
-    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(variable)) for variable in given]))
+    phase_planes.state_given(figure, dataset)
     figure.legend(handles=patches, loc="outside upper center", ncols=2)
     return figure
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import phase_plane
+from lsvib.data.attributes import variable
 from lsvib.data.checks import Check
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -39,41 +40,20 @@ def reverse_slips(
     for i, row in enumerate(found):
         for j, values in enumerate(row):
             table[:, i, j, : values[0].size] = values
-    sampled = np.array([[_sampled(motion, samples) for motion in row] for row in motions])
+    sampled = np.array([[phase_plane.sample(motion, samples)[1] for motion in row] for row in motions])
     limits = np.array([_limits(drive) for drive in drives])
     dims, line = ("case", "rule", "seizure"), ("case", "rule", "slip_sample")
     return {
-        "seizure_time": (
-            dims,
-            table[0],
-            phase_plane.attributes("s", "time of a seizure before the first release", "$t$"),
+        "seizure_time": variable(dims, table[0], "s", "time of a seizure before the first release", "$t$"),
+        "seizure_distance": variable(
+            dims, table[1], "rad", "distance of the seizure from the corner of N = 0 and theta' = 0", "$u - u_0$"
         ),
-        "seizure_distance": (
-            dims,
-            table[1],
-            phase_plane.attributes(
-                "rad", "distance of the seizure from the corner of N = 0 and theta' = 0", "$u - u_0$"
-            ),
+        **phase_plane.curve("slip", line, sampled, "until the first release"),
+        "seizure_ratio": variable(
+            "case", limits[:, 0], "1", "limit of the ratio of successive distances, by resuming at once", "$q$"
         ),
-        "slip_angle": (
-            line,
-            sampled[..., 0],
-            phase_plane.attributes("rad", "deviation until the first release", "$u$"),
-        ),
-        "slip_velocity": (
-            line,
-            sampled[..., 1],
-            phase_plane.attributes("rad s-1", "rate of the deviation until the first release", r"$\dot u$"),
-        ),
-        "seizure_ratio": (
-            "case",
-            limits[:, 0],
-            phase_plane.attributes("1", "limit of the ratio of successive distances, by resuming at once", "$q$"),
-        ),
-        "acceleration_length": (
-            "case",
-            limits[:, 1],
-            phase_plane.attributes("rad", "acceleration from rest in the corner over its derivative along theta' = 0"),
+        "acceleration_length": variable(
+            "case", limits[:, 1], "rad", "acceleration from rest in the corner over its derivative along theta' = 0"
         ),
     }
 
@@ -103,6 +83,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"R = {float(part.axial_force):g} N: {count} seizures, ratio {distance[close + 1] / distance[close]:.7g} "
             f"against {ratio:.7g}, the last at {distance[-1]:.1e} rad and {1e3 * time[-1]:.6g} ms"
         )
+    longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
     return [
         Check.holds(
             "If motion resumes at once, seizures accumulate in the corner: the ratio of successive distances from it "
@@ -115,7 +96,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "They do so in finite time: what is left after each of them lies between the distance over Ω and over the "
             "largest rate of the next slip",
             "Sect. 8.7",
-            f"{sum(timely)} of {len(timely)} motions, the corner reached within {_longest(dataset):.4g} ms",
+            f"{sum(timely)} of {len(timely)} motions, the corner reached within {longest:.4g} ms",
             len(heavy) > 0 and all(timely),
         ),
         Check.holds(
@@ -125,11 +106,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             len(heavy) > 0 and bool((counts[heavy, 0] < counts[heavy, 1]).all()),
         ),
     ]
-
-
-def _longest(dataset: xr.Dataset) -> float:
-    """Latest seizure [ms] before the first release, with motion resumed at once."""
-    return 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
 
 
 def _until_release(drive: RigidParameters, rule: str, state: Sequence[float], duration: float) -> Motion:
@@ -161,7 +137,3 @@ def _limits(drive: RigidParameters) -> tuple[float, float]:
     length = corner(drive) - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
     gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
     return gain / (drive.input_speed + gain), length
-
-
-def _sampled(motion: Motion, samples: int) -> np.ndarray:
-    return phase_plane.sample(motion, samples)[1]

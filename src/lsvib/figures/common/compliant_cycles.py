@@ -6,14 +6,17 @@ import numpy as np
 
 from lsvib.cycles.attractors import SteadyState, steady_state
 from lsvib.data import phase_plane
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import variable
 from lsvib.data.phase_plane import Variables
 from lsvib.drives.many_threads import automata_of
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
 
-CRITICAL_MASS_WITH_CONTACT = "mass at which steady sliding with the contact loses its stability"
+# Unit, words and symbol of it as a variable.
+CRITICAL_MASS_WITH_CONTACT = (
+    "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
+)  # fmt: skip
 
 
 def compliant_cycle(drive: ThreadsParameters, start: Mapping[str, float]) -> tuple[Automaton, SteadyState]:
@@ -34,20 +37,12 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
     Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
     each event are among the samples.
     """
-    curves = np.full((3, len(cycles), count), np.nan)
-    for k, steady in enumerate(cycles):
+    curves = np.full((len(cycles), count, 3), np.nan)
+    for curve, steady in zip(curves, cycles, strict=True):
         if steady.orbit is not None:
             times, states, _ = phase_plane.sample(steady.orbit, count)
-            curves[:, k] = times, states[:, 0], states[:, 1]
+            curve[:, 0], curve[:, 1:] = times, states[:, :2]
+    curves = curves if dims else curves[0]
     dims = (*dims, f"{prefix}_sample")
-    shape = (len(cycles), count) if len(dims) == 2 else (count,)
-    time, angle, velocity = curves.reshape(3, *shape)
-    return {
-        f"{prefix}_time": (dims, time, attributes("s", "time along the cycle", "$t$")),
-        f"{prefix}_angle": (dims, angle, attributes("rad", "deviation on the limit cycle", "$u$")),
-        f"{prefix}_velocity": (
-            dims,
-            velocity,
-            attributes("rad s-1", "rate of the deviation on the limit cycle", r"$\dot u$"),
-        ),
-    }
+    time = variable(dims, curves[..., 0], "s", "time along the cycle", "$t$")
+    return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}

@@ -14,7 +14,7 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.data import spans
-from lsvib.data.attributes import attributes, flag, named_index
+from lsvib.data.attributes import attributes, flagged, named_index, variable
 from lsvib.data.parameter_origins import Variables, drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
@@ -57,15 +57,13 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
     grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
     outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
+    outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
+    plane = ("case", "grid_contact_force", "grid_contact_force_rate")
+    becomes = "what becomes of the contact force from each state of the grid"
+    ratios = [flows[-1].damping for flows in cases]
     return xr.Dataset(
         _motions(cases, starts, count, limit, scale, side)
-        | {
-            "grid_outcome": (
-                ("case", "grid_contact_force", "grid_contact_force_rate"),
-                np.array(outcomes, dtype=np.int8).reshape(len(cases), force.size, rate.size),
-                _outcomes("what becomes of the contact force from each state of the grid"),
-            )
-        }
+        | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
         | _equilibria(cases, scale)
         | _by_newton(drives)
         | (_manifolds(cases, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
@@ -74,14 +72,12 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
             "grid_contact_force_rate": ("grid_contact_force_rate", rate, _rate("rate of the grid")),
             **_laws(base, cases[0]),
             **labels("case", drives, ("contact_damping",)),
-            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            "eigenvalue": variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$"),
             **drive_parameters(drives, along=("contact_damping",), no_effect=_NO_EFFECT),
-            "contact_damping_ratio": (
-                "case",
-                [flows[-1].damping for flows in cases],
-                attributes("1", "contact damping times frequency over stiffness", r"$\zeta$"),
+            "contact_damping_ratio": variable(
+                "case", ratios, "1", "contact damping times frequency over stiffness", r"$\zeta$"
             ),
-            "force_scale": ((), scale, attributes("1", "factor between the force scales of the laws", "$b_+/b_-$")),
+            "force_scale": variable((), scale, "1", "factor between the force scales of the laws", "$b_+/b_-$"),
         },
     )
 
@@ -97,57 +93,40 @@ def _motions(
     """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
     followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
     motions = np.array([[sample(arcs, count, limit) for arcs, _ in case] for case in followed])
+    outcomes = [[outcome for _, outcome in case] for case in followed]
     motion = ("case", "start", "sample")
     return {
         "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
         "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
-        "start_outcome": (
-            ("case", "start"),
-            np.array([[outcome for _, outcome in case] for case in followed], dtype=np.int8),
-            _outcomes("what becomes of the contact force of a motion"),
-        ),
+        "start_outcome": flagged(motion[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
     }
 
 
 def _equilibria(cases: Sequence[dict[int, ForceFlow]], scale: float) -> Variables:
     """The equilibrium of each law, which contact damping does not move, and the eigenvalues of each case and law."""
     eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
-    dims = ("case", "law", "eigenvalue")
-    words = "part of an eigenvalue of the law in scaled time"
+    equilibria = np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium])
+    words = "equilibrium of the law, zero of the right-hand side of (8.7)"
+    dims, part = ("case", "law", "eigenvalue"), "part of an eigenvalue of the law in scaled time"
     return {
-        "equilibrium_contact_force": (
-            "law",
-            np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium]),
-            _force("equilibrium of the law, zero of the right-hand side of (8.7)"),
-        ),
-        "scaled_eigenvalue_real_part": (
-            dims,
-            eigenvalues.real,
-            attributes("1", f"real {words}", r"Re $\varepsilon$"),
-        ),
-        "scaled_eigenvalue_imaginary_part": (
-            dims,
-            eigenvalues.imag,
-            attributes("1", f"imaginary {words}", r"Im $\varepsilon$"),
+        "equilibrium_contact_force": ("law", equilibria, _force(words)),
+        "scaled_eigenvalue_real_part": variable(dims, eigenvalues.real, "1", f"real {part}", r"Re $\varepsilon$"),
+        "scaled_eigenvalue_imaginary_part": variable(
+            dims, eigenvalues.imag, "1", f"imaginary {part}", r"Im $\varepsilon$"
         ),
     }
 
 
 def _laws(drive: ThreadsParameters, flows: dict[int, ForceFlow]) -> Variables:
     """The friction laws: on which side of N = 0 each of them holds, and its effective inertia."""
-    gamma = coefficients(drive).gamma
-    paradox = Paradox(flows[1].side)  # law + holds where χ has this sign
+    gamma, sides = coefficients(drive).gamma, [flow.side for flow in flows.values()]
+    words = "sign of the contact force chi where the law holds"
+    sign = _SIGN_OF_FORCE[Paradox(flows[1].side)]  # law + holds where χ has this sign
     return {
-        "law": ("law", np.array(_LAWS), attributes("1", "friction law", "$s$")),
-        "law_side": (
-            "law",
-            [flow.side for flow in flows.values()],
-            attributes("1", "sign of the contact force chi where the law holds", comment=_SIGN_OF_FORCE[paradox]),
-        ),
-        "effective_inertia_of_law": (
-            "law",
-            [float(gamma[law]) for law in _LAWS],
-            attributes("kg m2", "effective inertia of the law", r"$\Gamma_s$"),
+        "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
+        "law_side": variable("law", sides, "1", words, comment=sign),
+        "effective_inertia_of_law": variable(
+            "law", [float(gamma[law]) for law in _LAWS], "kg m2", "effective inertia of the law", r"$\Gamma_s$"
         ),
     }
 
@@ -270,17 +249,9 @@ def _by_newton(drives: Sequence[ThreadsParameters]) -> Variables:
             [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS],
             _force("zero of N'' by the equations of motion"),
         ),
-        "jacobian_trace": (("case", "law"), jacobian[..., 0], attributes("1", "trace of the Jacobian of N''")),
-        "jacobian_determinant": (
-            ("case", "law"),
-            jacobian[..., 1],
-            attributes("1", "determinant of the Jacobian of N''"),
-        ),
+        "jacobian_trace": variable(("case", "law"), jacobian[..., 0], "1", "trace of the Jacobian of N''"),
+        "jacobian_determinant": variable(("case", "law"), jacobian[..., 1], "1", "determinant of the Jacobian of N''"),
     }
-
-
-def _outcomes(long_name: str) -> dict[str, Any]:
-    return flag(long_name, ForceOutcome)
 
 
 def _force(long_name: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import xarray as xr
 
 from lsvib.data import phase_plane, printed
+from lsvib.data.attributes import variable
 from lsvib.data.checks import Check
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
@@ -21,22 +22,17 @@ def variables(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
     exact = [coefficients(d) for d in drives]
     variables = {}
     for law, sign, symbol in ((1, "plus", "+"), (-1, "minus", "-")):
-        variables[f"reading_effective_inertia_{sign}"] = (
-            "reading_mass",
-            [float(c.gamma[law]) for c in exact],
-            phase_plane.attributes("kg m2", f"effective inertia of law {symbol}", f"$\\Gamma_{symbol}$"),
+        of_law = f"of law {symbol}"
+        inertia, damping = [float(c.gamma[law]) for c in exact], [float(c.damping[law]) for c in exact]
+        variables[f"reading_effective_inertia_{sign}"] = variable(
+            "reading_mass", inertia, "kg m2", f"effective inertia {of_law}", f"$\\Gamma_{symbol}$"
         )
-        variables[f"reading_effective_damping_{sign}"] = (
-            "reading_mass",
-            [float(c.damping[law]) for c in exact],
-            phase_plane.attributes("N m s rad-1", f"effective damping of law {symbol}", f"$C_{symbol}$"),
+        variables[f"reading_effective_damping_{sign}"] = variable(
+            "reading_mass", damping, "N m s rad-1", f"effective damping {of_law}", f"$C_{symbol}$"
         )
     for name in ("stick_force", "detach_force"):
-        variables[f"reading_{name}"] = (
-            "reading_mass",
-            [getattr(thresholds, name)(d) for d in drives],
-            phase_plane.attributes("N", f"{name.replace('_', ' ')} for this mass", "$R$"),
-        )
+        forces, words = [getattr(thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
+        variables[f"reading_{name}"] = variable("reading_mass", forces, "N", words, "$R$")
     return variables
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import phase_plane
+from lsvib.data.attributes import variable
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -32,23 +33,17 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
     pair = eigenvalues(inertia, damping, drive.coupling_stiffness)
     return xr.Dataset(
         phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
-        | {f"margin_{key}": ("case", [margins[key]], phase_plane.attributes(*words)) for key, words in MARGINS.items()}
+        | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
         | {
-            "eigenvalue_real_part": (
-                ("case", "eigenvalue"),
-                pair.real[None],
-                phase_plane.attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
+            "eigenvalue_real_part": variable(
+                ("case", "eigenvalue"), pair.real[None], "s-1", "real part of the eigenvalue", r"Re $\varepsilon$"
             )
         },
         coords={
             **labels("case", [drive], ()),
             **drive_parameters([drive], printed=("Sect. 8.5.1",)),
             **phase_plane.rule_coordinate(),
-            "eigenvalue": (
-                "eigenvalue",
-                np.array([1, 2]),
-                phase_plane.attributes("1", "index of the eigenvalue", "$i$"),
-            ),
+            "eigenvalue": variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$"),
         },
         attrs={
             "title": f"Figure {figure}: phase plane under negative damping, {what}",

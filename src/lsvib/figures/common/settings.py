@@ -181,6 +181,15 @@ SweepFamily = Literal[
 ]  # fmt: skip
 
 
+class PhasePlane(FigureSettings):
+    """Settings of the phase plane of one drive, Figs 8.4 and 8.5."""
+
+    drive: DriveChanges
+    starts: Starts
+    duration: Duration
+    samples: Samples
+
+
 class ContactPortrait(FigureSettings):
     """Settings of a phase portrait of the contact force, Figs 8.1 and 8.2."""
 

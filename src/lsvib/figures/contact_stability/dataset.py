@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import spans
-from lsvib.data.attributes import CRITICAL_MASS, attributes, yes_no
+from lsvib.data.attributes import CRITICAL_MASS, variable, yes_no
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
@@ -35,10 +35,7 @@ _CONTACT = ("contact_stiffness", "contact_damping")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
 
-    ``settings``: ``drive`` (c_x = 0, R Ω > 0); ``stiffnesses`` k_c [N/m] of the curves, ascending, and
-    ``contact_damping`` c_c [N s/m] along them; ``contacts`` that figures draw; ``masses`` [kg], one above and one below
-    the rigid drive's critical mass; ``stiffness`` k_c [N/m] and ``dampings`` c_c [N s/m], the first zero, of the growth
-    rates. Spans have ``start``, ``stop``, ``count`` and are spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
     """
     drive = ThreadsParameters.of(settings["drive"])
     rigid = critical_mass(drive)
@@ -48,10 +45,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
     curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    mass_words = attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$")
+    critical = [critical_mass_of_contact(d) for d in contacts]
     return xr.Dataset(
-        _curves(drive, curves, along, mass_words)
-        | {"critical_mass_with_contact": ("contact", [critical_mass_of_contact(d) for d in contacts], mass_words)}
+        _curves(drive, curves, along)
+        | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
         | _growth_rates(drive, heavy, light, dampings, stiffness)
         | _limits(drive, heavy, light),
         coords={
@@ -80,9 +77,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _curves(
-    drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray, mass_words: Mapping[str, Any]
-) -> Variables:
+def _curves(drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     found = [
         [stable_masses(drive.replace(contact_stiffness=float(k), contact_damping=float(c))) for c in along]
@@ -90,22 +85,12 @@ def _curves(
     ]
     grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
     again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
+    dims, lost = ("curve_contact_stiffness", "curve_contact_damping"), np.where(grid < LARGEST_MASS, grid, np.nan)
+    words = "mass from which on steady sliding is stable again, missing if from none"
     return {
-        "curve_critical_mass_with_contact": (
-            ("curve_contact_stiffness", "curve_contact_damping"),
-            np.where(grid < LARGEST_MASS, grid, np.nan),
-            mass_words,
-        ),
-        "stable_again": (
-            ("curve_contact_stiffness", "curve_contact_damping"),
-            again,
-            attributes("kg", "mass from which on steady sliding is stable again, missing if from none"),
-        ),
-        "stable_at_every_mass": (
-            ("curve_contact_stiffness", "curve_contact_damping"),
-            (grid >= LARGEST_MASS).astype(np.int8),
-            yes_no("steady sliding is stable at every mass"),
-        ),
+        "curve_critical_mass_with_contact": variable(dims, lost, *CRITICAL_MASS_WITH_CONTACT),
+        "stable_again": variable(dims, again, "kg", words),
+        "stable_at_every_mass": yes_no(dims, grid >= LARGEST_MASS, "steady sliding is stable at every mass"),
     }
 
 
@@ -120,27 +105,15 @@ def _growth_rates(
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
     above = [unstable_contact_stiffness(drive.replace(mass=heavy, contact_damping=c)) for c in dampings]
+    damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
+    largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
+    enough = "contact damping above which the smaller mass is stable for all"
+    fewer = "ends of an interval of smaller dampings at which it is stable, too"
     return {
-        "growth_rate": (
-            ("mass", "growth_contact_damping", "growth_contact_stiffness"),
-            growth,
-            attributes("s-1", "largest real part of the eigenvalues", r"max Re $s$"),
-        ),
-        "unstable_contact_stiffness": (
-            "growth_contact_damping",
-            above,
-            attributes("N m-1", "contact stiffness beyond which Lemma 8.1 is proved", "$k_c$"),
-        ),
-        "least_contact_damping": (
-            "growth_contact_stiffness",
-            [row[-1][0] for row in dampings_of],
-            attributes("N s m-1", "contact damping above which the smaller mass is stable for all", "$c_c$"),
-        ),
-        "window_of_soft_contact": (
-            ("growth_contact_stiffness", "end"),
-            window,
-            attributes("N s m-1", "ends of an interval of smaller dampings at which it is stable, too", "$c_c$"),
-        ),
+        "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
+        "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
+        "least_contact_damping": variable(stiff, [row[-1][0] for row in dampings_of], "N s m-1", enough, "$c_c$"),
+        "window_of_soft_contact": variable((stiff, "end"), window, "N s m-1", fewer, "$c_c$"),
     }
 
 
@@ -150,20 +123,15 @@ def _limits(drive: ThreadsParameters, heavy: float, light: float) -> Variables:
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
     lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
     elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
+    least = least_damping_of_stiff_contact(drive.replace(mass=light))
     return {
-        "least_contact_damping_of_stiff_contact": (
-            (),
-            least_damping_of_stiff_contact(drive.replace(mass=light)),
-            attributes("N s m-1", "its limit for a stiff contact", "$c_c$"),
+        "least_contact_damping_of_stiff_contact": variable(
+            (), least, "N s m-1", "its limit for a stiff contact", "$c_c$"
         ),
-        "elastic_growth_limit": (
-            (),
-            elastic,
-            attributes("s-1", "limit of the growth rate of the smaller mass for a stiff elastic contact"),
+        "elastic_growth_limit": variable(
+            (), elastic, "s-1", "limit of the growth rate of the smaller mass for a stiff elastic contact"
         ),
-        "growth_scale": (
-            (),
-            lever,
-            attributes("kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"),
+        "growth_scale": variable(
+            (), lever, "kg-1", "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"
         ),
     }

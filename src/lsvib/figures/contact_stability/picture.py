@@ -29,17 +29,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _power(value: float) -> str:
-    exponent = np.log10(value) if value else 0.0
-    return f"$10^{{{exponent:.0f}}}$" if value and np.isclose(exponent, round(exponent)) else phase_planes.number(value)
-
-
 def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     rigid = float(dataset.critical_mass)
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
         if k < dataset.sizes["curve_contact_stiffness"]:
             curve = dataset.isel(curve_contact_stiffness=k)
-            name = f"$k_c$ = {_power(float(curve.curve_contact_stiffness))} N m⁻¹"
+            name = f"$k_c$ = {phase_planes.power(float(curve.curve_contact_stiffness))} N m⁻¹"
             axes.plot(
                 curve.curve_contact_damping,
                 curve.curve_critical_mass_with_contact,
@@ -53,7 +48,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
         *(dataset[name].values for name in ("contact_damping", "contact_stiffness", "critical_mass_with_contact")),
         strict=True,
     ):
-        words = f"{value:.2f} kg at $k_c$ = {_power(stiffness)}"
+        words = f"{value:.2f} kg at $k_c$ = {phase_planes.power(stiffness)}"
         top = value > 0.99 * rigid  # on the line of the rigid drive: written above it
         place, side = ((8, 5), "right") if top else ((4, -9), "left")
         axes.annotate(words, (damping, value), place, textcoords="offset points", fontsize=_SMALL, ha=side)
@@ -74,7 +69,7 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
         if k < dataset.sizes["growth_contact_damping"]:
             curve = dataset.isel(growth_contact_damping=k)
-            name = f"$c_c$ = {_power(float(curve.growth_contact_damping))} N s m⁻¹"
+            name = f"$c_c$ = {phase_planes.power(float(curve.growth_contact_damping))} N s m⁻¹"
             axes.plot(curve.growth_contact_stiffness, curve.growth_rate, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     sign = ">" if float(dataset.mass) > rigid else "<"

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 
 from lsvib.figures.drawing import arrows, style
 from lsvib.figures.drawing.style import number
@@ -54,11 +54,9 @@ def draw_lines(axes: Axes, case: xr.Dataset, colour: str = style.VERMILION, name
     axes.axis(limits)
 
 
-def draw_motions(
-    axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, widths: Sequence[float] = EVEN
-) -> None:
+def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN) -> None:
     """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
-    for index, colour, width in zip(range(case.sizes["start"]), colours, widths, strict=False):
+    for index, colour, width in zip(range(case.sizes["start"]), MOTIONS, widths, strict=False):
         motion = case.isel(start=index)
         u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
         _broken_line(axes, u, w, (np.diff(time) == 0) & (np.diff(w) != 0), colour, width, "motion")
@@ -99,11 +97,10 @@ def mark_seizures(axes: Axes, u, w, colour: str) -> None:
 
 def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
-    after = np.flatnonzero(jumps) + 1
     axes.plot(*_parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
-    for k in after:
-        jump = slice(k - 1, k + 1)
-        axes.plot(u[jump], w[jump], color=colour, linewidth=1, linestyle=_DOTTED, label="seizure: jump of the rate")
+    for k in np.flatnonzero(jumps):
+        axes.plot(u[k : k + 2], w[k : k + 2], color=colour, linewidth=1, linestyle=_DOTTED,
+                  label="seizure: jump of the rate")  # fmt: skip
 
 
 def _parted(u, w, jumps) -> tuple[np.ndarray, np.ndarray]:
@@ -112,17 +109,15 @@ def _parted(u, w, jumps) -> tuple[np.ndarray, np.ndarray]:
     return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
 
 
-def guide(
-    axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, cycle: str | None = None, size: float = 10.0
-) -> None:
+def guide(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 10.0) -> None:
     """Name the sides of the line N = 0 of one case, and draw the arrows of :func:`draw_arrows`.
 
     To be called when the panel has its limits. ``size`` of the arrows in points; the words are a little smaller.
     N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
     follows law −, for which N θ′ < 0, and beyond the line there is no solution: a name stands where motions slip.
     """
-    draw_arrows(axes, case, colours, cycle, size)
-    paths = _paths(case, colours, cycle)
+    draw_arrows(axes, case, cycle, size)
+    paths = _paths(case, cycle)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
     paths.append((sides, np.full(2, stop), None))
@@ -136,22 +131,20 @@ def guide(
         _name_sides(axes, angle, slope, (low, min(high, stop)), ("$N > 0$", ""), paths, size)
 
 
-def draw_arrows(
-    axes: Axes, case: xr.Dataset, colours: Sequence[str] = MOTIONS, cycle: str | None = None, size: float = 10.0
-) -> None:
+def draw_arrows(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 10.0) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle if that is given a colour ``cycle``.
 
     To be called when the panel has its limits.
     """
     angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
     rates = np.array(axes.get_ylim())
-    arrows.draw_arrows(axes, [*_paths(case, colours, cycle), (angle + slope * rates, rates, None)], size)
+    arrows.draw_arrows(axes, [*_paths(case, cycle), (angle + slope * rates, rates, None)], size)
 
 
-def _paths(case: xr.Dataset, colours: Sequence[str], cycle: str | None) -> list[arrows.Line]:
+def _paths(case: xr.Dataset, cycle: str | None) -> list[arrows.Line]:
     """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
     paths: list[arrows.Line] = []
-    for index, colour in zip(range(case.sizes["start"]), colours, strict=False):
+    for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
         motion = case.isel(start=index)
         u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
         paths.append((*_parted(u, w, (np.diff(time) == 0) & (np.diff(w) != 0)), colour))
@@ -174,7 +167,19 @@ def mark_origin(axes: Axes) -> None:
     axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
 
 
-def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Artist] = ()) -> None:
+def power(value: float) -> str:
+    """Return a number for a text, a power of ten as such."""
+    exponent = np.log10(value) if value else 0.0
+    return f"$10^{{{exponent:.0f}}}$" if value and np.isclose(exponent, round(exponent)) else number(value)
+
+
+def state_given(figure: Figure, dataset: xr.Dataset) -> None:
+    """Write under a picture the parameters that were given for it."""
+    given = [x for x in dataset.variables.values() if x.attrs.get("origin", "").startswith("given")]
+    style.write_below(figure, style.enumeration("", [style.amount(xr.DataArray(x)) for x in given]))
+
+
+def legend(figure: FigureBase, axes: Sequence[Axes], columns: int, first: Sequence[Artist] = ()) -> None:
     """Put one legend above the panels: the ``first`` artists, then what the panels name, each name once."""
     entries = {artist.get_label(): artist for artist in first}
     for panel in axes:

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data.attributes import attributes, flag
+from lsvib.data import spans
+from lsvib.data.attributes import attributes, flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
@@ -22,42 +23,37 @@ _DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives.
 
-    ``settings``: ``drive`` (keys of :class:`RigidParameters`), ``inertia`` [kg m²] and ``damping`` [N m s/rad] with
-    ``start``, ``stop``, ``count``, and ``cases``, a list of changed keys of the drive, one for each drive to place in
-    the plane. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     stiffness = drive.coupling_stiffness
-    inertia = np.linspace(**_span(settings["inertia"]))
-    damping = np.linspace(**_span(settings["damping"]))
+    inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
     kinds = stability_class(inertia[:, None], damping[None, :], stiffness)
     positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
+    meet, along = _node_focus_boundary(positive, stiffness), "node_focus_effective_inertia"
     cases = [drive.replace(**changes) for changes in settings["cases"]]
+    own = [(float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])) for c in map(coefficients, cases)]
     return xr.Dataset(
         {
-            "stability": (
-                ("effective_inertia", "effective_damping"),
-                kinds,
-                flag("class of the steady sliding", Stability),
+            "stability": flagged(
+                ("effective_inertia", "effective_damping"), kinds, "class of the steady sliding", Stability
             ),
-            "node_focus_effective_damping": (
+            "node_focus_effective_damping": variable(
                 "node_focus_effective_inertia",
-                _node_focus_boundary(positive, stiffness),
-                attributes("N m s rad-1", "effective damping where two eigenvalues meet", "$C_0$"),
+                meet,
+                "N m s rad-1",
+                "effective damping where two eigenvalues meet",
+                "$C_0$",
             ),
-            "case_effective_inertia": ("case", [_effective(case)[0] for case in cases], _INERTIA),
-            "case_effective_damping": ("case", [_effective(case)[1] for case in cases], _DAMPING),
+            "case_effective_inertia": ("case", [inertia for inertia, _ in own], _INERTIA),
+            "case_effective_damping": ("case", [damping for _, damping in own], _DAMPING),
         },
         coords={
             "effective_inertia": ("effective_inertia", inertia, _INERTIA),
             "effective_damping": ("effective_damping", damping, _DAMPING),
-            "node_focus_effective_inertia": ("node_focus_effective_inertia", positive, _INERTIA),
+            along: (along, positive, _INERTIA),
             **labels("case", cases, _CHANGED),
-            **drive_parameters(
-                cases,
-                along=_CHANGED,
-                printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6"),
-            ),
+            **drive_parameters(cases, along=_CHANGED, printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6")),
         },
         attrs={
             "title": "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
@@ -109,16 +105,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             largest < 1e-7,  # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide
         ),
     ]
-
-
-def _span(settings: Mapping[str, Any]) -> dict[str, Any]:
-    return {"start": settings["start"], "stop": settings["stop"], "num": settings["count"]}
-
-
-def _effective(drive: RigidParameters) -> tuple[float, float]:
-    """Effective inertia Γ_0 [kg m²] and damping C_0 [N m s/rad] of the drive's steady sliding."""
-    exact = coefficients(drive)
-    return float(exact.gamma[exact.steady_law]), float(exact.damping[exact.steady_law])
 
 
 def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:

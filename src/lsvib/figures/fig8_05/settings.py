@@ -1,12 +1,7 @@
 """The settings of Figure 8.5."""
 
-from lsvib.figures.common.settings import DriveChanges, Duration, FigureSettings, Samples, Starts
+from lsvib.figures.common.settings import PhasePlane
 
 
-class Settings(FigureSettings):
+class Settings(PhasePlane):
     """Phase plane under negative damping, contact force against the motion."""
-
-    drive: DriveChanges
-    starts: Starts
-    duration: Duration
-    samples: Samples

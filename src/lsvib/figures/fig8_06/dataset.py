@@ -9,6 +9,7 @@ import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.data import phase_plane, printed, spans
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.drives import chapter
@@ -35,15 +36,13 @@ class Regime(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses.
 
-    ``settings``: ``drive``; ``axial_force`` [N] with ``start``, ``stop``, ``count``; ``start`` (u [rad],
-    w [rad/s]); ``insets``, axial forces [N] of the portraits; their ``starts``, ``duration`` [s] and ``samples``;
-    ``mass_readings``, the masses [kg] for which Γ and C are computed. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
-    start = np.array([settings["start"]["u"], settings["start"]["w"]])
+    start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)
     drives = [drive.replace(axial_force=float(force)) for force in forces]
     steady = [steady_state(rigid_automaton(d), start) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
@@ -56,14 +55,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **axis("reading_mass", settings["mass_readings"]),
             **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude tells"),
-            "lead_tangent": (
-                (),
-                float(drive.exact().tan_lead),
-                phase_plane.attributes("1", "tangent of the lead angle", r"$\tan\lambda$"),
-            ),
+            "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **labels("case", insets, ("axial_force",)),
             **phase_plane.rule_coordinate(),
-            **{n: ((), value, phase_plane.attributes("N", n.replace("_", " "), "$R$")) for n, value in values.items()},
+            **{n: variable((), value, "N", n.replace("_", " "), "$R$") for n, value in values.items()},
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _FORCES},
         },
         attrs={
@@ -86,27 +81,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 def _curve(drives: list[RigidParameters], steady: list[SteadyState]) -> phase_plane.Variables:
+    slowest = [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
+    net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     return {
-        "swept_amplitude": (
-            "swept_axial_force",
-            [s.amplitude for s in steady],
-            phase_plane.attributes("rad", phase_plane.AMPLITUDE),
+        "swept_amplitude": variable("swept_axial_force", [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
+        "smallest_velocity": variable(
+            "swept_axial_force", slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"
         ),
-        "smallest_velocity": (
-            "swept_axial_force",
-            [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady],
-            phase_plane.attributes("rad s-1", "smallest rate of the deviation", r"$\dot u$"),
-        ),
-        "regime": (
-            "swept_axial_force",
-            np.array([_regime(s) for s in steady], np.int8),
-            phase_plane.flag("kind of motion", Regime),
-        ),
-        "net_force": (
-            "swept_axial_force",
-            [float(coefficients(d).net_force) for d in drives],
-            phase_plane.attributes("N", "axial force less the drag of the translation", r"$\tilde R$"),
-        ),
+        "regime": flagged("swept_axial_force", [_regime(s) for s in steady], "kind of motion", Regime),
+        "net_force": variable("swept_axial_force", net, "N", words, r"$\tilde R$"),
     }
 
 

@@ -53,8 +53,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):
         _inset(small, dataset.sel(case=index))
-    for place in _PLACES[: len(insets)]:
-        left, bottom, width, height = place
+    for left, bottom, width, height in _PLACES[: len(insets)]:
         axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
                                  transform=axes.transAxes))  # fmt: skip
     style.state_values(figure, dataset)

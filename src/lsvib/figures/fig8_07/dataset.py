@@ -9,6 +9,7 @@ import xarray as xr
 
 from lsvib.contact.existence import Existence, existence
 from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.coefficients import coefficients
@@ -22,43 +23,27 @@ _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a st
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the existence map, motions from each sector, and where the flow of law −1 leads.
 
-    ``settings``: ``drive`` (R > 0, Ω > 0, Γ₊ < 0); ``angle`` [rad] and ``velocity`` [rad/s] of the grid with ``start``,
-    ``stop``, ``count``; ``starts``, ``duration`` [s], ``samples`` of the motions. Raises ``InputError``.
+    ``settings``: see ``Settings``; R > 0, Ω > 0, Γ₊ < 0. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     xi = coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
-    ends = np.array([_end_of_flow(drive, start) for start in settings["starts"]])
+    u, w = np.array([_end_of_flow(drive, start) for start in settings["starts"]]).T
+    ended = "at which the flow of law - ends, if nothing stops it"
     return xr.Dataset(
         {
-            "existence": (
-                ("grid_angle_deviation", "grid_velocity_deviation"),
-                kinds,
-                phase_plane.flag("solutions for the contact force", Existence),
+            "existence": flagged(
+                ("grid_angle_deviation", "grid_velocity_deviation"), kinds, "solutions for the contact force", Existence
             ),
-            "law_minus_angle": (
-                "start",
-                ends[:, 0],
-                phase_plane.attributes("rad", "deviation at which the flow of law - ends, if nothing stops it", "$u$"),
-            ),
-            "law_minus_velocity": (
-                "start",
-                ends[:, 1],
-                phase_plane.attributes(
-                    "rad s-1", "rate at which the flow of law - ends, if nothing stops it", r"$\dot u$"
-                ),
-            ),
+            "law_minus_angle": variable("start", u, "rad", f"deviation {ended}", "$u$"),
+            "law_minus_velocity": variable("start", w, "rad s-1", f"rate {ended}", r"$\dot u$"),
         }
         | phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"]),
         coords={
             **phase_plane.grid_axes(angle, velocity),
-            "equilibrium_angle": (
-                (),
-                equilibrium,
-                phase_plane.attributes("rad", "equilibrium of the equation of law -", "$u_0$"),
-            ),
+            "equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
             **labels("case", [drive], ()),
             **drive_parameters([drive], printed=("Sect. 8.6",)),
             **phase_plane.rule_coordinate(),

@@ -24,10 +24,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure = style.new_figure(style.DOUBLE * 0.72, 4.4)
     axes = figure.add_subplot()
     case = _until_seizure(dataset.isel(case=0))
-    names = {name: value for value, name in style.flag_names(dataset.existence).items()}
     patches = []
     for name, (colour, words, hatch) in _SECTORS.items():
-        inside = (dataset.existence == names[name]).T.astype(float)
+        inside = (dataset.existence == phase_planes.code(dataset.existence, name)).T.astype(float)
         if hatch:
             area = axes.contourf(
                 dataset.grid_angle_deviation,
@@ -46,7 +45,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.plot(
         float(dataset.equilibrium_angle), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −"
     )
-    axes.set(xlim=_ends(dataset.grid_angle_deviation), ylim=_ends(dataset.grid_velocity_deviation))
+    axes.set(xlim=dataset.grid_angle_deviation[[0, -1]], ylim=dataset.grid_velocity_deviation[[0, -1]])
     phase_planes.draw_lines(axes, case)
     phase_planes.draw_arrows(axes, case, cycle=style.BLACK)
     _name_sectors(axes, dataset)
@@ -89,7 +88,3 @@ def _name_sectors(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _relation(sign: int) -> str:
     return ">" if sign > 0 else "<"
-
-
-def _ends(axis: xr.DataArray) -> np.ndarray:
-    return axis.values[[0, -1]]

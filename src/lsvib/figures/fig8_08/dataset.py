@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed
-from lsvib.data.attributes import CRITICAL_MASS, attributes
+from lsvib.data import printed, spans
+from lsvib.data.attributes import CRITICAL_MASS, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters
 from lsvib.drives import chapter
@@ -21,44 +21,31 @@ from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
-    ``settings``: ``drive`` (keys of :class:`RigidParameters`, c_x = 0), ``mass`` with ``start``, ``stop`` [kg] and
-    ``count``, ``dampings`` [N m s/rad] for which the loss of stability is located. The masses crowd towards
-    m_cr, where the eigenvalues diverge. Raises ``InputError``.
+    ``settings``: see ``Settings``; c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge. Raises
+    ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     critical = critical_mass(drive)
     if critical is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
-    marks = {name: _mass(drive, inertia) for name, inertia in _marks(drive).items()}
-    start, stop, count = (settings["mass"][key] for key in ("start", "stop", "count"))
-    mass = _masses(start, stop, count, critical, list(marks.values()))
+    # Im² ε = k/Γ − C²/4Γ² of (8.18) vanishes at Γ = C²/4k, where both meet, and is largest, k²/C², at Γ = C²/2k.
+    square = drive.support_damping**2 / drive.coupling_stiffness
+    # Γ₊ = I (1 − m/m_cr)
+    meeting, peak = (critical * (1 - inertia / drive.screw_inertia) for inertia in (square / 4, square / 2))
+    mass = _masses(settings["mass"], critical, [meeting, peak])
     dampings = np.array(settings["dampings"], dtype=float)
     losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
+    lost = "mass at which the real part of an eigenvalue becomes positive"
     return xr.Dataset(
-        {
-            **_spectrum(drive, mass),
-            "loss_of_stability": (
-                "swept_support_damping",
-                losses,
-                attributes("kg", "mass at which the real part of an eigenvalue becomes positive", "$m$"),
-            ),
-        },
+        _spectrum(drive, mass) | {"loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$")},
         coords={
             **axis("mass", mass),
             **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
-            "eigenvalue": ("eigenvalue", np.array([1, 2]), attributes("1", "index of the eigenvalue", "$i$")),
+            "eigenvalue": variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$"),
             **axis("swept_support_damping", dampings),
             "critical_mass": ((), critical, CRITICAL_MASS),
-            "meeting_mass": (
-                (),
-                marks["meeting_mass"],
-                attributes("kg", "mass at which both eigenvalues meet and turn real", "$m$"),
-            ),
-            "peak_mass": (
-                (),
-                marks["peak_mass"],
-                attributes("kg", "mass of the largest imaginary part of an eigenvalue", "$m$"),
-            ),
+            "meeting_mass": variable((), meeting, "kg", "mass at which both eigenvalues meet and turn real", "$m$"),
+            "peak_mass": variable((), peak, "kg", "mass of the largest imaginary part of an eigenvalue", "$m$"),
             "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs={
@@ -73,22 +60,11 @@ def _spectrum(drive: RigidParameters, mass: np.ndarray) -> Variables:
     """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
     inertia = np.array([_inertia(drive, m) for m in mass])
     pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
+    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
     return {
-        "eigenvalue_real_part": (
-            ("eigenvalue", "mass"),
-            pair.real.T,
-            attributes("s-1", "real part of the eigenvalue", r"Re $\varepsilon$"),
-        ),
-        "eigenvalue_imaginary_part": (
-            ("eigenvalue", "mass"),
-            pair.imag.T,
-            attributes("rad s-1", "imaginary part of the eigenvalue", r"Im $\varepsilon$"),
-        ),
-        "effective_inertia_plus": (
-            "mass",
-            inertia,
-            attributes("kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-        ),
+        "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
+        "eigenvalue_imaginary_part": variable(dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"),
+        "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
     }
 
 
@@ -107,14 +83,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     meeting = float(dataset.meeting_mass)
     return [
         printed.check("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
-        Check.within(
+        Check.exact(
             f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
             "eqs 8.18, 8.20",
             critical,
             worst,
-            1e-12,
             "kg",
-            "both exact; rounding only",
         ),
         Check.holds(
             "The imaginary parts peak at k / C_0 and are zero before m_cr, from where C_0² = 4 k Γ_0 on",
@@ -155,22 +129,8 @@ def _loss_of_stability(drive: RigidParameters, critical: float) -> float:
     return unstable
 
 
-def _marks(drive: RigidParameters) -> dict[str, float]:
-    """Effective inertias [kg m²] at which the eigenvalues (8.18) meet and at which their imaginary parts are largest.
-
-    Im² ε = k/Γ − C²/4Γ² vanishes at Γ = C²/4k and is largest, k²/C², at Γ = C²/2k.
-    """
-    square = drive.support_damping**2 / drive.coupling_stiffness
-    return {"meeting_mass": square / 4, "peak_mass": square / 2}
-
-
-def _mass(drive: RigidParameters, inertia: float) -> float:
-    """Mass [kg] of an effective inertia Γ₊ = I (1 − m/m_cr) [kg m²]."""
-    return critical_mass(drive) * (1 - inertia / drive.screw_inertia)
-
-
-def _masses(start: float, stop: float, count: int, critical: float, marks: list[float]) -> np.ndarray:
-    """Masses [kg] from start to stop without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
-    near = critical * np.geomspace(1e-6, 0.1, count // 4)
-    mass = np.unique(np.concatenate([np.linspace(start, stop, count), critical - near, critical + near, marks]))
-    return mass[(mass >= start) & (mass <= stop) & (mass != critical)]
+def _masses(span: Mapping[str, Any], critical: float, marks: list[float]) -> np.ndarray:
+    """Masses [kg] of a span without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
+    near = critical * np.geomspace(1e-6, 0.1, span["count"] // 4)
+    mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, marks]))
+    return mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]

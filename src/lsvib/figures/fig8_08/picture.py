@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import style
+from lsvib.figures.drawing import phase_planes, style
 
 _LIMIT = 1.15  # half height of the overviews, in largest imaginary parts: real ones diverge and are cut here
 _CLOSE = (-16.0, 6.0)  # range of the close-ups [per mille of the critical mass]
@@ -45,11 +45,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     close_imaginary.set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     close_imaginary.text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
-    entries = {
-        name: line for axes in (real, close_real) for line, name in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
     style.state_values(figure, dataset)
-    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=5)
+    phase_planes.legend(figure, [real, close_real], 5)
     return figure
 
 

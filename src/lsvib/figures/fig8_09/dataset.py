@@ -9,7 +9,7 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.impulses import seizure_speeds
 from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import CRITICAL_MASS
+from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels
 from lsvib.drives.parameters import RigidParameters
@@ -23,8 +23,7 @@ _SWEEP = "of the last case with another axial force, from the first start"
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text does not state.
 
-    ``settings``: ``drive``; ``cases`` (a) and (b), changes of the drive; ``starts``, ``duration`` [s], ``samples``;
-    ``axial_force`` [N] with ``start``, ``stop``, ``count``. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(**changes) for changes in settings["cases"]]
@@ -98,25 +97,11 @@ def _sensitivity(drive: RigidParameters, forces: np.ndarray, start: Mapping[str,
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
         steady = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
-        speeds = np.empty(0)
-        if steady.orbit is not None:
-            speeds = np.abs(seizure_speeds(pushed, steady.orbit))
+        speeds = np.empty(0) if steady.orbit is None else np.abs(seizure_speeds(pushed, steady.orbit))
         rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
-    label, amplitude, speed = np.array(rows, dtype=float).T
+    (label, amplitude, speed), dim = np.array(rows, dtype=float).T, "swept_axial_force"
     return {
-        "swept_attractor": (
-            "swept_axial_force",
-            label.astype(np.int8),
-            phase_plane.flag(phase_plane.ATTRACTOR, Attractor) | {"comment": _SWEEP},
-        ),
-        "swept_amplitude": (
-            "swept_axial_force",
-            amplitude,
-            phase_plane.attributes("rad", phase_plane.AMPLITUDE, comment=_SWEEP),
-        ),
-        "impact_speed": (
-            "swept_axial_force",
-            speed,
-            phase_plane.attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
-        ),
+        "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor, comment=_SWEEP),
+        "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
+        "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
     }

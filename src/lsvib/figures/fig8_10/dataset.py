@@ -9,10 +9,9 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.curve_distance import Orbit
 from lsvib.data import phase_plane, printed, spans
-from lsvib.data.attributes import quantity
+from lsvib.data.attributes import flagged, quantity, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
-from lsvib.data.phase_plane import attributes
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
@@ -22,15 +21,18 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.figures.common.compliant_cycles import compliant_attractors, compliant_cycle, cycle_curves
 
 _ZOOM = 400  # samples of the peak that is drawn alone
+_PEAK = ("N", "largest normal force on the cycle", "$N$")
+_DISTANCE = (
+    "1",
+    "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed",
+)
 _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from its start
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the motion and its cycle with compliant threads, the rigid one beside it, and the effect of R.
 
-    ``settings``: ``drive``, ``contact_stiffness`` [N/m], ``contact_damping`` [N s/m]; ``start`` u [rad], w [rad/s],
-    with the contact seated; ``duration`` [s], ``samples``; ``axial_force`` [N] with ``start``, ``stop``, ``count``,
-    over which the cycle is repeated, since the text does not state R. Raises ``InputError``.
+    ``settings``: see ``Settings``; the start has a seated contact. Raises ``InputError``.
     """
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
@@ -109,21 +111,20 @@ def _motion(motion: Motion, samples: int) -> phase_plane.Variables:
     # The same rows in every mode.
     row, deflection = (motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection"))
     return {
-        "time": ("sample", times, attributes("s", "time", "$t$")),
+        "time": variable("sample", times, "s", "time", "$t$"),
         "angle_deviation": ("sample", states[:, 0], quantity("angle_deviation")),
         "velocity_deviation": ("sample", states[:, 1], quantity("velocity_deviation")),
         "normal_force": ("sample", states @ row[:-1] + row[-1], quantity("normal_force")),
         "coupling_deflection": ("sample", states @ deflection[:-1] + deflection[-1], quantity("coupling_deflection")),
         **{name: ("sample", states[:, 2 + k], quantity(name)) for k, name in enumerate(motion.automaton.states[2:])},
-        "mode": ("sample", codes, phase_plane.flag("mode of motion", ThreadsMode)),
+        "mode": flagged("sample", codes, "mode of motion", ThreadsMode),
     }
 
 
 def _peak(automaton: Automaton, cycle: SteadyState) -> phase_plane.Variables:
     """The contact force around a peak, over time from the start of the sprag."""
     if cycle.label != Attractor.SPRAG_SLIP_CYCLE:  # nothing to draw; the checks say so
-        times = force = np.full(_ZOOM, np.nan)
-        return _peak_variables(times, force, np.nan)
+        return _peak_variables(np.full(_ZOOM, np.nan), np.full(_ZOOM, np.nan), np.nan)
     period = cycle.orbit.end_time
     twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
     stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
@@ -137,38 +138,28 @@ def _peak(automaton: Automaton, cycle: SteadyState) -> phase_plane.Variables:
 
 def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase_plane.Variables:
     return {
-        "close_up_time": ("close_up_sample", times, attributes("s", "time after the start of a sprag", "$t$")),
+        "close_up_time": variable("close_up_sample", times, "s", "time after the start of a sprag", "$t$"),
         "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
-        "sprag_duration": ((), sprag, attributes("s", "time from N = 0 until the screw stands")),
+        "sprag_duration": variable((), sprag, "s", "time from N = 0 until the screw stands"),
     }
 
 
 def _comparison(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
     """The cycle in numbers, beside the rigid one."""
-    values = _cycle_values(drive, cycle, rigid)
-    named = {"attractor": ((), np.int8(cycle.label), phase_plane.flag(phase_plane.ATTRACTOR, Attractor))}
-    named["rigid_attractor"] = (
-        (),
-        np.int8(rigid.label),
-        phase_plane.flag(f"{phase_plane.ATTRACTOR}, of the rigid drive", Attractor),
-    )
+    named: phase_plane.Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
-        row = np.eye(1, steady.state.size + 1)[0]  # u
-        low, high = steady.extremes(row)
-        named[f"{name}amplitude"] = ((), 0.5 * (high - low), attributes("rad", phase_plane.AMPLITUDE + words))
-        named[f"{name}period"] = ((), steady.period, attributes("s", phase_plane.PERIOD + words, "$T$"))
-    residual = attributes("1", "relative change of the section state over a period")
+        low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
+        named |= {
+            f"{name}attractor": flagged((), steady.label, phase_plane.ATTRACTOR + words, Attractor),
+            f"{name}amplitude": variable((), 0.5 * (high - low), "rad", phase_plane.AMPLITUDE + words),
+            f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
+        }
+    peak, distance = _cycle_values(drive, cycle, rigid)
     return named | {
-        "peak_normal_force": ((), values[0], _PEAK),
-        "orbit_distance": ((), values[1], _DISTANCE),
-        "period_residual": ((), cycle.residual, residual),
+        "peak_normal_force": variable((), peak, *_PEAK),
+        "orbit_distance": variable((), distance, *_DISTANCE),
+        "period_residual": variable((), cycle.residual, "1", "relative change of the section state over a period"),
     }
-
-
-_PEAK = attributes("N", "largest normal force on the cycle", "$N$")
-_DISTANCE = attributes(
-    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed"
-)
 
 
 def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
@@ -188,11 +179,7 @@ def _sensitivity(drive: ThreadsParameters, forces: np.ndarray, start: Mapping[st
         rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid)))
     label, peak, distance = np.array(rows, dtype=float).T
     return {
-        "swept_attractor": (
-            "swept_axial_force",
-            label.astype(np.int8),
-            phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
-        ),
-        "swept_peak_normal_force": ("swept_axial_force", peak, _PEAK),
-        "swept_orbit_distance": ("swept_axial_force", distance, _DISTANCE),
+        "swept_attractor": flagged("swept_axial_force", label, phase_plane.ATTRACTOR, Attractor),
+        "swept_peak_normal_force": variable("swept_axial_force", peak, *_PEAK),
+        "swept_orbit_distance": variable("swept_axial_force", distance, *_DISTANCE),
     }

@@ -17,10 +17,7 @@ _ROUNDING = 1e-14  # a few rounding errors of the sum of three terms
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the phase plane for each damping.
-
-    ``settings``: ``drive``; ``support_dampings`` [N m s/rad], ascending; ``starts``, ``duration`` [s], ``samples``.
-    """
+    """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return xr.Dataset(

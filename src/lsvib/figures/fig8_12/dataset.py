@@ -9,6 +9,7 @@ import xarray as xr
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.impulses import mean_load
 from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, start_state
 from lsvib.drives.parameters import RigidParameters
@@ -31,9 +32,8 @@ _QUANTITIES = {
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules of resuming after a seizure.
 
-    ``settings``: ``drive``; ``support_damping`` [N m s/rad] with ``start``, ``stop``, ``count``; ``start``
-    (u [rad], w [rad/s]). Below ``resting_support_damping`` the screw rests after a seizure under the first rule, so
-    that the rules differ; there the values lie closer. Raises ``InputError``.
+    ``settings``: see ``Settings``. Below ``resting_support_damping`` the screw rests after a seizure under the first
+    rule, so that the rules differ; there the values lie closer. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     start = [settings["start"]["u"], settings["start"]["w"]]
@@ -52,15 +52,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 table[name][i, j] = value
     dims = ("rule", "support_damping")
     return xr.Dataset(
-        {name: (dims, values, phase_plane.attributes(*_QUANTITIES[name])) for name, values in table.items()}
-        | {"attractor": (dims, labels, phase_plane.flag(phase_plane.ATTRACTOR, Attractor))},
+        {name: variable(dims, values, *_QUANTITIES[name]) for name, values in table.items()}
+        | {"attractor": flagged(dims, labels, phase_plane.ATTRACTOR, Attractor)},
         coords={
             **axis("support_damping", damping),
             **phase_plane.rule_coordinate(),
-            "resting_support_damping": (
-                (),
-                limit,
-                phase_plane.attributes("N m s rad-1", "damping below which the screw rests after a seizure", "$c$"),
+            "resting_support_damping": variable(
+                (), limit, "N m s rad-1", "damping below which the screw rests after a seizure", "$c$"
             ),
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(settings["start"], "of the motions whose cycles are found"),
@@ -133,23 +131,17 @@ def _rule_check(dataset: xr.Dataset) -> Check:
 def _balance_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the balances of axial and angular momentum over a cycle, at the damping where they are worst."""
     return [
-        Check.within(
+        Check.exact(
             "Mean axial contact force over R, impulses included (worst damping)",
             "axial balance over a cycle",
             1.0,
             _worst(dataset.mean_axial_contact_force.values / float(dataset.axial_force)),
-            1e-12,
-            "1",
-            "both exact; rounding only",
         ),
-        Check.within(
+        Check.exact(
             "Mean contact torque over mean coupling torque less damping, impulses included (worst damping)",
             "balance of the screw's angular momentum over a cycle",
             1.0,
             _worst(dataset.mean_contact_torque.values / dataset.mean_coupling_torque.values),
-            1e-12,
-            "1",
-            "both exact; rounding only",
         ),
     ]
 

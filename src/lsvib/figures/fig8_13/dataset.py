@@ -8,9 +8,9 @@ import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
-from lsvib.data.phase_plane import attributes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
@@ -42,16 +42,15 @@ _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive.
 
-    ``settings``: ``drive``; ``contacts``, each with ``contact_stiffness`` [N/m] and ``contact_damping`` [N s/m], the
-    stiffest first; ``start`` u [rad], w [rad/s]; ``samples`` of a cycle; ``contact_stiffness`` and ``contact_damping``
-    of the grid with ``start``, ``stop``, ``count``, spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
     rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
-    single = [_numbers(steady) for steady in cycles]
+    steady = float(coefficients(drive).deflection)
+    single, critical = [_numbers(steady) for steady in cycles], [critical_mass_of_contact(c) for c in contacts]
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
         | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
@@ -61,18 +60,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **labels("contact", contacts, _CONTACT),
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motions whose cycles are found"),
-            "critical_mass_with_contact": (
-                "contact",
-                [critical_mass_of_contact(c) for c in contacts],
-                attributes("kg", CRITICAL_MASS_WITH_CONTACT, r"$m_\mathrm{cr}$"),
-            ),
+            "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
             **axis("grid_contact_stiffness", stiffness),
             **axis("grid_contact_damping", damping),
-            "steady_deflection": (
-                (),
-                float(coefficients(drive).deflection),
-                attributes("rad", "coupling deflection in steady sliding", "$z_0$"),
-            ),
+            "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
         },
         attrs={
             "title": "Figure 8.13: effect of the contact parameters",
@@ -97,18 +88,13 @@ def _grid(
         _boundary(lambda c, k=k: _numbers(compliant_cycle(contact(k, c), start)[1])["largest_deflection"], damping, row)
         for k, row in zip(stiffness, grid, strict=True)
     ]
+    dims = ("grid_contact_stiffness", "grid_contact_damping")
+    words = "contact damping below which the deflection turns positive"
     return {
-        f"grid_{name}": _table(("grid_contact_stiffness", "grid_contact_damping"), name, grid) for name in _ON_THE_GRID
-    } | {
-        "boundary_contact_damping": (
-            "grid_contact_stiffness",
-            [limit[0] for limit in limits],
-            attributes("N s m-1", "contact damping below which the deflection turns positive", "$c_c$"),
-        ),
-        "boundary_deflection": (
-            "grid_contact_stiffness",
-            [limit[1] for limit in limits],
-            attributes("rad", "largest coupling deflection at that damping", "$z$"),
+        **{f"grid_{name}": _table(dims, name, grid) for name in _ON_THE_GRID},
+        "boundary_contact_damping": variable(dims[0], [limit[0] for limit in limits], "N s m-1", words, "$c_c$"),
+        "boundary_deflection": variable(
+            dims[0], [limit[1] for limit in limits], "rad", "largest coupling deflection at that damping", "$z$"
         ),
     }
 
@@ -205,8 +191,8 @@ def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[floa
 def _table(dims: tuple[str, ...], name: str, values) -> tuple:
     table = np.array([[x[name] for x in row] if isinstance(row, list) else row[name] for row in values], dtype=float)
     if name == "attractor":  # also on the grid
-        return dims, table.astype(np.int8), phase_plane.flag(_NUMBERS[name][1], Attractor)
-    return dims, table, attributes(*_NUMBERS[name])
+        return flagged(dims, table, _NUMBERS[name][1], Attractor)
+    return variable(dims, table, *_NUMBERS[name])
 
 
 def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:

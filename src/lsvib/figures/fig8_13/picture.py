@@ -30,12 +30,7 @@ def _name(dataset: xr.Dataset, index: int) -> str:
     stiffness, damping = (dataset[f"contact_{word}"].values[index] for word in ("stiffness", "damping"))
     critical = float(dataset.critical_mass_with_contact[index])
     words = f", $m_\\mathrm{{cr}}$ = {critical:.2f} kg"
-    return f"$k_c$ = {_power(stiffness)} N m⁻¹, $c_c$ = {_power(damping)} N s m⁻¹{words}"
-
-
-def _power(value: float) -> str:
-    exponent = np.log10(value)
-    return f"$10^{{{exponent:.0f}}}$" if np.isclose(exponent, round(exponent)) else phase_planes.number(value)
+    return f"$k_c$ = {phase_planes.power(stiffness)} N m⁻¹, $c_c$ = {phase_planes.power(damping)} N s m⁻¹{words}"
 
 
 def _plane(axes: Axes, dataset: xr.Dataset) -> None:
@@ -119,8 +114,9 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
     dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
     for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
         curve = dataset.isel(grid_contact_stiffness=row)
-        axes.plot(curve.grid_contact_damping, 1e6 * speed / curve.grid_largest_acceleration, color=colour,
-                  linestyle=dash, label=f"$k_c$ = {_power(float(curve.grid_contact_stiffness))} N m⁻¹")  # fmt: skip
+        name = f"$k_c$ = {phase_planes.power(float(curve.grid_contact_stiffness))} N m⁻¹"
+        shortest = 1e6 * speed / curve.grid_largest_acceleration
+        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dash, label=name)
     axes.set(
         xscale="log",
         yscale="log",

@@ -12,7 +12,7 @@ import xarray as xr
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters, labels
 from lsvib.drives.parameters import RigidParameters
@@ -29,26 +29,20 @@ _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cy
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
-    ``settings``: ``drive``; ``masses`` [kg], the printed one first; ``axial_forces`` [N] of (a), (b); ``angle`` [rad]
-    and ``velocity`` [rad/s] with ``start``, ``stop``, ``count``, a grid of starts whose attractor is found; ``starts``,
-    ``duration`` [s], ``samples`` of the motions drawn; the last start is the one whose seizures accumulate under the
+    ``settings``: see ``Settings``; seizures of the motion from the last of the ``starts`` accumulate under the
     chapter's reading of the rule. Raises ``InputError``.
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
+    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
+    grid = [_basin(d, angle, velocity) for d in drives]
     threshold = global_stability_force(drives[-1])
     bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | accumulation.reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
-        | {
-            "grid_attractor": (
-                ("case", "grid_angle_deviation", "grid_velocity_deviation"),
-                np.array([_basin(d, angle, velocity) for d in drives]),
-                phase_plane.flag(phase_plane.ATTRACTOR, Attractor),
-            )
-        }
+        | {"grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor)}
         | _corners(drives)
         | _beside_threshold([drives[-1].replace(axial_force=force) for force in bracket]),
         coords={
@@ -56,16 +50,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
             **phase_plane.rule_coordinate(),
             **phase_plane.grid_axes(angle, velocity),
-            "corner_distance": (
-                "corner_distance",
-                _DISTANCES,
-                attributes("rad", "distance of the start below the corner, at standstill"),
+            "corner_distance": variable(
+                "corner_distance", _DISTANCES, "rad", "distance of the start below the corner, at standstill"
             ),
-            "bracket_axial_force": ("bracket", bracket, attributes("N", "axial force beside the threshold", "$R$")),
-            "global_stability_force": (
-                (),
-                threshold,
-                attributes("N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"),
+            "bracket_axial_force": variable("bracket", bracket, "N", "axial force beside the threshold", "$R$"),
+            "global_stability_force": variable(
+                (), threshold, "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
             ),
         },
         attrs={
@@ -78,29 +68,21 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def _corners(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
+    corners = [accumulation.corner(d) for d in drives]
+    ends = [[_from_standstill(d, rule) for rule in RULES] for d in drives]
+    where = "deviation at which the lines N = 0 and theta' = 0 meet, as printed"
+    words = "attractor of the motion from standstill so far below the corner"
     return {
-        "corner_angle": (
-            "case",
-            [accumulation.corner(d) for d in drives],
-            attributes("rad", "deviation at which the lines N = 0 and theta' = 0 meet, as printed", "$u_0$"),
-        ),
-        "corner_attractor": (
-            ("case", "rule", "corner_distance"),
-            np.array([[_from_standstill(d, rule) for rule in RULES] for d in drives], np.int8),
-            phase_plane.flag("attractor of the motion from standstill so far below the corner", Attractor),
-        ),
+        "corner_angle": variable("case", corners, "rad", where, "$u_0$"),
+        "corner_attractor": flagged(("case", "rule", "corner_distance"), ends, words, Attractor),
     }
 
 
 def _beside_threshold(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
     """The attractor of the motion that leaves rest, of the drives just above and just below the threshold."""
-    return {
-        "bracket_attractor": (
-            ("bracket", "rule"),
-            np.array([[_from_release(drive, rule) for rule in RULES] for drive in drives], np.int8),
-            phase_plane.flag("attractor of the motion that leaves rest, beside the threshold", Attractor),
-        )
-    }
+    ends = [[_from_release(drive, rule) for rule in RULES] for drive in drives]
+    words = "attractor of the motion that leaves rest, beside the threshold"
+    return {"bracket_attractor": flagged(("bracket", "rule"), ends, words, Attractor)}
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed, spans
-from lsvib.data.attributes import attributes, flag
+from lsvib.data.attributes import flagged, variable
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters
 from lsvib.drives import chapter
 from lsvib.drives.parameters import SupportParameters
@@ -26,8 +26,7 @@ _LAW = 1  # R Ω > 0
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map by eigenvalues, the flutter boundaries in closed form, and the critical friction both ways.
 
-    ``settings``: ``drive`` (its damping plays no part); ``screw_mass`` [kg]; ``friction_coefficient`` with ``start``,
-    ``stop``, ``count``; ``support_stiffness`` [N/m] with the same, spaced logarithmically. Raises ``InputError``.
+    ``settings``: see ``Settings``; the damping of ``drive`` plays no part. Raises ``InputError``.
     """
     drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])
@@ -60,11 +59,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def _class_map(drive: SupportParameters, friction: np.ndarray, stiffness: np.ndarray) -> Variables:
     """The class of the steady sliding at each friction coefficient and support stiffness [N/m]."""
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    kinds = undamped_class(support_model(grid, _LAW))
     return {
-        "stability": (
-            ("friction_coefficient", "support_stiffness"),
-            undamped_class(support_model(grid, _LAW)),
-            flag("class of the steady sliding", UndampedClass),
+        "stability": flagged(
+            ("friction_coefficient", "support_stiffness"), kinds, "class of the steady sliding", UndampedClass
         )
     }
 
@@ -73,10 +71,8 @@ def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
     """Both boundaries of mode coupling (8.29) at some friction coefficients."""
     branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
     return {
-        f"{which}_boundary": (
-            "boundary_friction_coefficient",
-            branches[:, k],
-            attributes("N m-1", f"{which} boundary of mode coupling", "$k_1$"),
+        f"{which}_boundary": variable(
+            "boundary_friction_coefficient", branches[:, k], "N m-1", f"{which} boundary of mode coupling", "$k_1$"
         )
         for k, which in enumerate(("lower", "upper"))
     }
@@ -87,8 +83,8 @@ def _critical_frictions(drive: SupportParameters, critical: float) -> Variables:
     by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
     return {
-        "critical_friction": ((), critical, attributes("1", "critical friction coefficient, closed form", r"$\mu$")),
-        "critical_friction_by_eigenvalues": ((), by_eigenvalues, attributes("1", passing, r"$\mu$")),
+        "critical_friction": variable((), critical, "1", "critical friction coefficient, closed form", r"$\mu$"),
+        "critical_friction_by_eigenvalues": variable((), by_eigenvalues, "1", passing, r"$\mu$"),
     }
 
 

@@ -10,10 +10,9 @@ import xarray as xr
 from lsvib.contact import limit_process
 from lsvib.contact.limit_process import BranchFamily, ImpactOutcome, LimitBranch, Region
 from lsvib.data import phase_plane
-from lsvib.data.attributes import SIGNS, yes_no
+from lsvib.data.attributes import SIGNS, attributes, flagged, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
-from lsvib.data.phase_plane import attributes, flag
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.resumption import RULES
 
@@ -44,10 +43,8 @@ class BranchVerdict(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
-    ``settings``: ``drive`` (Γ₊ < 0, c_x = 0); ``axial_forces`` [N] and ``support_dampings`` [N m s/rad], whose pairs
-    are the drives; ``speed`` [rad/s] of the impacts and ``duration`` [s] of the motions after them; ``start`` u [rad],
-    w [rad/s] of the cycles; ``stiffness`` [N/m], ascending; ``fit_from`` [N/m], the least that the orders are fitted
-    to; ``damping_ratio`` [1]. Raises ``InputError``.
+    ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
+    of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
     """
     stiffness = np.array(settings["stiffness"], dtype=float)
     base = RigidParameters.of(settings["drive"])
@@ -68,19 +65,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         deviations
         | {
-            "rebound_force": (
+            "rebound_force": variable(
                 ("family", "contact_stiffness"),
                 [[limit_process.rebound_force(drive, speed) for drive in row] for row in stiffened],
-                attributes("N", "force with which the contact throws the nut back"),
+                "N",
+                "force with which the contact throws the nut back",
             )
         }
         | _rules_followed(branches, deviations),
         coords={
-            "family": (
-                "family",
-                np.array(BranchFamily, dtype=np.int8),
-                flag("how the damping of the contact grows", BranchFamily),
-            ),
+            "family": flagged("family", BranchFamily, "how the damping of the contact grows", BranchFamily),
             **axis("contact_stiffness", stiffness),
             "contact_damping": (("family", "contact_stiffness"), damping, parameter("contact_damping", VARIED)),
             **phase_plane.rule_coordinate(),
@@ -89,9 +83,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
                 [b.drive for b in branches], "branch", along=("axial_force", "support_damping"), printed=("Sect. 8.6",)
             ),
             **start_state(start, "of the cycles"),
-            "impact_speed": ((), speed, attributes("rad s-1", "screw speed before a seizure", r"$\dot\theta$")),
-            "nut_damping_ratio": ((), ratio, attributes("1", "damping ratio of the nut", r"$\zeta$")),
-            "fit_from": ((), settings["fit_from"], attributes("N m-1", "least stiffness that orders are fitted to")),
+            "impact_speed": variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+            "nut_damping_ratio": variable((), ratio, "1", "damping ratio of the nut", r"$\zeta$"),
+            "fit_from": variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
         },
         attrs={
             "title": "The limit process: convergence of compliant threads to the rigid drive",
@@ -116,7 +110,7 @@ def _deviations(
                 compliant = limit_process.stiffened(branch.drive, family, k, ratio)
                 for name, value in limit_process.deviations(branch, compliant).items():
                     found[name][family, i, j] = value
-    variables = {name: (_dims(name), found[name], attributes(*_QUANTITIES[name])) for name in _QUANTITIES}
+    variables = {name: variable(_dims(name), found[name], *_QUANTITIES[name]) for name in _QUANTITIES}
     fitted = stiffness >= fit_from
     for name in ("motion_distance", "rest_error", "impulse_error", "period_error", "stop_time"):
         variables |= _orders(name, stiffness[fitted], found[name][:, :, fitted])
@@ -127,15 +121,12 @@ def _rules_followed(branches: Sequence[LimitBranch], deviations: phase_plane.Var
     """The rule of resuming that the motions on each branch follow, and how long its rigid motion lasts."""
     horizon = np.array([branch.rigid[0].end_time for branch in branches])
     return {
-        "rigid_duration": (
-            "branch",
-            horizon,
-            attributes("s", "duration of the rigid motion, a period for a cycle"),
-        ),
-        "rule_followed": (
+        "rigid_duration": variable("branch", horizon, "s", "duration of the rigid motion, a period for a cycle"),
+        "rule_followed": flagged(
             ("family", "branch"),
             _verdicts(branches, deviations, horizon),
-            flag("rule that the motion follows", BranchVerdict),
+            "rule that the motion follows",
+            BranchVerdict,
         ),
     }
 
@@ -256,8 +247,8 @@ def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase_plane
     dims = tuple(dim for dim in _dims(name) if dim != "contact_stiffness")
     words = name.replace("_", " ")
     return {
-        f"{name}_order": (dims, fits[:, :, 0], attributes("1", f"order of the {words} in one over the stiffness")),
-        f"{name}_order_error": (dims, fits[:, :, 1], attributes("1", f"standard error of the order of the {words}")),
+        f"{name}_order": variable(dims, fits[:, :, 0], "1", f"order of the {words} in one over the stiffness"),
+        f"{name}_order_error": variable(dims, fits[:, :, 1], "1", f"standard error of the order of the {words}"),
     }
 
 
@@ -275,15 +266,16 @@ def _verdicts(branches: Sequence[LimitBranch], variables: phase_plane.Variables,
 def _branch_coordinates(branches: Sequence[LimitBranch]) -> phase_plane.Variables:
     hits = [b.impact for b in branches]
     signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
-    region = np.array([Region.CYCLE if hit is None else hit.region for hit in hits], dtype=np.int8)
-    after = np.array([[limit_process.outcome(motion) for motion in b.rigid] for b in branches], dtype=np.int8)
+    sign = np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8)
+    region = [Region.CYCLE if hit is None else hit.region for hit in hits]
+    after = [[limit_process.outcome(motion) for motion in b.rigid] for b in branches]
+    differ = [b.differ for b in branches]
     return {
-        "branch": ("branch", np.arange(len(branches)), attributes("1", "index of the branch")),
-        "impact_sign": ("branch", np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8),
-                        attributes("1", "sign of the impact, none for a cycle", **signs)),
-        "region": ("branch", region, flag("where the screw stands after the impact", Region)),
-        "rules_differ": ("branch", np.array([b.differ for b in branches], dtype=np.int8),
-                         yes_no("the rigid motion depends on the rule of resuming")),
-        "outcome_after_seizure": (("branch", "rule"), after,
-                                  flag("what follows the first seizure of the rigid drive", ImpactOutcome)),
-    }  # fmt: skip
+        "branch": variable("branch", np.arange(len(branches)), "1", "index of the branch"),
+        "impact_sign": ("branch", sign, attributes("1", "sign of the impact, none for a cycle", **signs)),
+        "region": flagged("branch", region, "where the screw stands after the impact", Region),
+        "rules_differ": yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
+        "outcome_after_seizure": flagged(
+            ("branch", "rule"), after, "what follows the first seizure of the rigid drive", ImpactOutcome
+        ),
+    }

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import spans
-from lsvib.data.attributes import CRITICAL_MASS, attributes, flags
+from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
 from lsvib.drives.parameters import NutParameters
@@ -36,9 +36,7 @@ _PARAMETERS = (
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the critical mass over the inertia of the nut, in closed form and by eigenvalues, and the class map.
 
-    ``settings``: ``drive`` (c_x = 0; its mass is that of the map); ``nut_inertia`` I_2 [kg m²] with ``start``,
-    ``stop``, ``count``, spaced logarithmically; ``friction_coefficient`` with the same, evenly spaced. Raises
-    ``InputError``.
+    ``settings``: see ``Settings``; c_x = 0, and the mass of ``drive`` is that of the map. Raises ``InputError``.
     """
     drive = NutParameters.of(settings["drive"])
     rigid = critical_mass(drive)
@@ -47,26 +45,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     inertia = spans.logarithmic(settings["nut_inertia"])
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    edge = _boundary_friction(drive, inertia)
+    from_which_on = "friction coefficient from which on (8.33) holds, missing if from none"
+    own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
+    origin = origin_of("friction_coefficient", own)
     return xr.Dataset(
         _critical_masses(drive, inertia, rigid) | _class_map(drive, friction, inertia),
         coords={
-            "critical_friction_with_nut": (
-                "nut_inertia",
-                _boundary_friction(drive, inertia),
-                attributes("1", "friction coefficient from which on (8.33) holds, missing if from none", r"$\mu$"),
-            ),
+            "critical_friction_with_nut": variable("nut_inertia", edge, "1", from_which_on, r"$\mu$"),
             **axis("nut_inertia", inertia),
             **axis("friction_coefficient", friction),
             "critical_mass": ((), rigid, CRITICAL_MASS),
-            "drawn_friction_coefficient": (
-                (),
-                drive.friction_coefficient,
-                parameter(
-                    "drawn_friction_coefficient",
-                    origin_of("friction_coefficient", drive.friction_coefficient),
-                    comment="of the critical masses",
-                ),
-            ),
+            drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
             **drive_parameters(
                 drive,
                 axes=("nut_inertia", "friction_coefficient"),
@@ -86,30 +76,25 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def _critical_masses(drive: NutParameters, inertia: np.ndarray, rigid: float) -> Variables:
     """Critical mass [kg] over the inertia of the nut [kg m²], both ways; that of the rigid drive bounds it."""
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
+    found = {
+        "critical_mass_with_nut": (closed, "in closed form"),
+        "critical_mass_with_nut_by_eigenvalues": (passing, "where an eigenvalue 1/omega^2 passes through zero"),
+    }
     return {
-        "critical_mass_with_nut": ("nut_inertia", [kinematic_mass(nut) for nut in nuts], _mass("in closed form")),
-        "critical_mass_with_nut_by_eigenvalues": (
-            "nut_inertia",
-            [_by_eigenvalues(nut, rigid) for nut in nuts],
-            _mass("where an eigenvalue 1/omega^2 passes through zero"),
-        ),
+        name: variable("nut_inertia", masses, "kg", f"critical mass, {words}", r"$m_\mathrm{cr}$")
+        for name, (masses, words) in found.items()
     }
 
 
 def _class_map(drive: NutParameters, friction: np.ndarray, inertia: np.ndarray) -> Variables:
     """Class of the steady sliding over friction coefficient and inertia of the nut [kg m²], and where (8.33) begins."""
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    kinds, dims = undamped_class(nut_model(grid, _LAW)), ("friction_coefficient", "nut_inertia")
+    begins = "inertia of the nut at which (8.33) begins to hold, missing if at none"
     return {
-        "stability": (
-            ("friction_coefficient", "nut_inertia"),
-            undamped_class(nut_model(grid, _LAW)),
-            attributes("1", "class of the steady sliding", comment="undamped", **flags(UndampedClass)),
-        ),
-        "boundary_nut_inertia": (
-            "friction_coefficient",
-            _boundary(drive, friction),
-            attributes("kg m2", "inertia of the nut at which (8.33) begins to hold, missing if at none", "$I_2$"),
-        ),
+        "stability": flagged(dims, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
+        "boundary_nut_inertia": variable(dims[0], _boundary(drive, friction), "kg m2", begins, "$I_2$"),
     }
 
 
@@ -199,14 +184,11 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> li
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
     return [
-        Check.within(
+        Check.exact(
             "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
             "Remark 8.6",
             1.0,
             float(factor[np.argmax(np.abs(factor - 1))]),
-            1e-12,
-            "1",
-            "both exact; rounding only",
         ),
         Check.within(
             "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",
@@ -279,7 +261,3 @@ def _with_damping(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.nda
     grows = eigenvalues(nut_model(own, _LAW))[..., -1].real > 0
     compared = clear[np.ix_(rows, columns)]
     return int(np.sum(compared & (grows != (part.stability.values == UndampedClass.KINEMATIC)))), int(compared.sum())
-
-
-def _mass(words: str) -> dict[str, str]:
-    return attributes("kg", f"critical mass, {words}", r"$m_\mathrm{cr}$")

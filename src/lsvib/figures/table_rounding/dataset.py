@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.data import printed
-from lsvib.data.attributes import attributes, flag, yes_no
+from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.drives import chapter
@@ -60,12 +60,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
-            "threshold": ("threshold", np.array(Threshold, np.int8), flag("threshold", Threshold)),
-            "parameter": (
-                "parameter",
-                np.array(Parameter, np.int8),
-                flag("parameter of Table 8.1", Parameter),
-            ),
+            "threshold": flagged("threshold", Threshold, "threshold", Threshold),
+            "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
             **_printed_and_computed(computed),
             **drive_parameters(
                 list(drives.values()),
@@ -88,20 +84,18 @@ def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
     """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
     return {
-        "print_residual": (
-            "threshold",
-            in_print / computed - 1,
-            attributes("1", "printed less computed, relative"),
-        ),
-        "print_half_unit": (
+        "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
+        "print_half_unit": variable(
             "threshold",
             np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
-            attributes("1", "half a unit of the last printed digit of the threshold, relative"),
+            "1",
+            "half a unit of the last printed digit of the threshold, relative",
         ),
-        "relative_change": (
+        "relative_change": variable(
             ("threshold", "parameter"),
             changes / computed[:, None],
-            attributes("1", "change of the threshold by half a unit of the parameter's last printed digit"),
+            "1",
+            "change of the threshold by half a unit of the parameter's last printed digit",
         ),
     }
 
@@ -109,20 +103,20 @@ def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
 def _table(drive: RigidParameters) -> Variables:
     """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
     return {
-        "half_unit": (
+        "half_unit": variable(
             "parameter",
             np.array(list(HALF_UNITS.values())),
-            attributes("1", "half a unit of the last printed digit, SI units, angle in degrees"),
+            "1",
+            "half a unit of the last printed digit, SI units, angle in degrees",
         ),
-        "printed_value": (
+        "printed_value": variable(
             "parameter",
             [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS],
-            attributes("1", "value of the parameter, SI units, angle in degrees"),
+            "1",
+            "value of the parameter, SI units, angle in degrees",
         ),
-        "one_digit": (
-            "parameter",
-            np.array([name in ROUND for name in HALF_UNITS], dtype=np.int8),
-            yes_no("printed without a digit but the leading one"),
+        "one_digit": yes_no(
+            "parameter", [name in ROUND for name in HALF_UNITS], "printed without a digit but the leading one"
         ),
     }
 
@@ -132,20 +126,18 @@ def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidPar
     damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
     other = drive.replace(support_damping=damping)
     return {
-        "matching_support_damping": (
-            (),
-            damping,
-            attributes("N m s rad-1", "support damping at which the stick force is the printed one", "$c$"),
+        "matching_support_damping": variable(
+            (), damping, "N m s rad-1", "support damping at which the stick force is the printed one", "$c$"
         ),
-        "matching_detach_force": (
-            (),
-            functions["detach_force"](other),
-            attributes("N", "detach force with that damping", "$R$"),
+        "matching_detach_force": variable(
+            (), functions["detach_force"](other), "N", "detach force with that damping", "$R$"
         ),
-        "matching_effective_damping_plus": (
+        "matching_effective_damping_plus": variable(
             (),
             float(coefficients(other).damping[1]),
-            attributes("N m s rad-1", "effective damping of law + with that damping", "$C_+$"),
+            "N m s rad-1",
+            "effective damping of law + with that damping",
+            "$C_+$",
         ),
     }
 
@@ -156,7 +148,7 @@ def _printed_and_computed(computed: np.ndarray) -> Variables:
     return {
         f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], _WORDS.get(n, said)) for n, said in words.items()
     } | {
-        f"computed_{n}": ((), value, attributes(chapter.THRESHOLDS[n].unit, f"{said}, computed"))
+        f"computed_{n}": variable((), value, chapter.THRESHOLDS[n].unit, f"{said}, computed")
         for (n, said), value in zip(words.items(), computed, strict=True)
     }
 

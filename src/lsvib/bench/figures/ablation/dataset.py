@@ -10,7 +10,7 @@ import xarray as xr
 
 from lsvib.bench.ablation import leaving_out
 from lsvib.bench.ablation.cost_of_starting import compilation, imports
-from lsvib.data.attributes import attributes, named_index, yes_no
+from lsvib.data.attributes import named_index, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.simulation import simulate
 from lsvib.drives.registry import find_model
@@ -38,22 +38,25 @@ _NUMBERS = {
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Measure the scenes of :func:`lsvib.bench.ablation.leaving_out.scenes`, the imports and the compilation.
 
-    ``settings``: ``duration`` [s] of the motions, ``repeats`` of each measurement, ``compile``: kinds of flow whose
-    compilation is measured one after the other, each with those before it (about 10 s of CPU time for each).
+    ``settings``: see ``Settings``; compilation takes about 10 s of CPU time for each kind of flow.
     """
     scenes = leaving_out.scenes(settings["duration"])
+    kinds = {
+        "_and_".join(settings["compile"][: k + 1]): tuple(settings["compile"][: k + 1])
+        for k in range(len(settings["compile"]))
+    }
     pairs = [leaving_out.measure(scene, settings["repeats"]) for scene in scenes.values()]
     variables: dict[str, tuple] = {
-        name: (("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]),
-               attributes(units, words))
+        name: variable(("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]), units, words)
         for name, (units, words) in _NUMBERS.items()
-    }  # fmt: skip
+    }
     compared = [leaving_out.difference(pared.motion, general.motion) for pared, general in pairs]
-    variables["same_events"] = ("scene", np.array([same for same, _ in compared], np.int8),
-        yes_no("both models have the same events"))  # fmt: skip
-    variables["difference"] = ("scene", [gap for _, gap in compared],
-        attributes("1", "largest difference of states and event times, relative to their size"))  # fmt: skip
-    variables |= _data(settings) | _imports(settings) | _compilation(settings["compile"])
+    apart = "largest difference of states and event times, relative to their size"
+    variables |= {
+        "same_events": yes_no("scene", [same for same, _ in compared], "both models have the same events"),
+        "difference": variable("scene", [gap for _, gap in compared], "1", apart),
+    }
+    variables |= _data(settings) | _imports(settings) | _compilation(kinds)
     return xr.Dataset(
         variables,
         coords={
@@ -62,7 +65,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "outputs": named_index("outputs", "outputs of the dataset", ("needed", "all")),
             "workflow_rule": named_index("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
             "package": named_index("package", "package", _PACKAGES),
-            "compiled": named_index("compiled", "kinds of flow that are compiled", _compiled(settings["compile"])),
+            "compiled": named_index("compiled", "kinds of flow that are compiled", kinds),
         },
         attrs={
             "title": "Nothing that a scene does not need",
@@ -113,35 +116,28 @@ def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
     """The dataset of the stick–slip scene with no outputs beyond the state, and with all."""
     scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "start": {"u": 1e-3, "w": 0.0},
              "duration": settings["duration"]}  # fmt: skip
+    of = "of the dataset of a motion"
     sets = [simulate({**scene, "outputs": outputs}) for outputs in ((), find_model("rigid").outputs)]
     return {
-        "variables": ("outputs", [len(x.variables) for x in sets],
-            attributes("1", "number of variables of the dataset of a motion")),
-        "data_bytes": ("outputs", [x.nbytes for x in sets], attributes("byte", "size of the dataset of a motion")),
-    }  # fmt: skip
+        "variables": variable("outputs", [len(x.variables) for x in sets], "1", f"number of variables {of}"),
+        "data_bytes": variable("outputs", [x.nbytes for x in sets], "byte", f"size {of}"),
+    }
 
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
     found = [imports(module, settings["repeats"]) for module in MODULES.values()]
-    loads = np.array([[package in names for package in _PACKAGES] for _, _, names in found], np.int8)
+    (counts, seconds, packages), dim = zip(*found, strict=True), "workflow_rule"
+    loads = [[package in names for package in _PACKAGES] for names in packages]
     return {
-        "imported": ("workflow_rule", [count for count, _, _ in found],
-            attributes("1", "number of modules that are imported")),
-        "import_time": ("workflow_rule", [seconds for _, seconds, _ in found],
-            attributes("s", "fastest time to import them")),
-        "loads": (("workflow_rule", "package"), loads, yes_no("the package is imported")),
-    }  # fmt: skip
+        "imported": variable(dim, list(counts), "1", "number of modules that are imported"),
+        "import_time": variable(dim, list(seconds), "s", "fastest time to import them"),
+        "loads": yes_no((dim, "package"), loads, "the package is imported"),
+    }
 
 
-def _compiled(kinds: list[str]) -> list[str]:
-    return ["_and_".join(kinds[: k + 1]) for k in range(len(kinds))]
-
-
-def _compilation(kinds: list[str]) -> dict[str, tuple]:
-    found = [compilation(tuple(kinds[: k + 1])) for k in range(len(kinds))]
+def _compilation(kinds: Mapping[str, tuple[str, ...]]) -> dict[str, tuple]:
+    counts, seconds = zip(*map(compilation, kinds.values()), strict=True)
     return {
-        "specialisations": ("compiled", [count for count, _ in found],
-            attributes("1", "number of compiled specialisations")),
-        "compile_time": ("compiled", [seconds for _, seconds in found],
-            attributes("s", "CPU time to compile the engine")),
-    }  # fmt: skip
+        "specialisations": variable("compiled", list(counts), "1", "number of compiled specialisations"),
+        "compile_time": variable("compiled", list(seconds), "s", "CPU time to compile the engine"),
+    }

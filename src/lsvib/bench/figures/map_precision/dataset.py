@@ -13,7 +13,8 @@ import xarray as xr
 from lsvib.basins.clipping import Window
 from lsvib.bench.maps.map_methods import METHODS, Rule
 from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
-from lsvib.data.attributes import attributes, flag, named_index
+from lsvib.data import phase_plane, spans
+from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
 from lsvib.data.provenance import processor
@@ -28,49 +29,28 @@ _PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes.
 
-    ``settings``: ``boxes`` by name, each with a ``drive``, a ``window`` (``left``, ``right`` [rad], ``bottom``, ``top``
-    [rad/s]) and ``ratio_floor`` [1], how many times faster than RK4 with the coarse step the engine is asked to be;
-    ``cells`` along an edge of each method's grid, 0 to leave it out; ``repeats``; ``distances`` (``start``, ``stop``
-    [widths of the box], ``count``), evenly spaced in logarithms; ``starts`` on either side at each; ``seed``. Raises
-    ``InputError``.
+    ``settings``: see ``Settings``. Raises ``InputError``.
     """
     cells = {name: count for name, count in settings["cells"].items() if count}
-    span = settings["distances"]
-    distances = np.geomspace(span["start"], span["stop"], span["count"])
+    distances = spans.logarithmic(settings["distances"])
     boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)
-    floors = [box["ratio_floor"] for box in settings["boxes"].values()]
+    floors, along = [box["ratio_floor"] for box in settings["boxes"].values()], "boundary_distance"
+    rules, words = [METHODS[name].rule for name in cells], "when a motion need not be followed further"
     return xr.Dataset(
         _measured(rows, distances, lengths)
         | {
-            "decision_rule": (
-                "method",
-                np.array([METHODS[name].rule for name in cells], np.int8),
-                flag("when a motion need not be followed further", Rule),
-            ),
-            "window_angle": (
-                ("box", "edge"),
-                [list(box.window[:2]) for box in boxes],
-                attributes("rad", "left and right edge of the window", "$u$"),
-            ),
-            "window_velocity": (
-                ("box", "edge"),
-                [list(box.window[2:]) for box in boxes],
-                attributes("rad s-1", "bottom and top edge of the window", r"$\dot u$"),
-            ),
-            "ratio_floor": ("box", floors, attributes("1", "ratio to RK4 with the coarse step that is asked for")),
+            "decision_rule": flagged("method", rules, words, Rule),
+            **phase_plane.window_edges("window", ("box", "edge"), [box.window for box in boxes]),
+            "ratio_floor": variable("box", floors, "1", "ratio to RK4 with the coarse step that is asked for"),
         },
         coords={
             **drive_parameters([box.drive for box in boxes], "box", along=_CHANGED, printed=_PLACES),
             "method": named_index("method", "method", list(cells), labels=labels),
             "box": named_index("box", "box", list(settings["boxes"]), labels="; ".join(map(_title, boxes))),
-            "boundary_distance": (
-                "boundary_distance",
-                distances,
-                attributes("1", "distance from the boundary in widths of the box"),
-            ),
+            along: variable(along, distances, "1", "distance from the boundary in widths of the box"),
         },
         attrs={
             "title": "Maps of the region of attraction by this engine and by other methods",
@@ -121,32 +101,20 @@ def _measured(rows: list[list[MapOutcome]], distances: np.ndarray, lengths: list
         return np.array([[value(outcome) for outcome in row] for row in rows], dtype=dtype)
 
     flat, deep = ("method", "box"), ("method", "box", "boundary_distance")
+    where = "distance from the boundary"
+    reach = table(lambda o: np.max(distances[(o.wrong + o.undecided) > 0], initial=0.0))
     share = np.array([[wrong_share(o, distances, x) for o, x in zip(row, lengths, strict=True)] for row in rows])
     return {
-        "time_per_label": (flat, table(lambda o: o.seconds), attributes("s", "processor time for one label")),
-        "cells": (flat, table(lambda o: o.cells, np.int64), attributes("1", "number of cells of the grid")),
-        "wrong_cells": (flat, table(lambda o: o.wrong_cells, np.int64), attributes("1", "cells with a wrong label")),
-        "undecided_cells": (
-            flat,
-            table(lambda o: o.undecided_cells, np.int64),
-            attributes("1", "cells without a label, the method being undecided"),
+        "time_per_label": variable(flat, table(lambda o: o.seconds), "s", "processor time for one label"),
+        "cells": variable(flat, table(lambda o: o.cells, np.int64), "1", "number of cells of the grid"),
+        "wrong_cells": variable(flat, table(lambda o: o.wrong_cells, np.int64), "1", "cells with a wrong label"),
+        "undecided_cells": variable(
+            flat, table(lambda o: o.undecided_cells, np.int64), "1", "cells without a label, the method being undecided"
         ),
-        "wrong_share": (flat, share, attributes("1", "share of the box that is labelled wrongly")),
-        "reach": (
-            flat,
-            table(lambda o: np.max(distances[(o.wrong + o.undecided) > 0], initial=0.0)),
-            attributes("1", "largest distance from the boundary at which a label is wrong or undecided, 0 for none"),
-        ),
-        "wrong_near": (
-            deep,
-            table(lambda o: o.wrong),
-            attributes("1", "share of wrong labels at a distance from the boundary"),
-        ),
-        "undecided_near": (
-            deep,
-            table(lambda o: o.undecided),
-            attributes("1", "share of undecided labels at a distance from the boundary"),
-        ),
+        "wrong_share": variable(flat, share, "1", "share of the box that is labelled wrongly"),
+        "reach": variable(flat, reach, "1", f"largest {where} at which a label is wrong or undecided, 0 for none"),
+        "wrong_near": variable(deep, table(lambda o: o.wrong), "1", f"share of wrong labels at a {where}"),
+        "undecided_near": variable(deep, table(lambda o: o.undecided), "1", f"share of undecided labels at a {where}"),
     }
 
 

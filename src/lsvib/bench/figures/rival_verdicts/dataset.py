@@ -19,12 +19,23 @@ from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
-from lsvib.data.attributes import attributes, flag, flags, named_index, yes_no
+from lsvib.data.attributes import flagged, named_flags, named_index, variable, yes_no, yes_no_or
 from lsvib.data.checks import Check
 
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a method that is not asked a case: as a run that did not take place
 WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)
 _SOURCE = "docs/stability.md"
+_SHARED = "over the cases that every method is asked"
+_WORDS = {
+    "error": "error of final state and event times, relative to the motion, where its events are right",
+    "level": "decimal logarithm of the parameter or of its distance from the edge",
+    "confirmed": "whether 40 digits have the engine's events, asked where half of the methods have others",
+    "decay": "fastest rate of decay, integrated over the motion",
+    "shortest_stay": "shortest time between two events, in shortest oscillations; missing where there are fewer "
+    "than two",
+    "shared_count": "number of cases, over those that every method is asked",
+    "engine_count": "number of cases by verdict on the engine",
+}
 
 
 class _Row(NamedTuple):
@@ -42,11 +53,9 @@ class _Row(NamedTuple):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Ask the methods.
+    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`.
 
-    ``settings``: ``seed``; ``counts``, number of cases of each family, by name, that every method is asked; ``more``,
-    number of further cases that only the fixed-step methods are asked; ``methods``, relative tolerances of each method
-    of :data:`lsvib.bench.rivals.catalogue.METHODS`. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
     every = [True] * len(entries)
@@ -79,42 +88,34 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     family = np.array([row.case.family for row in rows], dtype=np.int8)
     shared = np.array([row.shared for row in rows])
     verdict = np.array([[NOT_ASKED if a is None else a.verdict for a in row.answers] for row in rows], dtype=np.int8)
-    level = np.array([row.case.level for row in rows])  # −inf, on the edge itself, is stored as missing
+    level = np.array([row.case.level for row in rows])
+    level = np.where(np.isfinite(level), level, np.nan).astype(np.float32)  # −inf is on the edge itself
     engine = np.array([row.engine for row in rows], dtype=np.int8)
     count = _count(verdict, [family == f for f in families])
     together = _count(verdict, [shared])[0]
-    by_family = ("edge_family", "method")
+    ours = np.array([[((family == f) & (engine == v)).sum() for v in case_judge.VERDICTS] for f in families], np.int32)
+    by_family, tolerances = ("edge_family", "method"), np.array([value for _, value in entries])
+    words = {NOT_ASKED: "not_asked", **{int(kind): kind.name.lower() for kind in VERDICTS}}
     return xr.Dataset(
         {
-            "method_verdict": (("case", "method"), verdict, attributes("1", "verdict on the method") | _verdicts()),
-            "error": (("case", "method"), _errors(rows), attributes("1",
-                "error of final state and event times, relative to the motion, where its events are right")),
-            "engine_verdict": ("case", engine, flag("verdict on the engine", case_judge.VERDICTS)),
-            "case_family": ("case", family, flag("family of the case", CaseFamily)),
-            "group": ("case", np.array([row.case.group for row in rows], np.int8), flag("edge of the case", Group)),
-            "level": ("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), attributes("1",
-                "decimal logarithm of the parameter or of its distance from the edge")),
-            "shared": ("case", shared.astype(np.int8), yes_no("whether every method is asked")),
-            "confirmed": ("case", np.array([-1 if row.confirmed is None else row.confirmed for row in rows], np.int8),
-                attributes(
-                    "1", "whether 40 digits have the engine's events, asked where half of the methods have others",
-                    flag_values=np.array([-1, 0, 1], dtype=np.int8), flag_meanings="not_asked no yes")),
-            "decay": ("case", _of_question(rows, "stiffness"), attributes("1",
-                "fastest rate of decay, integrated over the motion")),
-            "shortest_stay": ("case", _of_question(rows, "shortest_stay"), attributes("1",
-                "shortest time between two events, in shortest oscillations; missing where there are fewer than two")),
-            "count": ((*by_family, "method_outcome"), count, attributes("1", "number of cases")),
-            "shared_count": (("method", "method_outcome"), together, attributes("1",
-                "number of cases, over those that every method is asked")),
-            "engine_count": (("edge_family", "engine_outcome"), np.array(
-                [[((family == f) & (engine == v)).sum() for v in case_judge.VERDICTS] for f in families],
-                    dtype=np.int32),
-                attributes("1", "number of cases by verdict on the engine")),
+            "method_verdict": named_flags(("case", "method"), verdict, "verdict on the method", words),
+            "error": variable(("case", "method"), _errors(rows), "1", _WORDS["error"]),
+            "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
+            "case_family": flagged("case", family, "family of the case", CaseFamily),
+            "group": flagged("case", [row.case.group for row in rows], "edge of the case", Group),
+            "level": variable(
+                "case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]
+            ),
+            "shared": yes_no("case", shared, "whether every method is asked"),
+            "confirmed": yes_no_or("not_asked", "case", [row.confirmed for row in rows], _WORDS["confirmed"]),
+            "decay": variable("case", _of_question(rows, "stiffness"), "1", _WORDS["decay"]),
+            "shortest_stay": variable("case", _of_question(rows, "shortest_stay"), "1", _WORDS["shortest_stay"]),
+            "count": variable((*by_family, "method_outcome"), count, "1", "number of cases"),
+            "shared_count": variable(("method", "method_outcome"), together, "1", _WORDS["shared_count"]),
+            "engine_count": variable(("edge_family", "engine_outcome"), ours, "1", _WORDS["engine_count"]),
             **_shares("", by_family, count, "share of wrong verdicts"),
-            **_shares("shared_", ("method",), together,
-                      "share of wrong verdicts, over the cases that every method is asked"),
-            "relative_tolerance": ("method", np.array([value for _, value in entries]), attributes("1",
-                "relative tolerance of the method")),
+            **_shares("shared_", ("method",), together, f"share of wrong verdicts, {_SHARED}"),
+            "relative_tolerance": variable("method", tolerances, "1", "relative tolerance of the method"),
         },
         coords=_coordinates(len(rows), entries, families),
         attrs={
@@ -126,25 +127,22 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "examples": json.dumps(_examples(rows, entries)),
             "rival_versions": json.dumps(_versions(entries)),
         },
-    )  # fmt: skip
+    )
 
 
 def _coordinates(cases: int, entries: list[tuple[str, float]], families: list[CaseFamily]) -> dict[str, tuple]:
     return {
-        "case": ("case", np.arange(cases), attributes("1", "index of the case")),
-        "edge_family": ("edge_family", np.array(families, np.int8),
-                        flag("what is driven to the edge", CaseFamily)),
-        "method_outcome": ("method_outcome", np.array(VERDICTS, np.int8),
-                           flag("verdict on a method", VERDICTS)),
-        "engine_outcome": ("engine_outcome", np.array(case_judge.VERDICTS, np.int8),
-                           flag("verdict on the engine", case_judge.VERDICTS)),
+        "case": variable("case", np.arange(cases), "1", "index of the case"),
+        "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
+        "method_outcome": flagged("method_outcome", VERDICTS, "verdict on a method", VERDICTS),
+        "engine_outcome": flagged("engine_outcome", case_judge.VERDICTS, "verdict on the engine", case_judge.VERDICTS),
         "method": named_index(
             "method",
             "method",
             [f"{name}_{value:.0e}" for name, value in entries],
             labels="; ".join(f"{METHODS[name].label}, {value:.0e}" for name, value in entries),
         ),
-    }  # fmt: skip
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -180,14 +178,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _verdicts() -> dict[str, Any]:
-    known = flags(VERDICTS)
-    return {
-        "flag_values": np.concatenate([[np.int8(NOT_ASKED)], known["flag_values"]]),
-        "flag_meanings": f"not_asked {known['flag_meanings']}",
-    }
-
-
 def _versions(entries: list[tuple[str, float]]) -> dict[str, str]:
     packages = {METHODS[name].needs for name, _ in entries} - {None}
     return {package: import_module(package).__version__ for package in sorted(packages)}
@@ -203,18 +193,11 @@ def _shares(prefix: str, dims: tuple[str, ...], count: np.ndarray, words: str) -
     """Share of wrong verdicts and the ends of its interval."""
     wrong, asked = count[..., [VERDICTS.index(v) for v in WRONG]].sum(axis=-1), count.sum(axis=-1)
     low, high = wilson(wrong, asked)
+    interval = "end of the interval of 95 % (Wilson)"
     return {
-        f"{prefix}wrong_share": (dims, wrong / np.where(asked, asked, np.nan), attributes("1", words)),
-        f"{prefix}wrong_share_low": (
-            dims,
-            low,
-            attributes("1", f"{words}: lower end of the interval of 95 % (Wilson)"),
-        ),
-        f"{prefix}wrong_share_high": (
-            dims,
-            high,
-            attributes("1", f"{words}: upper end of the interval of 95 % (Wilson)"),
-        ),
+        f"{prefix}wrong_share": variable(dims, wrong / np.where(asked, asked, np.nan), "1", words),
+        f"{prefix}wrong_share_low": variable(dims, low, "1", f"{words}: lower {interval}"),
+        f"{prefix}wrong_share_high": variable(dims, high, "1", f"{words}: upper {interval}"),
     }
 
 

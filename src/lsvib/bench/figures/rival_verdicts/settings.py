@@ -1,14 +1,17 @@
 """The settings of `rival_verdicts`."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
+from lsvib.bench.rivals.methods import MODULES
 from lsvib.figures.common.settings import FigureSettings, Seed, SweepFamily, Tolerances
 
 
 class Settings(FigureSettings):
     """Other methods at the edge of the domain."""
+
+    needs: ClassVar = MODULES
 
     seed: Seed
     counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(

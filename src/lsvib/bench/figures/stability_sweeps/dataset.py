@@ -23,9 +23,9 @@ from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
 from lsvib.bench.sweeps.worst_case_variables import description, worst_cases
-from lsvib.data.attributes import attributes, flag, yes_no
+from lsvib.data.attributes import flagged, named_flags, variable, yes_no, yes_no_or
 from lsvib.data.checks import Check
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
 
 _SOURCE = "docs/stability.md"
 _NUMBERS = {
@@ -35,6 +35,14 @@ _NUMBERS = {
     "condition": ("1", "largest condition number of the modal forms"),
     "energy_residual": ("1", "residual of the energy balance, relative to the largest energy or work in it"),
     "energy_rounding": ("1", "residual of the energy balance that rounding may make"),
+}
+_WORDS = {
+    "level": "decimal logarithm of the parameter or of its distance from the edge",
+    "damping_level": "decimal logarithm of the contact damping in N s/m",
+    "stepper_agrees": "whether the Taylor stepper has the right events",
+    "stepper_wrong": "number of cases in which the Taylor stepper has wrong events",
+    "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
+    "evaluations": "number of cases that the search for the worst one tried in each family",
 }
 _WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.DOUBLE_RATE_OF_THREADS, CaseFamily.SUPPORT, CaseFamily.NUT)
 # Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/stability.md.
@@ -47,12 +55,7 @@ _LONG = ({"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axia
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the sweeps, and search on from the worst cases of each family.
-
-    ``settings``: ``seed``; ``counts``, number of cases of each family by name; ``thorough``, how many of them are asked
-    of the reference in any case; ``evaluations``, steps of the search in each family; ``distances`` [1] from the
-    thresholds at which attractors are found; ``periods`` of the long runs.
-    """
+    """Run the sweeps, and search on from the worst cases of each family; ``settings``: see ``Settings``."""
     rows: list[tuple[Case, CaseOutcome]] = []
     worst: dict[CaseFamily, Tried] = {}
     for name, count in settings["counts"].items():
@@ -68,29 +71,30 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         found = search(family, begin, settings["evaluations"], rng)
         worst[family] = replace(found, outcome=judge(found.case, rng, thorough=True))
     families = sorted({case.family for case, _ in rows})
-    sides = _sides(settings["distances"])
+    distances = np.array(settings["distances"], dtype=float)
+    right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
+    by_side = ("force_threshold", "side", "threshold_distance")
     runs = [long_run(RigidParameters.of(changes), settings["periods"]) for changes in _LONG]
     return xr.Dataset(
-        _cases(rows) | _summary(rows, families) | worst_cases([worst[f] for f in families]) | sides | _runs(runs),
+        _cases(rows)
+        | _summary(rows, families)
+        | worst_cases([worst[f] for f in families])
+        | {"attractor_is_right": yes_no(by_side, right, "the attractor is the one that the threshold promises")}
+        | _runs(runs),
         coords={
-            "case": ("case", np.arange(len(rows)), attributes("1", "index of the case")),
-            "edge_family": (
-                "edge_family", np.array(families, dtype=np.int8), flag("what is driven to the edge", CaseFamily)),
-            "outcome": ("outcome", np.array(VERDICTS, dtype=np.int8), flag("verdict", VERDICTS)),
-            "force_threshold": (
-                "force_threshold", np.array(list(THRESHOLDS), dtype=np.int8), flag("threshold of R", Group)),
-            "side": ("side", np.array([-1, 1], dtype=np.int8), attributes(
-                "1", "side of the threshold", flag_values=np.array([-1, 1], dtype=np.int8),
-                flag_meanings="smaller_force larger_force")),
-            "threshold_distance": ("threshold_distance", np.array(settings["distances"], dtype=float),
-                         attributes("1", "relative distance from the threshold")),
-            "run": ("run", np.arange(len(runs)), attributes("1", "index of the long run")),
-            "passing_error": ((), TOLERANCE, attributes("1", "relative error that passes")),
-            "energy_tolerance": ((), ENERGY_TOLERANCE,
-                attributes("1", "residual of the energy balance that passes, beyond rounding")),
-            "evaluations": ((), settings["evaluations"],
-                attributes("1", "number of cases that the search for the worst one tried in each family")),
-            "periods": ((), settings["periods"], attributes("1", "number of periods of a long run")),
+            "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
+            "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
+            "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
+            "force_threshold": flagged("force_threshold", list(THRESHOLDS), "threshold of R", Group),
+            "side": named_flags("side", [-1, 1], "side of the threshold", {-1: "smaller_force", 1: "larger_force"}),
+            "threshold_distance": variable(
+                "threshold_distance", distances, "1", "relative distance from the threshold"
+            ),
+            "run": variable("run", np.arange(len(runs)), "1", "index of the long run"),
+            "passing_error": variable((), TOLERANCE, "1", "relative error that passes"),
+            "energy_tolerance": variable((), ENERGY_TOLERANCE, "1", _WORDS["energy_tolerance"]),
+            "evaluations": variable((), settings["evaluations"], "1", _WORDS["evaluations"]),
+            "periods": variable((), settings["periods"], "1", "number of periods of a long run"),
         },
         attrs={
             "title": "The engine at the edge of the domain",
@@ -98,7 +102,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
             "worst_cases": json.dumps({f.name.lower(): description(worst[f]) for f in families}),
         },
-    )  # fmt: skip
+    )
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -195,28 +199,23 @@ def _search_check(dataset: xr.Dataset) -> Check:
 
 
 def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
-    agrees = [-1 if o.stepper_agrees is None else int(o.stepper_agrees) for _, o in rows]
-    damping = [_log(c.drive.contact_damping) if isinstance(c.drive, ThreadsParameters) else np.nan for c, _ in rows]
+    damping = [_log(getattr(c.drive, "contact_damping", 0.0)) for c, _ in rows]
     # On the edge itself the logarithm is −inf, which is stored as missing.
     level = np.array([case.level for case, _ in rows])
-    found = {
-        "case_family": (np.array([c.family for c, _ in rows], np.int8), flag("family of the case", CaseFamily)),
-        "group": (np.array([c.group for c, _ in rows], np.int8), flag("edge of the case", Group)),
-        "level": (np.where(np.isfinite(level), level, np.nan).astype(np.float32),
-            attributes("1", "decimal logarithm of the parameter or of its distance from the edge")),
-        "damping_level": (np.array(damping, np.float32),
-            attributes("1", "decimal logarithm of the contact damping in N s/m")),
-        "case_verdict": (np.array([o.verdict for _, o in rows], np.int8), flag("verdict on the case", VERDICTS)),
-        "judge": (np.array([o.judge for _, o in rows], np.int8), flag("who decided", Judge)),
-        "events": (np.array([o.events for _, o in rows], np.int32), attributes("1", "number of events")),
-        "stepper_agrees": (np.array(agrees, np.int8), attributes(
-            "1", "whether the Taylor stepper has the right events", flag_values=np.array([-1, 0, 1], np.int8),
-            flag_meanings="not_asked no yes")),
-    }  # fmt: skip
-    for name, (units, words) in _NUMBERS.items():
-        values = np.array([_number(o, name) for _, o in rows], np.float32)
-        found[name] = (values, attributes(units, words))
-    return {name: ("case", values, attrs) for name, (values, attrs) in found.items()}
+    return {
+        "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
+        "group": flagged("case", [c.group for c, _ in rows], "edge of the case", Group),
+        "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
+        "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
+        "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),
+        "judge": flagged("case", [o.judge for _, o in rows], "who decided", Judge),
+        "events": variable("case", np.array([o.events for _, o in rows], np.int32), "1", "number of events"),
+        "stepper_agrees": yes_no_or("not_asked", "case", [o.stepper_agrees for _, o in rows], _WORDS["stepper_agrees"]),
+        **{
+            name: variable("case", np.array([_number(o, name) for _, o in rows], np.float32), *about)
+            for name, about in _NUMBERS.items()
+        },
+    }
 
 
 def _number(outcome: CaseOutcome, name: str) -> float:
@@ -233,18 +232,9 @@ def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -
     count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
     astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
     return {
-        "case_count": (("edge_family", "outcome"), count, attributes("1", "number of cases")),
-        "stepper_wrong": ("edge_family", np.array(astray),
-            attributes("1", "number of cases in which the Taylor stepper has wrong events")),
-    }  # fmt: skip
-
-
-def _sides(distances: list[float]) -> dict[str, tuple]:
-    right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
-    return {
-        "attractor_is_right": (("force_threshold", "side", "threshold_distance"), np.array(right, np.int8),
-            yes_no("the attractor is the one that the threshold promises"))
-    }  # fmt: skip
+        "case_count": variable(("edge_family", "outcome"), count, "1", "number of cases"),
+        "stepper_wrong": variable("edge_family", np.array(astray), "1", _WORDS["stepper_wrong"]),
+    }
 
 
 def _runs(runs: list) -> dict[str, tuple]:
@@ -254,5 +244,5 @@ def _runs(runs: list) -> dict[str, tuple]:
         "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
     }
     return {
-        name: ("run", [getattr(run, key) for run in runs], attributes("1", text)) for name, (key, text) in words.items()
+        name: variable("run", [getattr(run, key) for run in runs], "1", text) for name, (key, text) in words.items()
     }

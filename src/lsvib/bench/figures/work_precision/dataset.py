@@ -15,7 +15,7 @@ from lsvib.bench.rivals import race_scenes
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
 from lsvib.bench.rivals.race import Budget, Entry, contest
 from lsvib.bench.rivals.time_at_equal_error import fastest
-from lsvib.data.attributes import attributes, flags, named_index
+from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.provenance import processor
 
@@ -24,6 +24,15 @@ _CONTROLS = {
     "time_step": ("s", "time step of the method"),
     "smoothing_width": ("rad s-1", "width of the smoothed jump of friction"),
 }
+_NUMBERS = {  # variable: its name here, unit, words
+    "state_error": ("state", "1", "error of the final state, relative to the size of the motion"),
+    "event_time_error": ("times", "s", "largest error of an event's time"),
+    "amplitude_error": ("amplitude", "1", "error of the steady amplitude in sizes of the motion"),
+    "run_time": ("fastest", "s", "run time, shortest of the runs"),
+    "run_time_median": ("median", "s", "run time, median of the runs"),
+}
+_FIRST_RUN = "discarded run of a hundredth of the scene, with what is loaded and compiled for it"
+_RATIO = "run time of the best rival of a family over that of the engine, at an equal error"
 _GENERAL = (MethodFamily.GENERAL, MethodFamily.COMPILED, MethodFamily.TAYLOR)
 _RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
 _SOURCE = "docs/accuracy.md"
@@ -32,13 +41,9 @@ _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods on the scenes.
+    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on the scenes.
 
-    ``settings``: ``scenes`` (names of :data:`lsvib.bench.rivals.race_scenes.NAMES`); ``shorten``, part of each duration
-    that is run; ``methods``, settings of each method of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``repeats``,
-    ``seconds`` and ``limit`` as in :class:`lsvib.bench.rivals.race.Budget`; ``error_levels`` [1] at which run times are
-    compared; ``ratio_floor`` [1] that the checks ask for of solvers whose field is a Python function,
-    ``compiled_floor`` [1] of those that compile it. Raises ``InputError`` if a name is wrong or a package is missing.
+    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
     """
     names = [name for name, values in settings["methods"].items() if values]
     longest = max(len(settings["methods"][name]) for name in names)
@@ -60,7 +65,7 @@ class _Table:
     def __init__(self, scene_names: list[str], names: list[str], longest: int) -> None:
         self.scenes, self.names = scene_names, names
         shape = (len(scene_names), len(names), longest)
-        self.numbers = {key: np.full(shape, np.nan) for key in ("state", "times", "amplitude", "fastest", "median")}
+        self.numbers = {key: np.full(shape, np.nan) for key, _, _ in _NUMBERS.values()}
         self.verdict = np.full(shape, int(Verdict.NOT_RUN), dtype=np.int8)
         self.events, self.runs = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.int32)
         self.reference_events = np.zeros(len(scene_names), dtype=np.int32)
@@ -75,14 +80,8 @@ class _Table:
             place = row, self.names.index(entry.method), column
             self.verdict[place], self.events[place] = int(entry.errors.verdict), entry.events
             self.runs[place], self.first[place[:2]] = len(entry.seconds), entry.first
-            for key, value in (
-                ("state", entry.errors.state),
-                ("times", entry.errors.times),
-                ("amplitude", entry.errors.amplitude),
-                ("fastest", entry.fastest),
-                ("median", entry.median),
-            ):
-                self.numbers[key][place] = value
+            for key, array in self.numbers.items():
+                array[place] = getattr(entry if key in ("fastest", "median") else entry.errors, key)
 
     def points(self, row: int, method: str) -> list[tuple[float, float]]:
         """Pairs (state error, shortest run time) of the right runs of a method on a scene."""
@@ -131,76 +130,33 @@ class _Table:
 
     def _variables(self, settings: Mapping[str, np.ndarray], levels: np.ndarray) -> dict[str, tuple]:
         """Return the variables over scenes, methods and settings, and the ratios."""
-        cube = ("scene", "method", "setting")
+        cube, families = ("scene", "method", "setting"), [METHODS[name].family for name in self.names]
         return {
-            "state_error": (
-                cube,
-                self.numbers["state"],
-                attributes("1", "error of the final state, relative to the size of the motion"),
-            ),
-            "event_time_error": (cube, self.numbers["times"], attributes("s", "largest error of an event's time")),
-            "amplitude_error": (
-                cube,
-                self.numbers["amplitude"],
-                attributes("1", "error of the steady amplitude in sizes of the motion"),
-            ),
-            "run_time": (cube, self.numbers["fastest"], attributes("s", "run time, shortest of the runs")),
-            "run_time_median": (cube, self.numbers["median"], attributes("s", "run time, median of the runs")),
-            "runs": (cube, self.runs, attributes("1", "number of runs")),
-            "first_run_time": (
-                cube[:2],
-                self.first,
-                attributes("s", "discarded run of a hundredth of the scene, with what is loaded and compiled for it"),
-            ),
-            "motion_verdict": (
-                cube,
-                self.verdict,
-                attributes("1", "whether the motion is the true one") | flags(_VERDICTS),
-            ),
-            "events": (cube, self.events, attributes("1", "number of events") | {"comment": "-1 for a method without"}),
-            "reference_events": ("scene", self.reference_events, attributes("1", "number of events of the reference")),
-            "duration": ("scene", self.durations, attributes("s", "duration of the motion")),
-            "method_family": (
-                "method",
-                np.array([METHODS[name].family for name in self.names], dtype=np.int8),
-                attributes("1", "family of the method") | flags(MethodFamily),
-            ),
-            "ratio": (
-                ("scene", "rival", "error_level"),
-                self.ratios(levels),
-                attributes("1", "run time of the best rival of a family over that of the engine, at an equal error"),
-            ),
-            **{key: (("method", "setting"), settings[key], attributes(*_CONTROLS[key])) for key in _CONTROLS},
+            **{name: variable(cube, self.numbers[key], *about) for name, (key, *about) in _NUMBERS.items()},
+            "runs": variable(cube, self.runs, "1", "number of runs"),
+            "first_run_time": variable(cube[:2], self.first, "s", _FIRST_RUN),
+            "motion_verdict": flagged(cube, self.verdict, "whether the motion is the true one", _VERDICTS),
+            "events": variable(cube, self.events, "1", "number of events", comment="-1 for a method without"),
+            "reference_events": variable("scene", self.reference_events, "1", "number of events of the reference"),
+            "duration": variable("scene", self.durations, "s", "duration of the motion"),
+            "method_family": flagged("method", families, "family of the method", MethodFamily),
+            "ratio": variable(("scene", "rival", "error_level"), self.ratios(levels), "1", _RATIO),
+            **{key: variable(("method", "setting"), settings[key], *_CONTROLS[key]) for key in _CONTROLS},
         }
 
     def _coordinates(self, levels: np.ndarray, floors: Mapping[str, float]) -> dict[str, tuple]:
         """Return the coordinates, and what the checks ask for."""
         titles = [race_scenes.scene(name).title for name in self.scenes]
-        labels = [find_method(name).label for name in self.names]
+        labels, index = [find_method(name).label for name in self.names], np.arange(self.verdict.shape[2])
+        asked = "ratio that the checks ask for, of"
         return {
             "scene": named_index("scene", "scene", self.scenes, labels="; ".join(titles)),
             "method": named_index("method", "method", self.names, labels="; ".join(labels)),
-            "setting": (
-                "setting",
-                np.arange(self.verdict.shape[2]),
-                attributes("1", "index of the method's setting, coarse to fine"),
-            ),
-            "rival": (
-                "rival",
-                np.array(_RIVALS, dtype=np.int8),
-                attributes("1", "family of the rival") | flags(MethodFamily),
-            ),
-            "error_level": ("error_level", levels, attributes("1", "error of the final state that is asked for")),
-            "ratio_floor": (
-                (),
-                floors["ratio_floor"],
-                attributes("1", "ratio that the checks ask for, of scipy and CVODE"),
-            ),
-            "compiled_floor": (
-                (),
-                floors["compiled_floor"],
-                attributes("1", "ratio that the checks ask for, of diffrax and heyoka"),
-            ),
+            "setting": variable("setting", index, "1", "index of the method's setting, coarse to fine"),
+            "rival": flagged("rival", _RIVALS, "family of the rival", MethodFamily),
+            "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
+            "ratio_floor": variable((), floors["ratio_floor"], "1", f"{asked} scipy and CVODE"),
+            "compiled_floor": variable((), floors["compiled_floor"], "1", f"{asked} diffrax and heyoka"),
         }
 
 

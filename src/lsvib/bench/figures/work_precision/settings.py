@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from lsvib.bench.rivals.methods import MODULES
 from lsvib.figures.common.settings import FigureSettings, Section, Tolerances, Unique
 
 SCENES = (
@@ -45,6 +46,7 @@ class Settings(FigureSettings):
     """Error against run time of the engine and of other methods."""
 
     timed: ClassVar = True
+    needs: ClassVar = MODULES
 
     scenes: Annotated[list[Literal[*SCENES]], *Unique] = Field(min_length=1, description="Scenes to run.")
     shorten: float = Field(gt=0, le=1, description="Part of each scene's duration that is run [1].")

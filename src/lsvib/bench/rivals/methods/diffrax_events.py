@@ -17,6 +17,7 @@ import numpy as np
 import optimistix
 from jax import lax
 
+from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import MOST_STEPS, RETRIES, ROUNDING, Clock, Hybrid, Recorder
 from lsvib.bench.rivals.padded_tables import ALWAYS, NEVER, EvenTables, even_tables
 from lsvib.engine.kernels.status import Test
@@ -87,7 +88,7 @@ def prepare(
     limits = _Limits(*map(jnp.asarray, (scene.duration, setting, setting * scene.scales, cap, scene.step_cap)))
     march, blank = _compiled(solver), jax.tree_util.tree_map(jnp.asarray, _blank(scene.scales.size))
 
-    def run() -> "_Marched":
+    def run() -> Callable[[], Record]:
         """March chunk after chunk to the end of the scene."""
         clock.start()
         mode, state = hybrid.enter()
@@ -99,25 +100,21 @@ def prepare(
             if status == _Status.DONE:
                 break
             failure = _FAILURES.get(status, f"over {max_events} events" if total > max_events else clock.over())
-        return _Marched(hybrid, chunks, failure)
+        return lambda: _record(hybrid, chunks, failure)
 
     return run
 
 
-class _Marched:
-    def __init__(self, hybrid: Hybrid, chunks: list[_March], failure: str) -> None:
-        self.hybrid, self.chunks, self.failure = hybrid, chunks, failure
-
-    def run(self):
-        """Return what is compared: events, final state, steady amplitude."""
-        first, *chunks = (jax.tree_util.tree_map(np.asarray, chunk) for chunk in self.chunks)
-        record = Recorder(self.hybrid, int(first.mode), first.state)
-        for chunk in chunks:
-            own = slice(int(chunk.count))
-            columns = chunk.times[own], chunk.kinds[own], chunk.modes[own], chunk.starts[own]
-            for now, kind, mode, start in zip(*columns, strict=True):
-                record.add(float(now), int(kind), int(mode), start)
-        return record.close(float(chunks[-1].now), chunks[-1].state, self.failure).run()
+def _record(hybrid: Hybrid, marched: list[_March], failure: str) -> Record:
+    """What is compared: events, final state, steady amplitude."""
+    first, *chunks = (jax.tree_util.tree_map(np.asarray, chunk) for chunk in marched)
+    record = Recorder(hybrid, int(first.mode), first.state)
+    for chunk in chunks:
+        own = slice(int(chunk.count))
+        columns = chunk.times[own], chunk.kinds[own], chunk.modes[own], chunk.starts[own]
+        for now, kind, mode, start in zip(*columns, strict=True):
+            record.add(float(now), int(kind), int(mode), start)
+    return record.close(float(chunks[-1].now), chunks[-1].state, failure)()
 
 
 def _blank(n: int) -> _March:

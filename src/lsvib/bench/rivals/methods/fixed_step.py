@@ -21,25 +21,7 @@ _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until 
 _MOST_STEPS = 3e8  # of a run, a minute or so
 
 
-class _Stepped:
-    def __init__(self, hybrid: Hybrid, status: int, state, times, kinds, extremes) -> None:
-        self.hybrid, self.status = hybrid, status
-        self.state, self.times, self.kinds, self.extremes = state, times, kinds, extremes
-
-    def run(self) -> Record:
-        """Return what is compared: events, final state, steady amplitude."""
-        return Record(
-            end=self.state,
-            times=self.times,
-            kinds=[self.hybrid.names[int(kind)] for kind in self.kinds],
-            extremes=(float(self.extremes[0]), float(self.extremes[1])),
-            failure=("", "too many events", "the motion is lost")[self.status],
-        )
-
-
-def prepare(
-    hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refined: bool = False
-) -> Callable[[], _Stepped]:
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refined: bool = False) -> Callable:
     """Return a function that runs the scene with the step ``setting`` [s]."""
     scene, automaton = hybrid.scene, hybrid.automaton
     table = fields(automaton)
@@ -49,7 +31,7 @@ def prepare(
             f"scene of {scene.duration:g} s."
         )
 
-    def run() -> _Stepped:
+    def run() -> Callable[[], Record]:
         """March to the end of the scene with steps of one length."""
         mode, state = enter(automaton, scene.state)
         times, kinds = np.empty(max_events), np.empty(max_events, dtype=np.int8)
@@ -58,7 +40,13 @@ def prepare(
             automaton.tables, table, mode, state, setting, scene.duration, scene.window,
             _REFINEMENTS if refined else 0, times, kinds, extremes,
         )  # fmt: skip
-        return _Stepped(hybrid, status, state, times[:count], kinds[:count], extremes)
+        return lambda: Record(
+            end=state,
+            times=times[:count],
+            kinds=[hybrid.names[int(kind)] for kind in kinds[:count]],
+            extremes=(float(extremes[0]), float(extremes[1])),
+            failure=("", "too many events", "the motion is lost")[status],
+        )
 
     return run
 

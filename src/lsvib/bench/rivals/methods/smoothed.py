@@ -17,7 +17,7 @@ from lsvib.bench.record import Record
 from lsvib.bench.rivals.hybrid import Clock, Hybrid
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.threads import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
@@ -25,34 +25,41 @@ _STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
 _STANDS = 5.0  # a screw slower than so many ε stands
 
 
-class _Sampled:
-    def __init__(self, scene: RaceScene, width: float, found) -> None:
-        self.scene, self.width, self.found = scene, width, found
-
-    def run(self) -> Record:
-        """Return what is compared; a smoothed motion has no events."""
-        times, states = np.asarray(self.found.t), np.asarray(self.found.y)
-        if not self.found.success:
-            return Record(end=states[-1], failure=str(self.found.message))
-        first = max(int(np.searchsorted(times, self.scene.window)) - 1, 0)  # the step in which the window begins
-        standing = np.abs(states[:, 1] + self.scene.drive.input_speed) < _STANDS * self.width
-        return Record(
-            end=states[-1],
-            stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
-            extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], self.scene.window),
-        )
+def _record(scene: RaceScene, width: float, found) -> Record:
+    """What is compared; a smoothed motion has no events."""
+    times, states = np.asarray(found.t), np.asarray(found.y)
+    if not found.success:
+        return Record(end=states[-1], failure=str(found.message))
+    first = max(int(np.searchsorted(times, scene.window)) - 1, 0)  # the step in which the window begins
+    standing = np.abs(states[:, 1] + scene.drive.input_speed) < _STANDS * width
+    return Record(
+        end=states[-1],
+        stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
+        extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], scene.window),
+    )
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable[[], _Sampled]:
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
     """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
     scene = hybrid.scene
     drive, state = scene.drive, np.array(scene.state)
-    compliant = scene.model == "threads"
+    compliant = scene.drive.model == "threads"
     if not compliant and coefficients(drive).paradox:
         drive, compliant = ThreadsParameters.of(drive.model_dump()), True
         state = seated_state(drive, *state)
-    numbers = _threads_numbers(drive) if compliant else _rigid_numbers(drive)
-    rate = _threads_rate if compliant else _rigid_rate
+    c, lead = coefficients(drive), drive.lead_angle
+    if compliant:
+        own = (
+            drive.axial_force,
+            c.deflection,
+            math.cos(lead),
+            math.sin(lead),
+            drive.contact_stiffness,
+            drive.contact_damping,
+        )
+    else:
+        own = (c.net_force, c.xi[c.steady_law], *c.q_row)
+    numbers, rate = _numbers(drive, *own), _threads_rate if compliant else _rigid_rate
     scales = np.array([0.1, abs(drive.input_speed), 1e-6, 1e-6])[: state.size]
 
     def field(t, x, out):
@@ -62,30 +69,21 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
 
     solver = CVODE(field, method="BDF", rtol=_TOLERANCE, atol=_TOLERANCE * scales, max_num_steps=_STEPS)
 
-    def run() -> _Sampled:
+    def run() -> Callable[[], Record]:
         """Solve to the end of the scene."""
         clock.start()
-        return _Sampled(scene, setting, solver.solve(np.array([0.0, scene.duration]), state))
+        found = solver.solve(np.array([0.0, scene.duration]), state)
+        return lambda: _record(scene, setting, found)
 
     return run
 
 
-def _rigid_numbers(drive) -> tuple[float, ...]:
-    c = coefficients(drive)
+def _numbers(drive: RigidParameters, *more) -> tuple[float, ...]:
+    """The parameters that both models have, and more."""
     values = (
         drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
         drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
-        c.net_force, c.xi[c.steady_law], *c.q_row,
-    )  # fmt: skip
-    return tuple(float(value) for value in values)
-
-
-def _threads_numbers(drive: ThreadsParameters) -> tuple[float, ...]:
-    values = (
-        drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
-        drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
-        drive.axial_force, coefficients(drive).deflection, math.cos(drive.lead_angle), math.sin(drive.lead_angle),
-        drive.contact_stiffness, drive.contact_damping,
+        *more,
     )  # fmt: skip
     return tuple(float(value) for value in values)
 

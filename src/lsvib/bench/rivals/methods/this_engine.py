@@ -11,29 +11,11 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 
 
-class _Followed:
-    def __init__(self, hybrid: Hybrid, motion: Motion) -> None:
-        self.hybrid, self.motion = hybrid, motion
-
-    def run(self) -> Record:
-        """Return what is compared: events, final state, steady amplitude."""
-        motion, scene = self.motion, self.hybrid.scene
-        ours = counted(motion.kind)
-        modes, starts, _, _ = motion.arcs()
-        times = [0.0, *motion.time]
-        return Record(
-            end=motion.end_state,
-            times=motion.time[ours],
-            kinds=[self.hybrid.names[int(kind)] for kind in motion.kind[ours]],
-            extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, scene.window),
-        )
-
-
 def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
     """Return a function that runs the engine on the scene; ``setting`` and ``clock`` are not needed."""
     automaton, state = hybrid.automaton, np.array(hybrid.scene.state)
 
-    def run() -> _Followed:
+    def run() -> Callable[[], Record]:
         """Follow the motion by the engine."""
         try:
             motion = follow(automaton, state, hybrid.scene.duration, max_events=max_events)
@@ -41,6 +23,19 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
             raise GaveUp(str(error)) from None
         if motion.status == Status.EVENTS_FULL:
             raise GaveUp(f"over {max_events} events")
-        return _Followed(hybrid, motion)
+        return lambda: _record(hybrid, motion)
 
     return run
+
+
+def _record(hybrid: Hybrid, motion: Motion) -> Record:
+    """What is compared: events, final state, steady amplitude."""
+    ours = counted(motion.kind)
+    modes, starts, _, _ = motion.arcs()
+    times, window = [0.0, *motion.time], hybrid.scene.window
+    return Record(
+        end=motion.end_state,
+        times=motion.time[ours],
+        kinds=[hybrid.names[int(kind)] for kind in motion.kind[ours]],
+        extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, window),
+    )

@@ -1,6 +1,6 @@
 """A sweep of the rigid drive by this engine and by solvers in time: errors of the amplitudes beside processor times.
 
-    python -m lsvib.bench.rivals.sweep_race --points 200
+    python tests/tools/sweep_race.py --points 200
 
 A solver in time follows the motion of every drive for some seconds and takes the amplitude of the last fifth; the sweep
 of this engine gives the amplitude of the attractor. What all need of a drive, its automaton, is made before the clock
@@ -46,7 +46,7 @@ def scenes(forces: np.ndarray, seconds: float) -> list[RaceScene]:
     """Return the motions to follow."""
     begin = tuple(_START.values())
     return [
-        RaceScene("sweep", "a sweep", "rigid", _DRIVE.replace(axial_force=force), begin, seconds, _STEP_CAP)
+        RaceScene("sweep", "a sweep", _DRIVE.replace(axial_force=force), begin, seconds, _STEP_CAP)
         for force in forces.tolist()
     ]
 
@@ -70,7 +70,7 @@ def entries(forces: np.ndarray, seconds: float) -> list[Timed]:
 
 
 def _amplitudes(followed: list) -> np.ndarray:
-    return np.array([np.ptp(one.run().extremes) / 2 for one in followed])
+    return np.array([np.ptp(one().extremes) / 2 for one in followed])
 
 
 def main() -> None:
