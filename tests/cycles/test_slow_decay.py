@@ -210,3 +210,17 @@ def test_leaps_that_shrink_with_the_motion_come_to_no_cycle():
     """The contact rattles ever less, by 1e-9 in a return, until N keeps its sign; its steps are below rounding then."""
     automaton, state = scene("threads", 72, 20, 2)
     assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
+
+
+def test_winding_up_is_a_trend():
+    """The contact rattles while the screw sticks and the motor winds the coupling up: no amplitude has a trend, u has.
+
+    The motion was once called recurrent; three other starts of the drive come to steady sliding.
+    """
+    automaton, start = scene("threads", 82, 50, 3)
+    rattling = [2.5264e8, start[1], 8.8483e-3, -2.0991e5]
+    motion = follow(automaton, rattling, math.inf, max_events=2000)
+    rests = np.isin(automaton.codes[motion.mode], automaton.rest_codes)
+    assert rests.any()
+    assert (np.diff(motion.after[:, 0]) >= 0).all()
+    assert not drifts._trend(motion).none

@@ -27,7 +27,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.recurrences import CORNERS, cycle_through
+from lsvib.cycles.recurrences import CORNERS, cycle_through, long_cycle
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
 from lsvib.cycles.steady_states import SteadyState
@@ -96,7 +96,7 @@ def pursue(
         if found is not None:
             return found, leapt
         # Beside a trend that is leapt along, leaps by returns that led nowhere are tried again only now and then.
-        tries = vain == 0 or vain % _MOVES == 0
+        tries = blank == 0 and vain % _MOVES == 0
         leap = _by_returns(motion, budget) if tries else _Leap(motion.end_state, motion.end_mode, False)
         moves, vain = (moves + 1, 0) if leap.moved else (0, vain)
         leapt |= leap.moved
@@ -108,10 +108,15 @@ def pursue(
                 return ended(motion) or leap.cycle, leapt
             if moves % _MOVES:
                 continue
+        look = longest if leap.moved or blank else window  # leaps that go on and on may go around a longer cycle
         motion = follow_patiently(
-            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
+            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
-        trend = _trend(motion) if motion.time.size == window else None
+        trend = _trend(motion) if motion.time.size == look else None
+        if look == longest and trend is not None and trend.none:
+            found = long_cycle(motion, budget)
+            if found is not None:
+                return found, leapt
         longer = min(2 * window, longest) if conserved or not leap.moved else window
         if trend is None:
             window = longer
@@ -121,12 +126,12 @@ def pursue(
             leapt, before, vain = True, trend, vain + 1
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
             blank = 0
-        elif trend.none and window == longest:
+        elif trend.none and look == longest:
             blank += 1
             if blank == _BLANKS:
                 return Recurrence(motion.end_state), leapt
         else:
-            window, blank = longer, 0
+            window, blank = longer, 0 if look == longest else blank
     return None, leapt
 
 
@@ -312,10 +317,21 @@ def _trend(motion: Motion) -> _Trend | None:
     steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
+    scatters = bool((np.abs(step) <= _TREND_NOISE * spread).all()) and not _moves(motion.after)
+    none = scatters and bool((np.abs(step) <= _NO_TREND).all() or _peaks_stay(motion.after))
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
     return _Trend(home, full, bend, consistent and not none, none)
+
+
+def _peaks_stay(states: np.ndarray) -> bool:
+    """Whether the largest sizes of the coordinates of states (k, n) in each quarter have no trend.
+
+    Mean amplitudes scatter where few of the turns of a long vibration fit into a quarter.
+    """
+    sizes = np.array([np.abs(part).max(axis=0) for part in np.array_split(states, _QUARTERS)])
+    steps = np.diff(np.log(np.maximum(sizes, np.finfo(float).tiny)), axis=0)
+    return bool((np.abs(steps.mean(axis=0)) <= np.minimum(_NO_TREND, _TREND_NOISE * np.ptp(steps, axis=0))).all())
 
 
 def _moves(states: np.ndarray) -> bool:
