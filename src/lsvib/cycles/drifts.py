@@ -6,8 +6,8 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
   and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ; this is exact if P is linear. L
   is doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
 * By amplitudes: a second oscillation with a frequency of its own may keep returns from being alike. Then the amplitudes
-  of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. These
-  amplitudes are extrapolated in the same way, and the phases stay as they are.
+  of the oscillators have a trend over many turns, those of the mode in which the motion is longest, of all modes that
+  have oscillators. These amplitudes are extrapolated in the same way, and the phases stay as they are.
 
 Leaps by returns whose steps shrink, as foreseen, until nothing moves any more have come to a cycle, however little it
 attracts in one return.
@@ -15,8 +15,9 @@ attracts in one return.
 After each leap the motion is followed until errors of the extrapolation have died away, before the next step is
 measured. This is numerical evidence, not a proof: a narrow attractor on the way may be leapt over.
 
-A motion that has no trend over many events, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer
-events tell it where nothing damps: slip preserves volumes, so that no amplitude dies away by itself.
+A motion that has no trend over many events – neither an amplitude nor, such as while the motor winds the coupling up, a
+coordinate –, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer events tell it where nothing
+damps: slip preserves volumes, so that no amplitude dies away by itself.
 """
 
 import math
