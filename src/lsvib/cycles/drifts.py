@@ -59,6 +59,7 @@ _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
+_LONG_LOOKS = (6, 18, 54)  # windows for trends, counted, in whose place the longest one is followed if there are rests
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
 # a multiple of its own spread.
@@ -88,7 +89,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves, vain = None, 1.0, 0, 0
+    before, trust, moves, looks = None, 1.0, 0, 0
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -96,10 +97,8 @@ def pursue(
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
-        # Beside a trend that is leapt along, leaps by returns that led nowhere are tried again only now and then.
-        tries = blank == 0 and vain % _MOVES == 0
-        leap = _by_returns(motion, budget) if tries else _Leap(motion.end_state, motion.end_mode, False)
-        moves, vain = (moves + 1, 0) if leap.moved else (0, vain)
+        leap = _by_returns(motion, budget) if blank == 0 else _Leap(motion.end_state, motion.end_mode, False)
+        moves = moves + 1 if leap.moved else 0
         leapt |= leap.moved
         if leap.moved:
             motion = follow_patiently(
@@ -109,7 +108,10 @@ def pursue(
                 return ended(motion) or leap.cycle, leapt
             if moves % _MOVES:
                 continue
-        look = longest if leap.moved or blank else window  # leaps that go on and on may go around a longer cycle
+        # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
+        looks += 1
+        around = looks in _LONG_LOOKS and _rests(motion)
+        look = longest if blank or around else window
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
@@ -124,7 +126,7 @@ def pursue(
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             state, mode = _extrapolated(automaton, motion, trend, trust)
-            leapt, before, vain = True, trend, vain + 1
+            leapt, before = True, trend
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
             blank = 0
         elif trend.none and look == longest:
@@ -134,6 +136,11 @@ def pursue(
         else:
             window, blank = longer, 0 if look == longest else blank
     return None, leapt
+
+
+def _rests(motion: Motion) -> bool:
+    """Whether a motion comes to rest."""
+    return bool(np.isin(motion.automaton.codes[motion.mode], motion.automaton.rest_codes).any())
 
 
 class _Leap(NamedTuple):
