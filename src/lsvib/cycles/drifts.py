@@ -99,7 +99,7 @@ def pursue(
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
-        leap = _by_returns(motion, budget) if blank == 0 else _Leap(motion.end_state, motion.end_mode, False)
+        leap = _by_returns(motion, budget)
         moves = moves + 1 if leap.moved else 0
         leapt |= leap.moved
         if leap.moved:
@@ -113,12 +113,12 @@ def pursue(
         # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
         looks += 1
         around = looks in _LONG_LOOKS and _rests(motion)
-        look = longest if blank or around else window
+        look = longest if around else window
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
         trend = _trend(motion) if motion.time.size == look else None
-        if look == longest and trend is not None and trend.none:
+        if look == longest and not (trend and trend.consistent):
             found = long_cycle(motion, budget)
             if found is not None:
                 return found, leapt
@@ -131,12 +131,12 @@ def pursue(
             leapt, before = True, trend
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
             blank = 0
-        elif trend.none and look == longest:
+        elif trend.none and window == longest:
             blank += 1
             if blank == _BLANKS:
                 return Recurrence(motion.end_state), leapt
         else:
-            window, blank = longer, 0 if look == longest else blank
+            window, blank = longer, 0
     return None, leapt
 
 
@@ -327,21 +327,10 @@ def _trend(motion: Motion) -> _Trend | None:
     steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    scatters = bool((np.abs(step) <= _TREND_NOISE * spread).all()) and not _moves(motion.after)
-    none = scatters and bool((np.abs(step) <= _NO_TREND).all() or _peaks_stay(motion.after))
+    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
     return _Trend(home, full, bend, consistent and not none, none)
-
-
-def _peaks_stay(states: np.ndarray) -> bool:
-    """Whether the largest sizes of the coordinates of states (k, n) in each quarter have no trend.
-
-    Mean amplitudes scatter where few of the turns of a long vibration fit into a quarter.
-    """
-    sizes = np.array([np.abs(part).max(axis=0) for part in np.array_split(states, _QUARTERS)])
-    steps = np.diff(np.log(np.maximum(sizes, np.finfo(float).tiny)), axis=0)
-    return bool((np.abs(steps.mean(axis=0)) <= np.minimum(_NO_TREND, _TREND_NOISE * np.ptp(steps, axis=0))).all())
 
 
 def _moves(states: np.ndarray) -> bool:
