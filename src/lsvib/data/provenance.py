@@ -1,6 +1,7 @@
 """What made a dataset: package version, git commit, library versions. No time, so equal runs give equal files."""
 
 import json
+import os
 import platform
 import subprocess
 from importlib.metadata import version
@@ -28,13 +29,14 @@ def provenance(maker: str) -> dict[str, str]:
     }
 
 
-def processor() -> str:
-    """Return the name of the processor, for datasets that hold run times."""
+def machine() -> dict[str, str | int]:
+    """Return attributes that name processor, its cores and operating system, for datasets that hold run times."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        name = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
     except OSError:
-        return platform.processor() or "unknown"
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
+        name = platform.processor() or "unknown"
+    return {"processor": name, "processor_cores": os.cpu_count() or 0, "operating_system": platform.system()}
 
 
 def _git_state(tracked: Path) -> tuple[str, str]:

@@ -10,7 +10,7 @@ import statistics
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
@@ -76,27 +76,21 @@ def contest(
     this = scene(name, shorten)
     truth = reference(this)
     hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
+    entries: list[tuple[Entry, Callable]] = []
     with quiet():
-        entries = _compete(this, truth, hybrid, limit, settings, budget)
-    return this, truth, entries
-
-
-def _compete(this: RaceScene, truth: Record, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
-    entries, functions = [], []
-    for method_name, values in settings.items():
-        method = find_method(method_name)
-        if not values or (method.explicit and not this.explicit):
-            continue
-        clock = Clock(budget.limit)
-        first = _warm_up(method, this, values[0], clock)
-        for setting in values:
-            entries.append(Entry(method_name, setting, first))
-            functions.append(method.prepare(hybrid, setting, clock, limit))
-    for _ in range(budget.repeats):
-        for entry, function in zip(entries, functions, strict=True):
-            if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
-                _run(entry, function, truth)
-    return entries
+        for method_name, values in settings.items():
+            method = find_method(method_name)
+            if not values or (method.explicit and not this.explicit):
+                continue
+            clock = Clock(budget.limit)
+            first = _warm_up(method, this, values[0], clock)
+            for setting in values:
+                entries.append((Entry(method_name, setting, first), method.prepare(hybrid, setting, clock, limit)))
+        for _ in range(budget.repeats):
+            for entry, function in entries:
+                if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
+                    _run(entry, function, truth)
+    return this, truth, [entry for entry, _ in entries]
 
 
 def _warm_up(method, this: RaceScene, setting: float, clock: Clock) -> float:
