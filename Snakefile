@@ -56,6 +56,10 @@ rule all:
         "All figures are drawn and all checks passed"
 
 
+onstart:
+    jobs.start()
+
+
 onsuccess:
     remove_leftovers()
     print_results(STARTED)

@@ -100,6 +100,33 @@ def test_a_cycle_that_attracts_by_less_than_rounding_shows(index, start):
         assert other.amplitude == pytest.approx(found.amplitude, rel=1e-2)
 
 
+@pytest.mark.parametrize(
+    ("seed", "index", "start"),
+    [
+        (9901, 1221, 6),  # passes next to a corner, where a section seemed to be a point and any return a cycle
+        (9901, 1410, 0),  # shrinks by 5e-15 in a turn, over ten decades
+        (9901, 750, 8),  # ends in few returns, of which the last one does not come back
+        (9701, 657, 3),  # drifts past u = 0 to a cycle of seizures on the other side
+    ],
+)
+def test_slow_drifts_of_random_drives_are_followed_to_their_end(seed, index, start):
+    """Each was told as a cycle that is none, or not told, or not within seconds; the judge of fates knows most ends."""
+    wide = wide_drive("rigid", seed, index, 16)
+    automaton = rigid_automaton(wide.drive)
+    found = steady_state(automaton, wide.starts[start])
+    assert found.label == (Attractor.SPRAG_SLIP_CYCLE if index == 657 else Attractor.STEADY_SLIDING)
+    seen = fate(watch.constants(dict(wide.drive)), *wide.starts[start])
+    assert seen.name in ("unknown" if index == 1410 else found.label.name.lower(), found.label.name.lower())
+
+
+def test_a_table_of_slow_drifts_takes_little_work():
+    """The returns shrink by 5e-15 in a turn: each of nine searches took three seconds, now a tenth."""
+    wide = wide_drive("rigid", 9901, 1410, 16)
+    mapped = mapper(wide.drive)
+    assert mapped.sections.complete
+    assert (mapped.labels_of(*np.array(wide.starts).T) == Attractor.STEADY_SLIDING).all()
+
+
 @pytest.mark.slow
 def test_starts_beyond_the_work_of_the_table_are_followed():
     """Crowds of narrow pieces take all work of the table of sections; rest or settling follows soon nevertheless."""

@@ -247,6 +247,18 @@ def test_faults_and_their_drives_are_recorded(monkeypatch):
     assert not command.passed(command.summary([record]))
 
 
+def test_a_drift_that_fades_into_rounding_does_not_turn_back():
+    """Seizures move u by 2e-5 rad and less of 1.8e8 rad, always the same way: 40 digits show no cycle (9901/1942)."""
+    drive = {**dict(wide_drive("rigid", 9901, 1942, 16).drive), "axial_force": 0.10404606403887738}
+    start = (-176392941.47735777, -drive["input_speed"])
+    found = fate(watch.constants(drive), *start)
+    assert (found.name, found.reason) == ("unknown", "a drift that fades into rounding")
+    ends = [
+        rigid_digits.simulate(drive, start[0] + offset, start[1], 3e-9, dps=50).events for offset in (0.0, 1e-3, 1e-2)
+    ]
+    assert all(float(event.u_after) > start[0] for events in ends for event in events)
+
+
 def test_verdicts_that_let_a_run_pass():
     """Only a small share may be refused or unresolved; nothing may be wrong."""
     good = {"index": 0, "counts": {"label right": 5000}, "longest": 0.0, "notable": []}

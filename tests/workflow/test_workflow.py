@@ -14,7 +14,6 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
-from lsvib.bench.figures.ablation.dataset import MODULES
 from lsvib.data.writer import read_dataset
 from lsvib.figures.configuration import schema, settings_of
 from lsvib.figures.folders import accuracy_figures, default_figures
@@ -317,9 +316,7 @@ def test_accuracy_is_a_target_of_its_own(fresh):
 
 def test_a_dataset_depends_on_what_it_runs_without_importing_it(fresh):
     """The modules whose imports the ablation measures; one that is missing is missed."""
-    modules = {name for words in MODULES.values() for name in words.split(", ")}
-    assert modules <= set(settings_of("ablation").needs)
-    for module in modules:
+    for module in settings_of("ablation").needs:
         if module.endswith(".dataset"):  # without it there is no such figure, which is told before
             continue
         path = fresh.folder / "src" / f"{module.replace('.', '/')}.py"
@@ -372,17 +369,11 @@ def test_the_schema_is_that_of_the_types():
     assert written == json.loads(json.dumps(schema()))
 
 
-def test_lint_asks_for_nothing_but_conda(fresh):
-    """Everything comes from requirements.txt, so the lint that demands conda or a container for each rule stays."""
+def test_lint_asks_for_nothing(fresh):
     run = fresh("--lint")
-    demands = re.findall(r"^    \* (.*)$", run.stdout, re.MULTILINE)
-    rules = re.findall(r"^Lints for rule (\w+)", run.stdout, re.MULTILINE)
-    assert set(demands) == {"Specify a conda environment or container for each rule.:"}
-    names = ["checks", "compile_engine", "dataset", "figure", "verdict"]
-    attraction = ["compile_mapper", "draw_map", "gather_map", "map_tile", "chart_tile", "draw_chart", "gather_chart"]
-    names += ["assess_drive", "compare_drives", "sample_drive"]
-    assert sorted(rules) == sorted([*names, *attraction, "accuracy_checks", "accuracy_table", "accuracy_verdict"])
-    assert "Lints for snakefile" not in run.stdout
+    assert run.returncode == 0, run.stdout
+    assert "Congratulations, your workflow is in a good condition!" in run.stdout
+    assert "Lints for" not in run.stdout
 
 
 def test_every_figure_has_a_caption_and_a_section():

@@ -46,5 +46,5 @@ rule accuracy_table:
         "logs/accuracy_table.log",
     message:
         "Writing the tables of accuracy"
-    script:
-        "../scripts/accuracy_table.py"
+    run:
+        jobs.run(jobs.accuracy_table, log[0], "work_precision", input.dataset, output[0])

@@ -43,8 +43,9 @@ rule sample_drive:
         shares=SHARES,
     message:
         "Sampling {wildcards.sheet}, share {wildcards.share}"
-    script:
-        "../scripts/sample_drive.py"
+    run:
+        share = f"{wildcards.share}/{params.shares}"
+        jobs.run(jobs.sample, log[0], wildcards.sheet, input.sheet, output[0], params.samples, share)
 
 
 rule assess_drive:
@@ -62,14 +63,12 @@ rule assess_drive:
         verdict="results/assessments/{sheet}/assessment.json",
     log:
         "logs/assess_drive/{sheet}.log",
-    benchmark:
-        "benchmarks/assess_drive/{sheet}.tsv"
     params:
         samples=config["assessment_samples"],
     message:
         "Assessing {wildcards.sheet}"
-    script:
-        "../scripts/assess_drive.py"
+    run:
+        jobs.run(jobs.assess, log[0], wildcards.sheet, input.sheet, output.page, params.samples, threads)
 
 
 rule compare_drives:
@@ -84,5 +83,5 @@ rule compare_drives:
         "logs/compare_drives.log",
     message:
         "Comparing the drives"
-    script:
-        "../scripts/compare_drives.py"
+    run:
+        jobs.run(jobs.compare, log[0], "assessments", list(input.verdicts), output.page, output.table)

@@ -27,8 +27,8 @@ rule compile_mapper:
         settings=MAP,
     message:
         "Compiling the mapper"
-    script:
-        "../scripts/compile_mapper.py"
+    run:
+        jobs.run(jobs.first_cell, log[0], "attraction", params.settings, output[0])
 
 
 rule map_tile:
@@ -40,16 +40,14 @@ rule map_tile:
         temp("results/attraction/tiles/{scatteritem}.nc"),
     log:
         "logs/map_tile/{scatteritem}.log",
-    benchmark:
-        "benchmarks/map_tile/{scatteritem}.tsv"
     resources:
         mem_mb=1000,
     params:
         settings=MAP,
     message:
         "Mapping tile {wildcards.scatteritem}"
-    script:
-        "../scripts/map_tile.py"
+    run:
+        jobs.run(jobs.map_tile, log[0], "attraction", params.settings, wildcards.scatteritem, output[0], threads)
 
 
 rule gather_map:
@@ -61,16 +59,14 @@ rule gather_map:
         "results/attraction/map.nc",
     log:
         "logs/gather_map.log",
-    benchmark:
-        "benchmarks/gather_map.tsv"
     resources:
         mem_mb=1000,
     params:
         settings=MAP,
     message:
         "Gathering the tiles"
-    script:
-        "../scripts/gather_map.py"
+    run:
+        jobs.run(jobs.whole_map, log[0], "attraction", params.settings, list(input.tiles), output[0])
 
 
 rule draw_map:
@@ -87,11 +83,9 @@ rule draw_map:
         pdf="results/figures/attraction.pdf",
     log:
         "logs/draw_map.log",
-    benchmark:
-        "benchmarks/draw_map.tsv"
     resources:
         mem_mb=1000,
     message:
         "Drawing the region of attraction"
-    script:
-        "../scripts/draw_map.py"
+    run:
+        jobs.run(jobs.overview, log[0], "attraction", "attraction", input.map, output.png, output.pdf)

@@ -23,16 +23,14 @@ rule chart_tile:
         temp("results/chart/tiles/{scatteritem}.nc"),
     log:
         "logs/chart_tile/{scatteritem}.log",
-    benchmark:
-        "benchmarks/chart_tile/{scatteritem}.tsv"
     resources:
         mem_mb=1000,
     params:
         settings=CHART,
     message:
         "Charting tile {wildcards.scatteritem}"
-    script:
-        "../scripts/chart_tile.py"
+    run:
+        jobs.run(jobs.chart_tile, log[0], "chart", params.settings, wildcards.scatteritem, output[0], threads)
 
 
 rule gather_chart:
@@ -44,16 +42,14 @@ rule gather_chart:
         "results/chart/chart.nc",
     log:
         "logs/gather_chart.log",
-    benchmark:
-        "benchmarks/gather_chart.tsv"
     resources:
         mem_mb=1000,
     params:
         settings=CHART,
     message:
         "Gathering the chart"
-    script:
-        "../scripts/gather_chart.py"
+    run:
+        jobs.run(jobs.whole_chart, log[0], "chart", params.settings, list(input.tiles), output[0])
 
 
 rule draw_chart:
@@ -70,11 +66,9 @@ rule draw_chart:
         pdf="results/figures/chart.pdf",
     log:
         "logs/draw_chart.log",
-    benchmark:
-        "benchmarks/draw_chart.tsv"
     resources:
         mem_mb=1000,
     message:
         "Drawing the chart"
-    script:
-        "../scripts/draw_chart.py"
+    run:
+        jobs.run(jobs.overview, log[0], "chart", "chart", input.chart, output.png, output.pdf)

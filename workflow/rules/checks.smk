@@ -20,8 +20,17 @@ rule checks:
         "logs/checks.log",
     message:
         "Collecting the checks"
-    script:
-        "../scripts/collect_checks.py"
+    run:
+        jobs.run(
+            jobs.all_checks,
+            log[0],
+            "checks",
+            list(input.checks),
+            output.json,
+            output.text,
+            output.page,
+            output.printed,
+        )
 
 
 rule verdict:
@@ -35,5 +44,5 @@ rule verdict:
         "logs/verdict.log",
     message:
         "Judging the checks"
-    script:
-        "../scripts/verdict.py"
+    run:
+        jobs.run(jobs.verdict, log[0], "verdict", input.checks, output[0])

@@ -25,6 +25,9 @@ from lsvib.figures.folders import (
 )
 from snakemake.exceptions import WorkflowError
 
+sys.path.insert(0, str(Path(workflow.basedir, "workflow")))
+import jobs
+
 try:
     for file in workflow.configfiles:
         read_yaml(file)  # refuses a key that is given twice, of which Snakemake would take the last
@@ -74,8 +77,8 @@ def imports(module):
 
 
 def source_files(modules):
-    """Return the files of the modules and of the packages around them, relative to the working directory."""
-    files = set()
+    """Return the files of the modules, of the packages around them and of the jobs, relative to the working directory."""
+    files = {Path("workflow", "jobs.py")}
     for module in modules:
         parts = module.split(".")
         files |= {Path("src", *parts[:n], "__init__.py") for n in range(1, len(parts))}

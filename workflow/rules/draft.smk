@@ -27,11 +27,18 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
             captions=expand("results/figures/{figure}.rst", figure=figures),
         log:
             f"logs/draft_{number + 1}.log",
-        benchmark:
-            f"benchmarks/draft_{number + 1}.tsv"
         params:
             settings={figure: config.get(figure, {}) for figure in figures},
         message:
             f"Computing and drawing {', '.join(figures)}"
-        script:
-            "../scripts/draft_figures.py"
+        run:
+            jobs.run(
+                jobs.draft,
+                log[0],
+                "draft",
+                params.settings,
+                list(output.datasets),
+                list(output.checks),
+                list(output.png),
+                list(output.captions),
+            )

@@ -20,8 +20,8 @@ rule compile_engine:
         numba=importlib.metadata.version("numba"),
     message:
         "Compiling the engine: {wildcards.part}"
-    script:
-        "../scripts/compile_engine.py"
+    run:
+        jobs.run(jobs.compile_engine, log[0], wildcards.part, wildcards.part, list(input.sources), output[0])
 
 
 rule dataset:
@@ -34,15 +34,14 @@ rule dataset:
         checks="results/checks/{figure}.json",
     log:
         "logs/dataset/{figure}.log",
-    benchmark:
-        "benchmarks/dataset/{figure}.tsv"
     threads: cores
     params:
         settings=settings,
     message:
         "Computing {wildcards.figure}"
-    script:
-        "../scripts/build_dataset.py"
+    run:
+        figure = wildcards.figure
+        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, output.dataset, output.checks)
 
 
 rule figure:
@@ -62,9 +61,8 @@ rule figure:
         caption="results/figures/{figure}.rst",
     log:
         "logs/figure/{figure}.log",
-    benchmark:
-        "benchmarks/figure/{figure}.tsv"
     message:
         "Drawing {wildcards.figure}"
-    script:
-        "../scripts/draw_figure.py"
+    run:
+        figure = wildcards.figure
+        jobs.run(jobs.picture, log[0], figure, figure, input.dataset, output.png, output.pdf, output.caption)

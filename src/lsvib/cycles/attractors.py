@@ -122,18 +122,19 @@ def _slow_end(
     section = ReturnSection(automaton, key, points[-1], size, 1, patience)
     if section.dimension != 1:
         return None, None
-    end = leaps.drift(section, 0.0)
+    first = section
+    section, end = leaps.far_drift(first)
     if end is None:
         return None, None
+    came_from = first.state(np.array([leaps.reach_back(first, 0.0)]))
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
-    came_from = section.state(np.array([leaps.reach_back(section, 0.0)]))
     passage, faint = Passage(key[1], np.array([came_from, place])), None
     if end.end == leaps.End.CLOSES:
-        there = ReturnSection(automaton, key, beyond, size, 1, patience)
+        there = ReturnSection(automaton, key, beyond, section.size, 1, patience)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else cycle_through(there, fixed)
         if found is None:
-            faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(size, np.abs(beyond)), 1, patience))
+            faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(section.size, np.abs(beyond)), 1, patience))
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, LONG, twice)
     else:

@@ -57,21 +57,41 @@ class Drift(NamedTuple):
     end: End
 
 
-def drift(section: ReturnSection, place: float, farthest: float = math.inf) -> Drift | None:
+def far_drift(section: ReturnSection) -> tuple[ReturnSection, Drift | None]:
+    """Follow the drift of a motion from the origin of a line, on finer and finer lines where the returns shrink.
+
+    Returns the last line and the drift on it: it SHRINKS only if it cannot be followed on a finer line.
+    """
+    end = drift(section, 0.0)
+    while end is not None and end.end == End.SHRINKS:
+        finer = section.finer(end.place)
+        after = None if finer is None else drift(finer, 0.0, length=_FAR * finer.distance(0.0))
+        if after is None:
+            break
+        section, end = finer, after
+    return section, end
+
+
+def drift(
+    section: ReturnSection, place: float, farthest: float = math.inf, length: float | None = None
+) -> Drift | None:
     """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if that is impossible.
 
-    It is followed up to |y| = ``farthest``. It is impossible if f is zero to rounding, or if its zeros and turning
-    points lie too close for ``_LEAPS`` leaps.
+    It is followed up to |y| = ``farthest``, with a first leap of ``length``. It is impossible if f is zero to rounding,
+    or if its zeros and turning points lie too close for ``_LEAPS`` leaps.
     """
     first = section.return_from(place)
     if first.events is None or abs(first.excess) <= _rounding(section, place):
         return None
-    way, here, length, stalls = np.sign(first.excess), place, _FIRST * abs(first.excess), 0
+    way, here, stalls = np.sign(first.excess), place, 0
+    length = _FIRST * abs(first.excess) if length is None else length
     for _ in range(_LEAPS):
         if abs(here) > farthest:
             return Drift(here, here, End.GROWS)
         step = abs(section.return_from(here).excess)
-        length = min(length, max(_NEARER * section.distance(here), _FIRST * step))
+        # A line's zero is no special place if the drift there does not fade.
+        distance = max(section.distance(here), section.distance(place) * min(1.0, step / abs(first.excess)))
+        length = min(length, max(_NEARER * distance, _FIRST * step))
         there = here + way * length
         if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
             return Drift(here, here, End.SHRINKS)
@@ -86,10 +106,9 @@ def drift(section: ReturnSection, place: float, farthest: float = math.inf) -> D
                 stalls += 1
                 if stalls > _STALLS:
                     return None
-                following = section.return_from(here)
-                here, length = here + following.excess, _SHORTEST * step
+                last, here, length = here, here + section.return_from(here).excess, _SHORTEST * step
                 if section.return_from(here).events != first.events:
-                    return Drift(here, here, End.LEAVES)
+                    return Drift(last, here, End.LEAVES)
         elif outcome == there and way * section.return_from(there).excess <= 0:  # a zero behind the last node
             length *= _SHORTER
         elif outcome == there:

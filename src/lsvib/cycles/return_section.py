@@ -1,12 +1,13 @@
 """The section on which a return map acts, and the map itself: one return of the motion, and its derivative."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.variational import derivative, eigenvalues
+from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
@@ -63,6 +64,40 @@ def _surfaces(automaton: Automaton, state: np.ndarray, size: np.ndarray) -> np.n
     return rows[np.abs(values) <= ROUNDING * (np.abs(rows[:, :-1]) @ size + np.abs(rows[:, -1])), :-1]
 
 
+def lines(automaton: Automaton) -> dict[tuple[int, int], np.ndarray]:
+    """Return the line of two states on which the events of a kind (key: kind, mode after) end, as a row (3).
+
+    Events that end in rest or release the screw are left out: from rest there is one way only.
+    """
+    tables, found = automaton.tables, {}
+    for mode in range(len(automaton.codes)):
+        if automaton.codes[mode] in automaton.rest_codes:
+            continue
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            transition = tables.guard_transition[guard]
+            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
+                kind, after = int(tables.branch_kind[branch]), int(tables.branch_mode[branch])
+                if automaton.codes[after] in automaton.rest_codes or kind == EventKind.RELEASE:
+                    continue
+                row = tables.surfaces[tables.guard_surface[guard]]
+                if tables.transition_reset[transition] >= 0:  # a seizure ends on θ′ = 0
+                    reset = tables.resets[tables.transition_reset[transition]]
+                    row = np.array([-reset[1, 0], 1.0, -reset[1, 2]])
+                found[kind, after] = row
+    return found
+
+
+def _line(automaton: Automaton, key: tuple[int, int], met: np.ndarray) -> np.ndarray | None:
+    """Return the normal (2) of the line of a section whose origin lies on the surfaces ``met``; None if it is a point.
+
+    An event next to a corner lies on both of its surfaces to rounding; the one that it crossed is the section.
+    """
+    if len(met) == 1:
+        return met[0]
+    row = lines(automaton).get(key)
+    return None if row is None else row[:2]
+
+
 class Section:
     """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
 
@@ -95,8 +130,8 @@ class Section:
             _, lengths, basis = np.linalg.svd(normals)
             axes = basis[np.count_nonzero(lengths > _ONE_PLANE) :]
             self.directions, self._axes = (axes * scales).T, axes / scales
-        elif len(met) == 1:
-            tangent = np.array([-met[0, 1], met[0, 0]])
+        elif (normal := _line(automaton, key, met)) is not None:
+            tangent = np.array([-normal[1], normal[0]])
             direction = tangent / np.abs(tangent / size).max()
             chosen = np.argmax(np.abs(direction / size))
             self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
@@ -125,6 +160,17 @@ class Section:
         """Return the distance of a place on a line from where its free coordinate is zero, in the scale of y."""
         free = int(np.argmax(np.abs(self._axes[0])))
         return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
+
+    def finer(self, place: float) -> Self | None:
+        """Return the section with its origin at a place on the line, in the scales of one return from there."""
+        origin = self.state(np.array([place]))
+        motion = self.come_back(origin)
+        if motion is None:
+            return None
+        size = np.abs(motion.after).max(axis=0)
+        return type(self)(
+            self.automaton, self.key, origin, np.where(size > 0, size, self.size), self.returns, self._limit / PATIENCE
+        )
 
     def come_back(self, state: np.ndarray) -> Motion | None:
         """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""

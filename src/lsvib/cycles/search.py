@@ -20,9 +20,9 @@ from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.edges import edge_cycles
 from lsvib.cycles.periodic import Cycle, cycle_from, cycle_of, cycle_on
 from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.return_section import lines
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
@@ -105,11 +105,11 @@ def search(
         hits = sum(cycle is not None for cycle in edges)
         searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was followed")
     elif not automaton.contracts:
-        lines = _lines(automaton)
-        for key, line in lines:
+        found_lines = lines(automaton)
+        for key, line in found_lines.items():
             for cycle in _on_line(drive, automaton, key, line):
                 _add(found, cycle)
-        searched += f"; return maps of {len(lines)} lines over seven decades on both sides"
+        searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides"
     return Search(
         tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched
     )
@@ -131,26 +131,6 @@ def _same(one: Cycle, other: Cycle) -> bool:
         return False
     ends = zip(one.extremes["angle_deviation"], other.extremes["angle_deviation"], strict=True)
     return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
-
-
-def _lines(automaton: Automaton) -> list[tuple[tuple[int, int], np.ndarray]]:
-    """Kinds and modes of events on whose surface a cycle without rest may be watched, with the surface's row."""
-    tables, found = automaton.tables, {}
-    for mode in range(len(automaton.codes)):
-        if automaton.codes[mode] in automaton.rest_codes:
-            continue
-        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-            transition = tables.guard_transition[guard]
-            for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
-                kind, after = int(tables.branch_kind[branch]), int(tables.branch_mode[branch])
-                if automaton.codes[after] in automaton.rest_codes or kind == EventKind.RELEASE:
-                    continue
-                row = tables.surfaces[tables.guard_surface[guard]]
-                if tables.transition_reset[transition] >= 0:  # a seizure ends on θ′ = 0
-                    reset = tables.resets[tables.transition_reset[transition]]
-                    row = np.array([-reset[1, 0], 1.0, -reset[1, 2]])
-                found[kind, after] = row
-    return list(found.items())
 
 
 def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int], row: np.ndarray):

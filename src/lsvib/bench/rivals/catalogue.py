@@ -45,7 +45,7 @@ class Method:
     explicit: bool = False
 
     def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
-        """Return the function to time; what that returns makes a record when called. Raises as :meth:`require`."""
+        """Return the function to time; its result makes a record when called. ``InputError`` without the package."""
         self.require()
         prepare: Callable = import_module(f"{methods.__name__}.{self.module}").prepare
         return prepare(hybrid, setting, clock, max_events, **self.options)

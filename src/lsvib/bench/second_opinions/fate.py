@@ -30,6 +30,7 @@ _CORNER = 1e-9  # of the size of the drive; a smaller motion has come to the equ
 _LEAPS = 400  # of one motion
 _SLOW = 0.1  # of the size of the motion; a drift that is faster is followed turn by turn
 _FEW = 8  # leaps that are not worth a new watch
+_BEHIND = range(-30, 11)  # powers of two, times the last leap, of the places asked behind a drift of zero
 _PHASES = (0.0, 0.31, 0.57, 0.83)  # of the turn in which a drift ends
 
 
@@ -201,6 +202,11 @@ class _WatchedSection:
         second = self.drift(x + first)
         return None if second is None else (x + first, second)
 
+    def turns(self, x: float, step: float, drift: float) -> bool:
+        """Whether the drift has turned back somewhere behind x, where it is rounding."""
+        changes = (self.drift(x + step * 2.0**power) for power in _BEHIND)
+        return any(change is not None and change * drift < 0 for change in changes)
+
 
 def _drift(c: WatchConstants, seen: _WatchedEvents, period: int, events: int, leaps: int) -> Fate:
     section = _WatchedSection(c, seen, period)
@@ -220,6 +226,8 @@ def _drift(c: WatchConstants, seen: _WatchedEvents, period: int, events: int, le
             step, growing = 0.5 * step, False
             continue
         there, ahead = found
+        if ahead == 0 and not section.turns(there, step, drift):
+            return Fate("unknown", "a drift that fades into rounding", events)
         if ahead * drift <= 0:
             return _between(c, section, x, there, drift, events)
         x, drift = there, ahead

@@ -2,15 +2,19 @@
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import wraps
 from typing import Any
 
 import matplotlib
 import numpy as np
 import xarray as xr
+from fontTools.subset import Options
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from lsvib.files import replacing
 
@@ -59,13 +63,24 @@ _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 _LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
 
+class _PlainTicks(ScalarFormatter):
+    """The numbers at ticks as text, not as a formula: set in a tenth of the time, they look the same."""
+
+    def __call__(self, value: float, position: int | None = None) -> str:
+        return super().__call__(value, position).removeprefix("$\\mathdefault{").removesuffix("}$")
+
+
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
     """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
 
     @wraps(draw)
     def in_style(dataset: xr.Dataset) -> Figure:
         with matplotlib.rc_context(_STYLE):
-            return draw(dataset)
+            figure = draw(dataset)
+            for axis in figure.findobj(Axis):
+                if type(axis.get_major_formatter()) is ScalarFormatter:
+                    axis.set_major_formatter(_PlainTicks())
+            return figure
 
     return in_style
 
@@ -193,9 +208,22 @@ def save(
         figure.set_dpi(resolution)
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
-            figure.set_layout_engine("none")  # else each file would be drawn once more, unseen, to lay it out
+            # With an engine, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
+            with matplotlib.rc_context({"figure.constrained_layout.use": False}):
+                figure.set_layout_engine(None)
         for path, kind in ((png, "png"), (pdf, "pdf")):
             if path is None:
                 continue
-            with replacing(path) as part:
+            with replacing(path) as part, _glyphs_alone():
                 figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)
+
+
+@contextmanager
+def _glyphs_alone() -> Iterator[None]:
+    """Embed no tables of a font that help to set text: a PDF says where each glyph is, and to read them is slow."""
+    usual = Options._drop_tables_default
+    Options._drop_tables_default = [*usual, "GDEF", "GPOS", "GSUB", "kern"]
+    try:
+        yield
+    finally:
+        Options._drop_tables_default = usual

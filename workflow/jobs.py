@@ -1,0 +1,235 @@
+"""The jobs of the rules, each in a process of its own that starts with all libraries loaded.
+
+To start Python and to load numba, xarray and matplotlib takes longer than most figures do. So one process, the fork
+server of the standard library, loads them once, and every job is a copy of it. It only imports: no thread of a library
+runs in it, and what a job changes dies with the job.
+"""
+
+import importlib
+import multiprocessing
+import resource
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from multiprocessing import connection, forkserver
+from pathlib import Path
+from typing import Any
+
+from snakemake.exceptions import WorkflowError
+
+# What most jobs load. Nothing of ours: an edit in the middle of a run would not reach the jobs after it.
+_LIBRARIES = [
+    *("numba", "numba.cpython.setobj", "numba.np.linalg", "numba.np.npyimpl", "numba.typed.typeddict"),
+    *("mpmath", "netCDF4", "scipy.linalg", "xarray"),
+    "pint",  # which xarray loads as soon as it computes
+    *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure"),
+    "snakemake.cli",  # the main module, which multiprocessing would load in every process
+]
+
+_PROCESSES = multiprocessing.get_context("forkserver")
+_PROCESSES.set_forkserver_preload(_LIBRARIES)
+Texts = list[str]
+_TURN = threading.Lock()  # multiprocessing starts and reaps processes in one thread at a time; Snakemake has several
+
+
+def start() -> None:
+    """Start loading the libraries, before the first job needs them."""
+    forkserver.ensure_running()
+
+
+def run(job: Callable[..., None], log: str, subject: str, *arguments: Any) -> None:
+    """Run ``job(*arguments)`` in a process of its own and wait for it; raise ``WorkflowError`` if it fails.
+
+    What it says goes to the file ``log``; an error of ours is one sentence there, after its ``subject``. The file of
+    the same name in the folder ``benchmarks`` gets its time and its memory.
+    """
+    process = _PROCESSES.Process(target=_run, args=(job, log, subject, arguments))
+    with _TURN:
+        process.start()
+    connection.wait([process.sentinel])
+    with _TURN:
+        process.join()
+    if process.exitcode:
+        ended = f"was ended by {signal.Signals(-process.exitcode).name}" if process.exitcode < 0 else "failed"
+        raise WorkflowError(f"The job {ended}.")
+
+
+def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any, ...]) -> None:
+    from lsvib.errors import LsvibError
+    from lsvib.files import write_text
+
+    started = time.perf_counter()
+    sys.stderr = open(log, "w", buffering=1)  # noqa: SIM115 (until the process ends)
+    try:
+        job(*arguments)
+    except LsvibError as error:
+        sys.exit(f"{subject}: {error}")
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    seconds, cpu = time.perf_counter() - started, sum(part.ru_utime + part.ru_stime for part in used)
+    memory = max(part.ru_maxrss for part in used) / 1024
+    benchmark = Path("benchmarks", Path(log).relative_to("logs")).with_suffix(".tsv")
+    benchmark.parent.mkdir(parents=True, exist_ok=True)
+    write_text(f"s\tcpu_time\tmax_rss [MB]\n{seconds:.2f}\t{cpu:.2f}\t{memory:.0f}\n", benchmark)
+
+
+def _tell(what: str) -> Callable[[int, int], None]:
+    return lambda done, total: print(f"{done} of {total} {what}", file=sys.stderr)
+
+
+# Each of them imports what it needs when it runs, and nothing else.
+
+
+def compile_engine(part: str, sources: Texts, marker: str) -> None:
+    """Compile one part of the engine into numba's cache, and note the digest of its source."""
+    import hashlib
+
+    from lsvib.files import write_text
+
+    if part == "mapper":
+        from lsvib.basins.cells import QUANTITIES
+        from lsvib.basins.grid import Grid
+        from lsvib.basins.mapper import mapper
+        from lsvib.drives.parameters import RigidParameters
+
+        mapper(RigidParameters()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
+    else:
+        from lsvib.engine.kernels import compile_ahead
+
+        compile_ahead.compile_engine((part,))
+    digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))
+    write_text(f"{digest.hexdigest()}\n", marker)
+
+
+def dataset(figure: str, settings: dict[str, Any], file: str, checks: str) -> None:
+    """Compute the dataset of a figure and its checks."""
+    from lsvib.figures.compute import compute_figure
+
+    compute_figure(figure, settings, file, checks)
+
+
+def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:
+    """Draw a figure from its dataset."""
+    from lsvib.figures.draw import draw_figure
+
+    draw_figure(figure, dataset, png, pdf, caption)
+
+
+def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pngs: Texts, captions: Texts) -> None:
+    """Compute several figures and draw them, without the PDF of an earlier full run."""
+    from lsvib.errors import LsvibError
+    from lsvib.figures.build import build_figure
+    from lsvib.figures.draw import DRAFT
+
+    files = zip(datasets, checks, pngs, captions, strict=True)
+    for (figure, settings), (dataset, judged, png, caption) in zip(figures.items(), files, strict=True):
+        try:
+            build_figure(figure, settings, dataset, judged, png, caption=caption, resolution=DRAFT)
+        except LsvibError as error:
+            sys.exit(f"{figure}: {error}")
+        Path(png).with_suffix(".pdf").unlink(missing_ok=True)
+
+
+def all_checks(files: Texts, json: str, text: str, page: str, printed: str) -> None:
+    """Collect the checks of all figures: for programs, as a text and as a page, and the printed numbers."""
+    from lsvib.data.checks import read_checks
+    from lsvib.data.checks_report import checks_page, checks_text, printed_table
+    from lsvib.files import write_json, write_text
+
+    checks = [pair for file in files for pair in read_checks(file)]
+    write_json([{"figure": figure, **check.to_json()} for figure, check in checks], json)
+    write_text(checks_text(checks), text)
+    write_text(checks_page(checks), page)
+    write_text(printed_table(checks), printed)
+
+
+def verdict(file: str, marker: str) -> None:
+    """Fail with one sentence for each check that failed."""
+    from lsvib.data import checks
+    from lsvib.files import write_text
+
+    judged = checks.read_checks(file)
+    failed = checks.failures(judged)
+    if failed:
+        sys.exit("\n".join([f"{len(failed)} of {len(judged)} checks failed:", *failed]))
+    write_text(f"{checks.verdict(judged)}\n", marker)
+
+
+def accuracy_table(dataset: str, file: str) -> None:
+    """Write the tables of error against run time as Markdown."""
+    from lsvib.bench.rivals.markdown_tables import markdown
+    from lsvib.data.writer import read_dataset
+    from lsvib.files import write_text
+
+    write_text(markdown(read_dataset(dataset)), file)
+
+
+def first_cell(settings: dict[str, Any], marker: str) -> None:
+    """Map one cell of the region of attraction and note its label."""
+    from lsvib.basins.grid import Grid
+    from lsvib.data.tiles import mapper_of
+    from lsvib.files import write_text
+
+    cells = mapper_of(settings).cells(Grid.of(settings["grid"]), slice(0, 1), slice(0, 1), settings["quantities"])
+    write_text(f"{cells['label'].item()}\n", marker)
+
+
+def map_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
+    """Map one tile of the region of attraction."""
+    from lsvib.data.tiles import map_tile
+
+    map_tile(settings, item, file, workers)
+
+
+def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
+    """Put the tiles of the region of attraction together."""
+    from lsvib.data.tiles import gather_map
+
+    gather_map(settings, tiles, file, progress=_tell("tiles"))
+
+
+def chart_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
+    """Chart one tile of the chart."""
+    from lsvib.data.chart_tiles import chart_tile
+
+    chart_tile(settings, item, file, workers)
+
+
+def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
+    """Put the tiles of the chart together."""
+    from lsvib.data.chart_tiles import gather_chart
+
+    gather_chart(settings, tiles, file, progress=_tell("tiles"))
+
+
+def overview(figure: str, cells: str, png: str, pdf: str) -> None:
+    """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
+    from lsvib.data.assembly import overview
+    from lsvib.figures.drawing.style import save
+    from lsvib.figures.folders import picture_module
+
+    save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
+
+
+def sample(sheet: str, marker: str, samples: int, share: str) -> None:
+    """Compute one share of the samples of a drive ahead."""
+    from lsvib.assess.run import sample_share
+    from lsvib.files import write_text
+
+    done = sample_share(Path(sheet), Path(marker).parent, samples, 1, share)
+    write_text(f"{done} blocks of samples\n", marker)
+
+
+def assess(sheet: str, page: str, samples: int, workers: int) -> None:
+    """Assess one drive from its data sheet."""
+    from lsvib.assess.run import assess_file
+
+    assess_file(Path(sheet), Path(page).parent, samples=samples, workers=workers, progress=_tell("blocks of samples"))
+
+
+def compare(verdicts: Texts, page: str, table: str) -> None:
+    """Put the verdicts on all drives in one table."""
+    from lsvib.assess.compare import compare
+
+    compare([Path(file) for file in verdicts], Path(page), Path(table))
