@@ -11,8 +11,7 @@ import xarray as xr
 
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily
-from lsvib.bench.rivals.race import Budget, Entry, contest
-from lsvib.bench.rivals.time_at_equal_error import fastest
+from lsvib.bench.rivals.race import Budget, Entry, contest, fastest
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.provenance import machine
