@@ -13,8 +13,6 @@ _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 def provenance(maker: str) -> dict[str, str]:
     """Return attributes that name the code, and in ``history`` the ``maker``, a function.
 
-    They are ``history``, ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
-
     ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
     that tracks it; ``package_versions`` is a JSON object of Python and library versions.
     """

@@ -22,8 +22,7 @@ from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
-    ``settings``: see ``Settings``; c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge. Raises
-    ``InputError``.
+    c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge.
     """
     drive = RigidParameters.of(settings["drive"])
     critical = critical_mass(drive)

@@ -30,10 +30,7 @@ _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the motion and its cycle with compliant threads, the rigid one beside it, and the effect of R.
-
-    ``settings``: see ``Settings``; the start has a seated contact. Raises ``InputError``.
-    """
+    """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
     automaton, cycle = compliant_cycle(drive, start)

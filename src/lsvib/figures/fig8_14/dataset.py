@@ -29,8 +29,7 @@ _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cy
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
-    ``settings``: see ``Settings``; seizures of the motion from the last of the ``starts`` accumulate under the
-    chapter's reading of the rule. Raises ``InputError``.
+    Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]

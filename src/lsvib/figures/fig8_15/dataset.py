@@ -24,10 +24,7 @@ _LAW = 1  # R Ω > 0
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the class map by eigenvalues, the flutter boundaries in closed form, and the critical friction both ways.
-
-    ``settings``: see ``Settings``; the damping of ``drive`` plays no part. Raises ``InputError``.
-    """
+    """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
     drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])
     stiffness = spans.logarithmic(settings["support_stiffness"])

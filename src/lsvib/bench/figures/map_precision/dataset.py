@@ -25,10 +25,7 @@ _PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes."""
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])
     boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]

@@ -53,10 +53,7 @@ class _Row(NamedTuple):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`.
-
-    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
-    """
+    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``InputError`` if a package is missing."""
     entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
     every = [True] * len(entries)
     fixed = [find_method(name).family == Kind.FIXED_STEP for name, _ in entries]

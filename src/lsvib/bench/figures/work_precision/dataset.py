@@ -39,10 +39,7 @@ _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on the scenes.
-
-    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
-    """
+    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on scenes; ``InputError`` without a package."""
     scenes, methods = settings["scenes"], settings["methods"]
     names = [name for name, values in methods.items() if values]
     budget = Budget(settings["repeats"], settings["seconds"], settings["limit"])
