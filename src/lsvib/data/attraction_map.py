@@ -54,10 +54,7 @@ def map_attraction(
     refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
-    """Map the region of attraction of a drive; arguments as of :meth:`RigidDrive.attraction`.
-
-    The seconds are those of mapping, without compiling.
-    """
+    """Map the region of attraction of a drive as :meth:`RigidDrive.attraction`; the seconds are without compiling."""
     at_once = numbers.workers("workers", workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
@@ -231,10 +228,7 @@ def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
 def summary(
     counts: Mapping[Attractor, int], doubts: Mapping[str, int], exact_basin_area: float | None, seconds: float
 ) -> dict[str, Any]:
-    """Summarise a map for JSON.
-
-    ``fractions`` by attractor, ``unresolved`` cells, in all and by why they are, ``cells_per_second``, exact area.
-    """
+    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells and why, cells per second, area."""
     cells = sum(counts.values())
     return {
         "cells": cells,

@@ -90,10 +90,7 @@ def resilience_sweep(
 
 
 def window_of(given: Any) -> Window | None:
-    """Return a window from one, None, or edges by coordinate, ``{"u": (low, high), "w": (low, high)}`` [rad, rad/s].
-
-    Raises ``InputError`` for anything else.
-    """
+    """Return a window from one, None, or edges ``{"u": (low, high), "w": (low, high)}``, else raise ``InputError``."""
     if given is None:
         return None
     if isinstance(given, Window):

@@ -29,9 +29,7 @@ _WARM_UP = 0.01  # part of the duration that is run and discarded first, which l
 
 @dataclass(frozen=True)
 class Budget:
-    """``repeats``: rounds; ``seconds`` after which an entry is left out of further rounds; ``limit`` [s] of one run,
-    after which it gives up.
-    """
+    """Rounds (``repeats``); ``seconds`` after which an entry leaves further rounds, and a ``limit`` [s] of one run."""
 
     repeats: int
     seconds: float
