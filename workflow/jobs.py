@@ -66,6 +66,8 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
         job(*arguments)
     except LsvibError as error:
         sys.exit(f"{subject}: {error}")
+    except KeyboardInterrupt:
+        sys.exit("interrupted")
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     seconds, cpu = time.perf_counter() - started, sum(part.ru_utime + part.ru_stime for part in used)
     memory = max(part.ru_maxrss for part in used) / 1024

@@ -17,7 +17,9 @@ from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.cones import shrinking
 from lsvib.cycles.return_map import ReturnSection
+from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, follow
@@ -82,6 +84,30 @@ def test_steady_sliding_on_the_surface_of_no_force():
     automaton, state = scene("support", 7, 46, 2)
     assert not state.any()
     assert steady_state(automaton, state).label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(("model", "seed", "index"), [("nut", 81, 28), ("support", 555, 29)])
+def test_steady_sliding_is_an_equilibrium_to_the_last_bit(model, seed, index):
+    """Forces over a small inertia cancel in steps: 10⁻⁴⁰ that rounding left of them pushed the motion off."""
+    wide = wide_drive(model, seed, index, 1)
+    automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
+    motion = follow(automaton, np.zeros(4), 1e3, max_events=10)
+    assert not motion.time.size
+    assert not motion.end_state.any()
+    assert steady_state(automaton, np.zeros(4)).label == Attractor.STEADY_SLIDING
+
+
+def test_a_motion_that_shrinks_turn_by_turn_ends_in_steady_sliding():
+    """R = 0: each return is its image made smaller by 6e-12, and nothing else is ever met."""
+    automaton, state = scene("nut", 81, 38, 1)
+    motion = follow(automaton, state, math.inf, max_events=5000)
+    assert shrinking(motion, Budget(1e5)).label == Attractor.STEADY_SLIDING
+    assert steady_state(automaton, state, max_events=20_000).label == Attractor.STEADY_SLIDING
+    speeds = np.abs(motion.after[1000::1000, 1])
+    shrinks = np.diff(np.log(speeds)) / 500
+    assert shrinks == pytest.approx(np.full(shrinks.size, -6.277e-12), rel=1e-2)
+    loaded, start = scene("nut", 7, 22, 0)
+    assert shrinking(follow(loaded, start, math.inf, max_events=5000), Budget(1e5)) is None
 
 
 def test_little_damping_is_damping():

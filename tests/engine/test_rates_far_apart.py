@@ -231,10 +231,16 @@ def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     )
 
 
-@pytest.mark.parametrize(("index", "starts"), [(2, (2, 6)), (13, (10, 15)), (35, (9,)), (50, (7,))])
-def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(index, starts):
-    """Angles of 1e-10 to 1e-7 rad next to steady sliding; under the other law the equilibrium is up to 1e2 rad away."""
-    wide = wide_drive("threads", 9301, index, 32)
+@pytest.mark.parametrize(
+    ("model", "seed", "index", "starts"),
+    [
+        *(("threads", 9301, *case) for case in ((2, (2, 6)), (13, (10, 15)), (35, (9,)), (50, (7,)))),
+        *(("nut", 9802, *case) for case in ((100, (12,)), (106, (13,)))),
+    ],
+)
+def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(model, seed, index, starts):
+    """Angles of 1e-10 to 1e-7 rad next to steady sliding; under the other law the equilibrium is up to 4e3 rad away."""
+    wide = wide_drive(model, seed, index, 32)
     for start in starts:
         case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
         outcome = judge(case, np.random.default_rng(0), by_reference=True)

@@ -60,10 +60,8 @@ def _probabilities(assessment: Assessment) -> dict[str, tuple]:
     """Whether each mechanism occurs at the middle values, with which reserve, and how probable it is."""
     found = assessment.mechanisms.values()
     return {
-        "occurs": (
-            "mechanism",
-            np.array([one.occurs for one in found], dtype=np.int8),
-            yes_no("whether the mechanism occurs at the middle values"),
+        "occurs": yes_no(
+            "mechanism", [one.occurs for one in found], "whether the mechanism occurs at the middle values"
         ),
         "reserve": ("mechanism", [one.reserve for one in found], attributes("1", "lowest reserve in the window")),
         "probability": ("mechanism", [one.probability for one in found], attributes("1", "probability to occur")),

@@ -42,6 +42,7 @@ _PART = 10  # before a map begins, each start that looks for a cycle has a tenth
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _DOUBTS = list(Doubt)
+_KINDS = 128  # kinds of events are numbers of eight bits
 _STILL = 1e-12  # size of a step on the section that is rounding, in sizes of the cycle
 
 
@@ -75,6 +76,8 @@ class StateMapper:
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
         self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
         self._events = _EVENTS
+        self._sprag_mode = np.isin(self.automaton.codes, self.automaton.sprag_codes)
+        self._sprag_kind = np.isin(np.arange(_KINDS), self.automaton.sprag_kinds)
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
@@ -176,9 +179,7 @@ class StateMapper:
 
     def _sprags(self, motion: Motion, count: int) -> int:
         """Count the first events of a motion that sprag or enter a mode that does."""
-        codes = self.automaton.codes[motion.mode[:count]]
-        kinds = np.isin(motion.kind[:count], self.automaton.sprag_kinds)
-        return int(np.sum(kinds | np.isin(codes, self.automaton.sprag_codes)))
+        return int(np.sum(self._sprag_kind[motion.kind[:count]] | self._sprag_mode[motion.mode[:count]]))
 
 
 def _joins(motion: Motion, cycle: SteadyState) -> int | None:
@@ -188,15 +189,17 @@ def _joins(motion: Motion, cycle: SteadyState) -> int | None:
     kind, mode, per_return = orbit.kind[-1], orbit.mode[-1], orbit.time.size
     at = np.flatnonzero((motion.kind == kind) & (motion.mode == mode))
     at = at[:: np.sum((orbit.kind == kind) & (orbit.mode == mode))]
+    if at.size < 4:
+        return None
+    points, returned = motion.after[at], (np.diff(at) == per_return).tolist()
+    steps = np.abs(np.diff(points, axis=0) / size).max(axis=1).tolist()
     for k in range(3, at.size):
-        if (np.diff(at[k - 3 : k + 1]) != per_return).any():
+        first, second, third = steps[k - 3 : k]
+        if not all(returned[k - 3 : k]) or second > max(first, _STILL) or (third > _STILL and third >= second):
             continue
-        steps = np.abs(np.diff(motion.after[at[k - 3 : k + 1]], axis=0) / size).max(axis=1)
-        ratio = steps[2] / steps[1] if steps[2] > _STILL else 0.0
-        if ratio >= 1 or steps[1] > max(steps[0], _STILL):
-            continue
-        way = ratio / (1 - ratio) * (motion.after[at[k]] - motion.after[at[k - 1]])
-        limit = motion.after[at[k]] + way
+        ratio = third / second if third > _STILL else 0.0
+        way = ratio / (1 - ratio) * (points[k] - points[k - 1])
+        limit = points[k] + way
         if (np.abs(way) <= _NEAR * size).all() and (np.abs(limit - orbit.after[-1]) <= _SAME * size).all():
             return int(at[k])
     return None

@@ -130,13 +130,13 @@ def _slow_end(
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
     passage, faint = Passage(key[1], np.array([came_from, place])), None
     if end.end == leaps.End.CLOSES:
-        there = ReturnSection(automaton, key, beyond, section.size, 1, patience)
+        there = section.at(beyond, section.size)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else cycle_through(there, fixed)
-        if found is None:
-            faint = _faint(ReturnSection(automaton, key, beyond, np.maximum(section.size, np.abs(beyond)), 1, patience))
+        faint = _faint(section, beyond) if found is None else None
     elif end.end == leaps.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, LONG, twice)
+        found = (_faint(section, place) if found.label == Attractor.UNRESOLVED else None) or found
     else:
         between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, LONG, False)
@@ -146,11 +146,12 @@ def _slow_end(
     return found, faint
 
 
-def _faint(section: ReturnSection) -> SteadyState | None:
-    """Return the cycle near the origin of a line that a motion drifts to from both sides, however slowly."""
-    ends = leaps.enclosure(section, 0.0)
-    fixed = None if ends is None else section.between(*ends)
-    return None if fixed is None else cycle_through(section, fixed)
+def _faint(section: ReturnSection, near: np.ndarray) -> SteadyState | None:
+    """Return the cycle near a state of a line that a motion drifts to from both sides, however slowly."""
+    there = section.at(near, np.maximum(section.size, np.abs(near)))
+    ends = leaps.enclosure(there, 0.0)
+    fixed = None if ends is None else there.between(*ends)
+    return None if fixed is None else cycle_through(there, fixed)
 
 
 def _only_touches(motion: Motion) -> bool:

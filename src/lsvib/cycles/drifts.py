@@ -42,6 +42,7 @@ _ALIKE = 3  # number of the last of these returns that must have the same events
 _LONGEST = 4000  # most events in a return
 _CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
 _PART = 0.7  # change of the logarithm of an amplitude that one leap may make
+_OFF = 0.05  # change of the logarithm of an amplitude by which a leap may be wrong, however little it changes
 _MORE_TRUST = 4.0  # factor by which leaps may get longer if the trend after a leap is that before it
 _WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
@@ -53,6 +54,7 @@ _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a c
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
 _CLOSING = 3  # leaps in a row whose steps shrink before nothing moves, which show that a cycle attracts
 _LEFT = 1e-3  # most that may be left of the way to it, in sizes of the cycle
+_ATTRACTS = 1e-11  # least distance of a multiplier from one: beyond the rounding of P′, which leaves 1e-13 to 1e-12
 _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
@@ -241,7 +243,7 @@ def _closed(last: _Linear, steps: list[float]) -> SteadyState | None:
     shrinks = len(steps) > _CLOSING and all(one > other for one, other in pairwise(steps[-1 - _CLOSING :]))
     multiplier, section = largest(last.slopes), last.section
     small = np.abs(section.origin / section.size).max() < CORNERS[1]  # steady sliding itself
-    if small or not (shrinks and steps[-1] <= _STILL and abs(multiplier) < 1):
+    if small or not (shrinks and steps[-1] <= _STILL and abs(multiplier) < 1 - _ATTRACTS):
         return None
     found = cycle_through(section, FixedPoint(section.origin, multiplier, math.nan))
     if found is None or found.orbit is None:
@@ -321,9 +323,8 @@ def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: fl
     """
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
-    leap = min(
-        _PART / sizes.min(), _PART / max(trend.step.max(), _STILL), trust * _CHANGE * (sizes / (bends + _STILL)).min()
-    )
+    steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
+    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
     if leap <= _QUARTERS:
         return motion.end_state, motion.end_mode
     flow, home = automaton.tables.flow, trend.mode

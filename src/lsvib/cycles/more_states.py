@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from lsvib.cycles import drifts
+from lsvib.cycles.cones import shrinking
 from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.recurrences import recurrence
 from lsvib.cycles.settling import settled
@@ -39,7 +40,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
     def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
         if part.status == Status.SETTLED:
             return settled(automaton, part)
-        return recurrence(automaton, part, budget, apart)
+        return shrinking(part, budget) or recurrence(automaton, part, budget, apart)
 
     found: SteadyState | drifts.Recurrence | None = None
     doubt = Doubt.EVENTS

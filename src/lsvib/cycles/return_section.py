@@ -161,6 +161,10 @@ class Section:
         free = int(np.argmax(np.abs(self._axes[0])))
         return abs(float(self.state(np.array([place]))[free] * self._axes[0, free]))
 
+    def at(self, origin: np.ndarray, size: np.ndarray) -> Self:
+        """Return the section with another origin (n), in the scales ``size`` (n)."""
+        return type(self)(self.automaton, self.key, origin, size, self.returns, self._limit / PATIENCE)
+
     def finer(self, place: float) -> Self | None:
         """Return the section with its origin at a place on the line, in the scales of one return from there."""
         origin = self.state(np.array([place]))
@@ -168,9 +172,7 @@ class Section:
         if motion is None:
             return None
         size = np.abs(motion.after).max(axis=0)
-        return type(self)(
-            self.automaton, self.key, origin, np.where(size > 0, size, self.size), self.returns, self._limit / PATIENCE
-        )
+        return self.at(origin, np.where(size > 0, size, self.size))
 
     def come_back(self, state: np.ndarray) -> Motion | None:
         """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""

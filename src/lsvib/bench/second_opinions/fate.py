@@ -274,8 +274,6 @@ def _still(c: WatchConstants, section: _WatchedSection, x: float, events: int) -
             return _named(c, kinds, events, "a cycle that attracts")
         if behind < 0 < ahead:
             return _named(c, kinds, events, "a cycle that repels")
-    if (kinds == watch.SEIZURE).any():  # after which speed is forgotten: both sides may have other events
-        return _named(c, kinds, events, "a cycle with seizure")
     return Fate("unknown", "no drift to rounding", events)
 
 

@@ -120,15 +120,26 @@ def _sum(terms: list[Any]) -> Any:
 
 
 def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
-    """Solve linear equations whose right-hand sides are rows, by elimination in decimal arithmetic."""
+    """Solve linear equations whose right-hand sides are rows, by elimination in decimal arithmetic.
+
+    What cancels to within the rounding of all terms that it was formed from, step after step, is exactly zero: steady
+    sliding is an equilibrium to the last bit, however large the forces over a small inertia are.
+    """
     n = len(matrix)
     table = [[Decimal(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
+    sizes = [[abs(x) for x in row] for row in table]  # of the largest term of each sum
     for k in range(n):
         pivot = max(range(k, n), key=lambda i: abs(table[i][k]))
         table[k], table[pivot] = table[pivot], table[k]
-        table[k] = [x / table[k][k] for x in table[k]]
+        sizes[k], sizes[pivot] = sizes[pivot], sizes[k]
+        first = table[k][k]
+        table[k], sizes[k] = [x / first for x in table[k]], [x / abs(first) for x in sizes[k]]
         for i in range(n):
             if i != k:
                 factor = table[i][k]
-                table[i] = [_sum([x, -factor * y]) for x, y in zip(table[i], table[k], strict=True)]
+                sizes[i] = [max(x, abs(factor) * y) for x, y in zip(sizes[i], sizes[k], strict=True)]
+                sums = [x - factor * y for x, y in zip(table[i], table[k], strict=True)]
+                table[i] = [
+                    Decimal(0) if abs(x) < _CANCELLED * size else x for x, size in zip(sums, sizes[i], strict=True)
+                ]
     return [tuple(row[n:]) for row in table]

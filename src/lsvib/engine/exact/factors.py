@@ -70,13 +70,13 @@ def subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
 
 
 def _projector(matrix, factors, k: int) -> mpmath.matrix:
-    others = mpmath.eye(matrix.rows)
-    remainder: list = [1]  # of the product of the others modulo this factor
+    others, remainder = None, [1]  # the product of the others, and what it leaves modulo this factor
     for j, other in enumerate(factors):
         if j != k:
-            others = others * _polynomial(other, matrix)
+            others = _polynomial(other, matrix) if others is None else others * _polynomial(other, matrix)
             remainder = modulo(multiplied(remainder, other), factors[k])
-    return _polynomial(inverse_modulo(remainder, factors[k]), matrix) * others
+    inverse = _polynomial(inverse_modulo(remainder, factors[k]), matrix)
+    return inverse if others is None else inverse * others
 
 
 def _slow(factor, rates) -> bool:
@@ -105,9 +105,12 @@ def _size(matrix, scale: list) -> mpmath.mpf:
 
 
 def _polynomial(coefficients, matrix):
-    result = mpmath.zeros(matrix.rows)
-    for coefficient in coefficients:
-        result = result * matrix + coefficient * mpmath.eye(matrix.rows)
+    lead, *others = coefficients
+    result = lead * (matrix if others else mpmath.eye(matrix.rows))
+    for k, coefficient in enumerate(others):
+        result = result * matrix if k else result
+        for i in range(matrix.rows):
+            result[i, i] += coefficient
     return result
 
 

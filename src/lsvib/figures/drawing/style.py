@@ -11,7 +11,6 @@ import matplotlib
 import numpy as np
 import xarray as xr
 from fontTools.subset import Options
-from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
@@ -77,7 +76,8 @@ def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figur
     def in_style(dataset: xr.Dataset) -> Figure:
         with matplotlib.rc_context(_STYLE):
             figure = draw(dataset)
-            for axis in figure.findobj(Axis):
+            every = [one for axes in figure.axes for one in (axes, *axes.child_axes)]
+            for axis in (axis for axes in every for axis in (axes.xaxis, axes.yaxis)):
                 if type(axis.get_major_formatter()) is ScalarFormatter:
                     axis.set_major_formatter(_PlainTicks())
             return figure
@@ -204,13 +204,12 @@ def save(
     has the same. Raises ``LsvibError`` if a file cannot be written.
     """
     metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
-    with matplotlib.rc_context(_STYLE):
+    # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
+    with matplotlib.rc_context(_STYLE | {"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
-            # With an engine, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
-            with matplotlib.rc_context({"figure.constrained_layout.use": False}):
-                figure.set_layout_engine(None)
+            figure.set_layout_engine(None)
         for path, kind in ((png, "png"), (pdf, "pdf")):
             if path is None:
                 continue

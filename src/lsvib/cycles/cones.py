@@ -1,0 +1,65 @@
+r"""Motions that shrink to steady sliding on the surface N = 0, turn by turn alike.
+
+Where steady sliding carries no force, as with R = 0, both laws of slip have their equilibrium on the surface between
+them. As long as a motion passes only such surfaces, its return map is homogeneous: P(λ y) = λ P(y) for λ > 0. So n
+returns that lead to a smaller copy, Pⁿ(y) = λⁿ y with λ < 1, are followed by their copies for ever: the motion ends in
+steady sliding, whatever number of returns that takes. Guards that do not pass through the equilibrium are not met,
+because they are met by no state between one where they are positive and the equilibrium, where they are positive, too.
+The direction of y need not be exact: it is attracted if the other multipliers lie well inside the unit circle.
+"""
+
+import numpy as np
+
+from lsvib.cycles.return_section import ROUNDING, Section, section_key
+from lsvib.cycles.steady_states import Attractor, SteadyState
+from lsvib.engine.kernels import flow_planar
+from lsvib.engine.motion import Budget, Motion
+
+_CLEAR = 16 * flow_planar.EPS  # rounding of a return, in sizes of the motion, for each event and unit of the condition
+_ALIKE = 0.1  # part of 1 − λⁿ by which n returns may differ from λⁿ y
+_FEWEST = 8  # returns to the section: the later half of them is compared
+_INSIDE = 0.9  # largest other multiplier: the direction is reached in a few dozen returns
+
+
+def shrinking(motion: Motion, budget: Budget) -> SteadyState | None:
+    """Return steady sliding if the last returns of a motion with more than two states show that it shrinks to that."""
+    automaton, key = motion.automaton, section_key(motion)
+    if key is None:
+        return None
+    at = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
+    if at.size < _FEWEST:
+        return None
+    first, last, period = at[at.size // 2], at[-1], at[-1] - at[-2]
+    states, modes = motion.after[first : last + 1], motion.mode[first:last]
+    if modes.size % period or (modes != np.tile(modes[-period:], modes.size // period)).any():
+        return None
+    if automaton.tables.flow.field[modes[-period:], :, -1].any():
+        return None
+    around = np.abs(motion.before[first + 1 : last + 1]) + np.abs(states[1:])
+    if (np.abs(motion.before[first + 1 : last + 1] - states[1:]) > ROUNDING * around.max(axis=0)).any():
+        return None  # an event moves the state
+    if not all(_through_zero(motion, *one) for one in zip(modes[-period:], states[-period:], strict=True)):
+        return None
+    size = np.abs(states).max(axis=0)
+    size[size == 0] = 1.0  # a coordinate that is zero at every event may have any scale
+    start, change = states[0] / size, (states[-1] - states[0]) / size
+    growth = float(start @ change / (start @ start))  # λⁿ − 1
+    rounding = _CLEAR * automaton.condition * modes.size
+    if not (growth < -rounding and np.abs(change - growth * start).max() <= -_ALIKE * growth):
+        return None
+    section = Section(automaton, key, states[-1], size, 1, float(motion.time[last] - motion.time[first]), budget)
+    slopes, _ = section.slopes(np.zeros(section.dimension))
+    if not np.isfinite(slopes).all():
+        return None
+    multipliers = np.sort(np.abs(np.linalg.eigvals(slopes)))
+    return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(size)) if (multipliers[:-1] < _INSIDE).all() else None
+
+
+def _through_zero(motion: Motion, mode: int, state: np.ndarray) -> bool:
+    """Whether all surfaces on which a mode ends in a state pass through zero, and the mode holds there."""
+    tables = motion.automaton.tables
+    guards = slice(tables.guard_start[mode], tables.guard_start[mode + 1])
+    rows = tables.guard_sign[guards, None] * tables.surfaces[tables.guard_surface[guards]]
+    values = rows[:, :-1] @ state + rows[:, -1]
+    met = np.abs(values) <= ROUNDING * (np.abs(rows[:, :-1]) @ np.abs(state) + np.abs(rows[:, -1]))
+    return bool(met.any() and not rows[met, -1].any() and (rows[:, -1] >= 0).all())
