@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from types import new_class
 from typing import TYPE_CHECKING, Any
 
-from lsvib import numbers
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
 
 Progress = Callable[[int, int], None]
-_LONGEST = 1e9  # s, as of a scene
 
 
 class _Drive(RigidParameters):
@@ -140,11 +138,7 @@ class _Drive(RigidParameters):
         return trajectory(scene, run(scene))
 
     def steady_state(
-        self,
-        start: Mapping[str, float],
-        *,
-        resume: str = "contact_sign",
-        physics: Sequence[str] | None = None,
+        self, start: Mapping[str, float], *, resume: str = "contact_sign", physics: Sequence[str] | None = None
     ) -> "SteadyState":
         """Return the attractor that the motion from a start reaches; arguments as of :meth:`simulate`.
 
@@ -309,15 +303,7 @@ class _Drive(RigidParameters):
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene
 
-        try:
-            end = numbers.number(duration)
-        except numbers.NotNumber as error:
-            raise InputError(f"duration = {numbers.shown(duration)} {error}.") from None
-        if not 0 < end <= _LONGEST:
-            raise InputError(
-                f"duration = {numbers.shown(duration)} is outside the allowed range 0 < duration <= {_LONGEST:g}."
-            )
-        return Scene(model=self.model, drive=self, start=start, duration=end, **more)
+        return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
 
 
 class RigidDrive(_Drive):
@@ -334,11 +320,7 @@ class RigidDrive(_Drive):
         return basin(self)
 
     def resilience(
-        self,
-        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
-        *,
-        samples: int = 0,
-        seed: int = 0,
+        self, window: "Window | Mapping[str, tuple[float, float]] | None" = None, *, samples: int = 0, seed: int = 0
     ) -> "Resilience":
         """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
 

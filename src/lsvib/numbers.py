@@ -48,22 +48,16 @@ def number(value: Any) -> float:
         if not _PLAIN.fullmatch(value.strip()):
             raise NotNumber("is not a number")
         return float(value)
-    dimensions = getattr(value, "ndim", 0)
-    if (
-        isinstance(value, bool)
-        or not hasattr(type(value), "__float__")
-        or not isinstance(dimensions, int)
-        or dimensions
-    ):
-        raise NotNumber("is not a number")
-    if getattr(getattr(value, "dtype", None), "kind", "f") not in "iuf":  # numpy's truth values and complex numbers
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")  # numpy has truth values and complex numbers as well
+    single = hasattr(type(value), "__float__") and getattr(value, "ndim", 0) == 0
+    if not single or kind not in "iuf" or isinstance(value, bool):
         raise NotNumber("is not a number")
     try:
         result = float(value)
     except OverflowError:  # an integer beyond the range of doubles
         return math.inf if value > 0 else -math.inf
     except (TypeError, ValueError):
-        raise NotNumber("is not a number") from None
+        result = math.nan
     if math.isnan(result):
         raise NotNumber("is not a number")
     return result

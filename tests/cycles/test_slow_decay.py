@@ -106,6 +106,10 @@ def test_a_motion_that_shrinks_turn_by_turn_ends_in_steady_sliding():
     speeds = np.abs(motion.after[1000::1000, 1])
     shrinks = np.diff(np.log(speeds)) / 500
     assert shrinks == pytest.approx(np.full(shrinks.size, -6.277e-12), rel=1e-2)
+    wide = wide_drive("nut", 81, 38, 4)
+    mapped = mapper(wide.drive, wide.model, wide.physics)
+    # What comes from rest touches θ′ = 0 at first: that attracts from outside only, and is no cycle.
+    assert [mapped.destiny(wide.starts[k]).label for k in (2, 3)] == [Attractor.STEADY_SLIDING] * 2
     loaded, start = scene("nut", 7, 22, 0)
     assert shrinking(follow(loaded, start, math.inf, max_events=5000), Budget(1e5)) is None
 

@@ -18,7 +18,7 @@ from lsvib.drives.parameters import NutParameters, SupportParameters, ThreadsPar
 from lsvib.errors import InputError
 from lsvib.steady_sliding import eigenvalues_rigid, eigenvalues_two_coordinates, linearised, support_conditions
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
-from lsvib.steady_sliding.summary_two_coordinates import model_stability_table
+from lsvib.steady_sliding.stability_table import stability_table
 
 KINDS = {
     "threads": (ThreadsParameters, linearised.threads_model),
@@ -194,7 +194,7 @@ def test_fast_eigenvalues_tend_to_the_frequency_of_the_contact():
     ],
 )
 def test_summary(model, changes, kind):
-    table = model_stability_table(model, changes)
+    table = stability_table(changes, model)
     assert (table["class"], table["stable"]) == (kind, kind == "stable")
     assert len(table["eigenvalues"]) == 4
     parts = [value["real"] for value in table["eigenvalues"]]
@@ -205,7 +205,7 @@ def test_summary(model, changes, kind):
 
 
 def test_summary_states_the_conditions():
-    table = model_stability_table("support", {"mass": 15.0, "support_stiffness": 1e7})
+    table = stability_table({"mass": 15.0, "support_stiffness": 1e7}, "support")
     assert [name for name, c in table["conditions"].items() if c["hold"]] == ["flutter"]
     assert table["quantities"]["kinematic_friction"]["value"] == pytest.approx(0.2848594241193505, rel=1e-14)
     undamped = table["without_damping"]
@@ -213,8 +213,8 @@ def test_summary_states_the_conditions():
     assert [name for name, c in undamped["conditions"].items() if c["hold"]] == ["mode_coupling"]
     quantities = undamped["quantities"]
     assert quantities["lower_flutter_stiffness"]["value"] < 1e7 < quantities["upper_flutter_stiffness"]["value"]
-    assert model_stability_table("nut", {"mass": 6})["conditions"]["kinematic"]["hold"]
-    assert model_stability_table("threads", {"mass": 11})["quantities"]["least_contact_damping"]["value"] is None
+    assert stability_table({"mass": 6}, "nut")["conditions"]["kinematic"]["hold"]
+    assert stability_table({"mass": 11}, "threads")["quantities"]["least_contact_damping"]["value"] is None
 
 
 @pytest.mark.parametrize(
@@ -228,4 +228,4 @@ def test_summary_states_the_conditions():
 )
 def test_summary_refuses(model, changes, words):
     with pytest.raises(InputError, match=words):
-        model_stability_table(model, changes)
+        stability_table(changes, model)

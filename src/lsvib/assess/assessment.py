@@ -15,8 +15,7 @@ from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, worst_shares
 from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
-from lsvib.assess.window import corners, worst
-from lsvib.assess.words import VERDICTS
+from lsvib.assess.window import Worst, corners, worst
 from lsvib.errors import InputError
 
 _BEYOND = (
@@ -96,7 +95,7 @@ def assess(
     Raises ``InputError`` in one sentence.
     """
     entries = nominal_draw(sheet)
-    values = {key: float(value) for key, value in quantities(sheet, entries).items()}
+    values = _values(sheet, entries)
     _require_a_drive(sheet, values)
     spread = study(sheet, samples, seed, workers, folder, progress)
     edges = margins(sheet, values)
@@ -126,6 +125,16 @@ def assess(
     )
 
 
+def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
+    return {key: float(value) for key, value in quantities(sheet, entries).items()}
+
+
+def _corner(places: list, lowest: Worst) -> tuple[int, float, float]:
+    """The corner of the window with the lowest reserve of a single drive."""
+    direction, speed, force = places[int(lowest.corner[0])]
+    return int(direction), float(speed), float(force)
+
+
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     for corner in corners(sheet, values):
@@ -147,8 +156,7 @@ def _mechanisms(
     places, lowest, slopes = corners(sheet, values), worst(sheet, values), sensitivities(sheet, values)
     found = {}
     for name, one in lowest.items():
-        corner = tuple(float(x) for x in places[int(one.corner[0])])
-        corner = (int(corner[0]), *corner[1:])
+        corner = _corner(places, one)
         share, interval = spread.probability[name].value, spread.probability[name].interval
         occurs = _occurs(sheet, values, name, places, float(one.reserve[0]))
         if name == "push_needed" and occurs and sheet.support is None:
@@ -207,22 +215,17 @@ def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty)
 
 
 def _verdict(found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase]) -> str:
+    """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "push_needed"]
     if any(one.occurs for one in steady):
-        name = "vibrates"
-    elif spread.any.value > 0:
-        name = "may vibrate"
-    elif found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
-        name = "steady until pushed"
-    elif any(reserve < 0 for reserve, _ in worst_cases.values()):
-        name = "steady but for rare values"
-    elif min(one.reserve for one in steady) == 0:
-        name = "steady without reserve"
-    else:
-        name = "steady"
-    if name not in VERDICTS:
-        raise KeyError(name)
-    return name
+        return "vibrates"
+    if spread.any.value > 0:
+        return "may vibrate"
+    if found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
+        return "steady until pushed"
+    if any(reserve < 0 for reserve, _ in worst_cases.values()):
+        return "steady but for rare values"
+    return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
 
 def _critical(found: dict[str, Mechanism]) -> str:
@@ -233,10 +236,9 @@ def _critical(found: dict[str, Mechanism]) -> str:
 
 
 def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
-    values = {key: float(value) for key, value in quantities(sheet, entries).items()}
+    values = _values(sheet, entries)
     places, lowest = corners(sheet, values), worst(sheet, values)
-    corner = tuple(float(x) for x in places[int(lowest[name].corner[0])])
-    corner = (int(corner[0]), *corner[1:])
+    corner = _corner(places, lowest[name])
     if name == "push_needed" and sheet.support is None:
         corner = _most_pushed(sheet, values, places, corner)[1]
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"

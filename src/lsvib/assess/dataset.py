@@ -31,8 +31,8 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
         {**attributes("1", "what occurs at a point of operation"), **_words(KINDS)},
     )
     coordinates = {
-        "mechanism": _flagged("mechanism", mechanisms),
-        "change": _flagged("changed quantity", changes),
+        "mechanism": _flagged("mechanism", "mechanism", mechanisms),
+        "change": _flagged("change", "changed quantity", changes),
         "direction": ("direction", [chart.direction for chart in charts], attributes("1", "direction, 1 is outward")),
         "force": ("force", charts[0].force, attributes("N", "force against outward travel")),
         "speed": ("speed", charts[0].speed, attributes("m s-1", "speed of the load")),
@@ -100,9 +100,8 @@ def _words(names: Any) -> dict[str, Any]:
     return {"flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(names)}
 
 
-def _flagged(long_name: str, names: list[str]) -> tuple:
-    kind = long_name.split()[-1] if long_name == "mechanism" else "change"
-    return (kind, np.arange(len(names), dtype=np.int8), {**attributes("1", long_name), **_words(names)})
+def _flagged(name: str, long_name: str, names: list[str]) -> tuple:
+    return (name, np.arange(len(names), dtype=np.int8), {**attributes("1", long_name), **_words(names)})
 
 
 def _motion(name: str, motion: Motion) -> tuple[tuple, dict[str, Any]]:

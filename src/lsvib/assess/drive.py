@@ -37,21 +37,23 @@ QUANTITIES = {
     "screw_mass": ("mass of the screw", "kg"),
 }
 """What the verdict depends on: long name and unit. Values of these names are floats or arrays that broadcast."""
+UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
+"""The units of the quantities, and of those of the window that are changed together."""
 
 
 def nominal_draw(sheet: Sheet) -> dict[str, float]:
     """Return the entries of a sheet, each at the value in its middle."""
-    return {path: entry.nominal for path, entry in sheet.spreads().items()}
+    return {path: entry.nominal for path, entry in sheet.spreads.items()}
 
 
 def random_entries(sheet: Sheet) -> list[str]:
     """Return the entries that are uncertain: all but ranges of force and speed, which are the operating window."""
-    return [path for path, entry in sheet.spreads().items() if entry.uncertain and not is_window(sheet, path)]
+    return [path for path, entry in sheet.spreads.items() if entry.uncertain and not is_window(sheet, path)]
 
 
 def is_window(sheet: Sheet, path: str) -> bool:
     """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
-    entry = sheet.spreads().get(path)
+    entry = sheet.spreads.get(path)
     return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
 
 
@@ -85,7 +87,7 @@ def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
         found["screw_mass"] = screw_mass
     for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
         if is_window(sheet, path):
-            entry = sheet.spreads()[path]
+            entry = sheet.spreads[path]
             found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
         else:
             found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale
@@ -197,5 +199,5 @@ def own_parameters(values: Values, part: str) -> dict[str, Any]:
     """Return the parameters that a contact or a support adds to those of the rigid drive."""
     if part == "contact":
         return {key: values[key] for key in ("contact_stiffness", "contact_damping")}
-    names = {"screw_mass": "screw_mass", "support_stiffness": "support_stiffness"}
-    return {key: values[name] for key, name in names.items()} | {"axial_support_damping": values["support_damping"]}
+    own = {key: values[key] for key in ("screw_mass", "support_stiffness")}
+    return {**own, "axial_support_damping": values["support_damping"]}

@@ -80,11 +80,7 @@ def _tilt(value: Any) -> Spread:
 Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
 
 
-def _size(value: Any) -> ThreadSize:
-    return thread_size(value)
-
-
-Size = Annotated[ThreadSize, BeforeValidator(_size)]
+Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
 
 
 @dataclass(frozen=True)

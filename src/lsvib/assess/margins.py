@@ -53,10 +53,7 @@ def changeable(values: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
 def _absent_dampings(values: Mapping[str, Any]) -> dict[str, float]:
     """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
     turning = float(np.sqrt(values["inertia"] * values["coupling_stiffness"]))
-    sizes = {
-        "rotational_damping": turning,
-        "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2,
-    }
+    sizes = {"rotational_damping": turning, "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2}
     if "contact_stiffness" in values:
         sizes["contact_damping"] = float(np.sqrt(values["contact_stiffness"] * values["mass"]))
     if "support_stiffness" in values:

@@ -49,7 +49,7 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
         ),
     ]
     if motion is assessment.worst and motion is not assessment.nominal:
-        spreads = assessment.sheet.spreads()
+        spreads = assessment.sheet.spreads
         values = ", ".join(
             f"{entry_name(path)} = {shown(motion.entries[path], spreads[path].unit)}"
             for path in random_entries(assessment.sheet)
@@ -58,7 +58,7 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     return [
         *parts,
         _what_it_does(motion, start),
-        *_push_survived(motion, assessment),
+        *_push_survived(motion),
         *_picture_and_scene(title, motion),
     ]
 
@@ -92,20 +92,18 @@ def _what_it_does(motion: Motion, start: str) -> Html:
     return page.table(["", start[0].upper() + start[1:]], rows)
 
 
-def _push_survived(motion: Motion, assessment: Assessment) -> list[Html]:
+def _push_survived(motion: Motion) -> list[Html]:
     """Say which sudden change of speed steady running survives, if that is known."""
     push, sentence = motion.push
-    lead = motion.values["lead"] / (2 * math.pi)
-    if push is not None and math.isfinite(push) and push > 0:
-        return [
-            page.paragraph(
-                f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which "
-                f"is {shown(lead * push, 'm/s')} at the load. {sentence}"
-            )
-        ]
-    if push is not None and math.isinf(push):
-        return [page.paragraph(sentence)]
-    return []
+    if push is None or push <= 0:
+        return []
+    if math.isfinite(push):
+        load = shown(motion.values["lead"] / (2 * math.pi) * push, "m/s")
+        sentence = (
+            f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
+            f"{load} at the load. {sentence}"
+        )
+    return [page.paragraph(sentence)]
 
 
 def _picture_and_scene(title: str, motion: Motion) -> list[Html]:

@@ -87,8 +87,7 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
         for row in one.margins
         if row.factor is not None and 1 / _MOST <= row.factor <= _MOST
     ]
-    figure = style.new_figure(WIDTH, 0.75 + 0.2 * max(len(rows), 1))
-    axis = figure.subplots()
+    figure, axis = _drawing(0.75 + 0.2 * max(len(rows), 1))
     for k, (_, factor) in enumerate(rows):
         place, right = math.log10(factor), factor > 1
         axis.barh(k, place, color=style.GREEN if one.occurs else style.VERMILION, height=0.65)
@@ -96,8 +95,7 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
             f"×{factor:.3g}", (place, k), (3 if right else -3, 0), textcoords="offset points",
             ha="left" if right else "right", va="center", fontsize=6.5,
         )  # fmt: skip
-    axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
-    axis.invert_yaxis()
+    _name_bars(axis, [row[0] for row in rows])
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.8 + 0.05
     axis.set_xlim(-span, span)
@@ -134,12 +132,10 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     """Change of the reserve of one mechanism per one per cent of each quantity."""
     table = assessment.mechanisms[name].sensitivities
     rows = sorted(((CHANGES[key], 0.01 * value) for key, value in table.items() if value), key=lambda row: -abs(row[1]))
-    figure = style.new_figure(WIDTH, 0.8 + 0.2 * max(len(rows), 1))
-    axis = figure.subplots()
+    figure, axis = _drawing(0.8 + 0.2 * max(len(rows), 1))
     axis.barh(range(len(rows)), [row[1] for row in rows], height=0.65,
               color=[style.GREEN if row[1] > 0 else style.VERMILION for row in rows])  # fmt: skip
-    axis.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
-    axis.invert_yaxis()
+    _name_bars(axis, [row[0] for row in rows])
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     axis.set_xlabel("Change of the reserve for 1 % more")
     axis.ticklabel_format(axis="x", style="plain")
@@ -148,8 +144,7 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
 
 def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
     """How the reserve of each mechanism is spread over the samples."""
-    figure = style.new_figure(WIDTH, 2.5)
-    axis = figure.subplots()
+    figure, axis = _drawing(2.5)
     for name in names:
         counts = assessment.uncertainty.probability[name].counts
         axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
@@ -163,13 +158,11 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     """Shares of the spread of a reserve that the uncertain entries cause, alone and with all others."""
     first, total = (table[name] for table in (assessment.uncertainty.first_order, assessment.uncertainty.total))
     names = sorted(total, key=lambda key: -total[key])
-    figure = style.new_figure(WIDTH, 1.0 + 0.32 * len(names))
-    axis = figure.subplots()
+    figure, axis = _drawing(1.0 + 0.32 * len(names))
     places = np.arange(len(names))
     axis.barh(places - 0.18, [first[key] for key in names], height=0.34, color=style.BLUE, label="alone")
     axis.barh(places + 0.18, [total[key] for key in names], height=0.34, color=style.SKY, label="with the others")
-    axis.set_yticks(places, [entry_name(name) for name in names], fontsize=7)
-    axis.invert_yaxis()
+    _name_bars(axis, [entry_name(name) for name in names])
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
     axis.legend(fontsize=7)
     return figure
@@ -177,8 +170,7 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
 
 def locking_chart(assessment: Assessment) -> Figure:
     """The friction at which a thread holds its load by itself, over lead and diameter, and the rule of thumb."""
-    figure = style.new_figure(WIDTH, 2.6)
-    axis = figure.subplots()
+    figure, axis = _drawing(2.6)
     ratio = np.linspace(0.0, max(1.0, 1.3 * assessment.values["lead"] / assessment.values["pitch_diameter"]), 200)
     axis.plot(ratio, ratio / math.pi, color=style.BLACK)
     axis.fill_between(ratio, ratio / math.pi, 0.4, color="#E8F3EC", zorder=0)
@@ -191,6 +183,18 @@ def locking_chart(assessment: Assessment) -> Figure:
     axis.set(xlabel="Lead / pitch diameter", ylabel="Friction coefficient")
     figure.legend(fontsize=6.5, loc="outside lower center", ncols=2)
     return figure
+
+
+def _drawing(height: float) -> tuple[Figure, Any]:
+    """A figure of a height [inch] with axes in it."""
+    figure = style.new_figure(WIDTH, height)
+    return figure, figure.subplots()
+
+
+def _name_bars(axis: Any, names: list[str]) -> None:
+    """Write the names of bars beside them, the first one on top."""
+    axis.set_yticks(range(len(names)), names, fontsize=7)
+    axis.invert_yaxis()
 
 
 def _name(kind: str) -> str:

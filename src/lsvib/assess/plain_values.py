@@ -5,14 +5,16 @@ from typing import Any
 import numpy as np
 
 from lsvib.assess.assessment import Assessment, Motion
-from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.drive import UNITS
 from lsvib.assess.margins import Margin
 from lsvib.assess.words import VERDICTS
+
+_OF_VIBRATION = ("model", "attractor", "vibrates", "frequency", "audible", "amplitude")
 
 
 def as_json(assessment: Assessment) -> dict[str, Any]:
     """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
-    units = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
+    pushed = assessment.mechanisms["push_needed"]
     return {
         "name": assessment.sheet.name,
         "verdict": assessment.verdict,
@@ -26,25 +28,25 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
                 "probability": one.probability,
                 "interval": list(one.interval),
                 "reserve": one.reserve,
-                "at": {"direction": one.corner[0], "screw_speed": one.corner[1], "force": one.corner[2]},
-                "margin": _margins_json(one.margins, units),
+                "at": _place(one.corner),
+                "margin": _margins_json(one.margins),
                 "sensitivity": one.sensitivities,
             }
             for name, one in assessment.mechanisms.items()
             if name != "push_needed"
         },
         "after_a_push": {
-            "possible": assessment.mechanisms["push_needed"].occurs,
-            "probability": assessment.mechanisms["push_needed"].probability,
-            "interval": list(assessment.mechanisms["push_needed"].interval),
+            "possible": pushed.occurs,
+            "probability": pushed.probability,
+            "interval": list(pushed.interval),
         },
-        "quantities": {key: {"value": value, "unit": units[key]} for key, value in assessment.values.items()},
+        "quantities": {key: {"value": value, "unit": UNITS[key]} for key, value in assessment.values.items()},
         "samples": assessment.uncertainty.samples,
         "seed": assessment.seed,
         "any_mechanism": {
             "probability": assessment.uncertainty.any.value,
             "interval": list(assessment.uncertainty.any.interval),
-            "margin": _margins_json(assessment.margins, units),
+            "margin": _margins_json(assessment.margins),
         },
         "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
         "nominal": _motion_json(assessment.nominal),
@@ -54,8 +56,12 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
     }
 
 
-def _margins_json(rows: list[Margin], units: dict[str, str]) -> dict[str, Any]:
-    return {row.quantity: {"factor": row.factor, "value": row.value, "unit": units[row.quantity]} for row in rows}
+def _place(corner: tuple[int, float, float]) -> dict[str, float]:
+    return dict(zip(("direction", "screw_speed", "force"), corner, strict=True))
+
+
+def _margins_json(rows: list[Margin]) -> dict[str, Any]:
+    return {row.quantity: {"factor": row.factor, "value": row.value, "unit": UNITS[row.quantity]} for row in rows}
 
 
 def _motion_json(motion: Motion) -> dict[str, Any]:
@@ -63,15 +69,10 @@ def _motion_json(motion: Motion) -> dict[str, Any]:
     return {
         "mechanism": motion.mechanism,
         "entries": motion.entries,
-        "at": {"direction": motion.corner[0], "screw_speed": motion.corner[1], "force": motion.corner[2]},
-        "model": moved.model,
-        "attractor": moved.attractor,
-        "vibrates": moved.vibrates,
-        "frequency": moved.frequency,
-        "audible": moved.audible,
-        "amplitude": moved.amplitude,
-        "load_speed": None if moved.load_speed is None else list(moved.load_speed),
-        "screw_speed": None if moved.screw_speed is None else list(moved.screw_speed),
+        "at": _place(motion.corner),
+        **{name: getattr(moved, name) for name in _OF_VIBRATION},
+        "load_speed": moved.load_speed and list(moved.load_speed),
+        "screw_speed": moved.screw_speed and list(moved.screw_speed),
         "peak_contact_force": moved.peak_force,
         "peak_impulse": moved.impulse,
         "reason": moved.reason,

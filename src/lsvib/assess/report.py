@@ -5,7 +5,7 @@ import math
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.drive import UNITS
 from lsvib.assess.motions import motions, rigid, where
 from lsvib.assess.numbers import change, percent, shown, signed
 from lsvib.assess.page import Html
@@ -16,7 +16,6 @@ _TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
 _ADVICE = 3  # changes that the summary names
 _MARGINS = 3  # causes whose margins are drawn
 _NEAR = 10.0  # factor within which a margin is worth a bar
-_UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
@@ -69,7 +68,7 @@ def _summary(assessment: Assessment) -> str:
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, _UNITS[row.quantity])}.{_absent(assessment)}"
+        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{_absent(assessment)}"
     )
 
 
@@ -78,7 +77,7 @@ def _absent(assessment: Assessment) -> str:
     effect = "end" if assessment.verdict == "vibrates" else "start"
     rows = [row for row in assessment.margins if row.factor is None and row.value is not None]
     return "".join(
-        f" No {CHANGES[row.quantity]} is given; from {shown(row.value, _UNITS[row.quantity])} on it would {effect} "
+        f" No {CHANGES[row.quantity]} is given; from {shown(row.value, UNITS[row.quantity])} on it would {effect} "
         "vibration."
         for row in rows
     )
@@ -193,8 +192,8 @@ def _single_changes(assessment: Assessment) -> list[Html]:
     rows = [
         (
             CHANGES[row.quantity][0].upper() + CHANGES[row.quantity][1:],
-            shown(row.value / row.factor, _UNITS[row.quantity]),
-            shown(row.value, _UNITS[row.quantity]),
+            shown(row.value / row.factor, UNITS[row.quantity]),
+            shown(row.value, UNITS[row.quantity]),
             f"×{row.factor:.3g}" + (f", {change(row.factor)}" if row.factor < 2 else ""),  # else it says the same twice
         )
         for row in assessment.margins

@@ -34,7 +34,7 @@ def assess_file(
     the files are written, so that a run that was stopped goes on. Returns what ``assessment.json`` holds. Raises
     ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
-    samples, seed = _samples(samples), numbers.whole_between("seed", seed, 0, _LARGEST_SEED)
+    samples, seed = _samples(samples, seed)
     at_once = numbers.workers("workers", workers)
     sheet = Sheet.read(path)
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
@@ -60,7 +60,7 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
     ``share``: 1/8, 2/8 and so on; :func:`assess_file` with the same file, ``out``, ``samples`` and ``seed`` then takes
     them up. Raises ``InputError`` in one sentence.
     """
-    samples, seed = _samples(samples), numbers.whole_between("seed", seed, 0, _LARGEST_SEED)
+    samples, seed = _samples(samples, seed)
     part, _, parts = share.partition("/")
     if not (part.isascii() and part.isdigit() and parts.isascii() and parts.isdigit()):
         raise InputError(f"share = {share!r} is not a share such as 1/8.")
@@ -69,8 +69,8 @@ def sample_share(path: Path, out: Path, samples: Any, seed: Any, share: str) -> 
     return compute_blocks(Sheet.read(path), samples, seed, out / ".samples", int(part), int(parts))
 
 
-def _samples(given: Any) -> int:
+def _samples(given: Any, seed: Any) -> tuple[int, int]:
     count = numbers.whole_between("samples", given, 64, _MOST)
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
-    return count
+    return count, numbers.whole_between("seed", seed, 0, _LARGEST_SEED)

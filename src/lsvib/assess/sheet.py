@@ -216,12 +216,9 @@ class Sheet(_Part):
         found = {path for path, _ in self.entries()}
         return found | {path.partition(".")[0] for path in found}
 
-    def spreads(self) -> dict[str, Spread]:
-        """Return the quantities that are given, by name."""
-        return self._spreads
-
     @cached_property
-    def _spreads(self) -> dict[str, Spread]:
+    def spreads(self) -> dict[str, Spread]:
+        """The quantities that are given, by name."""
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
 
 

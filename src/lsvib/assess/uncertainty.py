@@ -65,7 +65,7 @@ class Uncertainty:
 def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
     """Return the entries of a sheet for points (d, n) of the unit cube, one coordinate to an uncertain entry."""
     draw: dict[str, Any] = dict(nominal_draw(sheet))
-    spreads = sheet.spreads()
+    spreads = sheet.spreads
     for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
         draw[path] = spreads[path].quantile(np.clip(share, _EDGE, 1 - _EDGE))
     return draw
@@ -213,13 +213,12 @@ def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tup
         alone = {names[k]: {entries[0]: 1.0} for k in varied}
         return alone, alone
     result = sobol_indices(func=lambda x: reserve(x)[varied], n=count, dists=[uniform()] * len(entries), rng=seed)
-    first, total = (np.reshape(part, (len(varied), len(entries))) for part in (result.first_order, result.total_order))
-    tables = []
-    for part in (first, total):
-        tables.append(
-            {names[k]: dict(zip(entries, map(float, row), strict=True)) for k, row in zip(varied, part, strict=True)}
-        )
-    return tables[0], tables[1]
+
+    def table(indices: NDArray[np.float64]) -> dict[str, dict[str, float]]:
+        rows = np.reshape(indices, (len(varied), len(entries)))
+        return {names[k]: dict(zip(entries, map(float, row), strict=True)) for k, row in zip(varied, rows, strict=True)}
+
+    return table(result.first_order), table(result.total_order)
 
 
 def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray[np.float64]:

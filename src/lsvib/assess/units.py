@@ -9,28 +9,22 @@ import pint
 
 from lsvib.numbers import NotNumber, number, shown
 
-EXAMPLES = {
-    "m": "5 mm",
-    "rad": "4 deg",
-    "kg": "20 kg",
-    "kg/m^3": "7850 kg/m^3",
-    "kg m^2": "2.3e-6 kg*m^2",
-    "N m/rad": "30 N*m/rad",
-    "N m s/rad": "2e-4 N*m*s/rad",
-    "N s/m": "100 N*s/m",
-    "N": "50 N",
-    "N/m": "1e6 N/m",
-    "rad/s": "60 rpm",
-    "m/s": "10 mm/s",
-    "s/m": "-0.02 s/m",
-    "": "0.15",
+_KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
+    "m": ("a length", "5 mm"),
+    "rad": ("an angle", "4 deg"),
+    "kg": ("a mass", "20 kg"),
+    "kg/m^3": ("a density", "7850 kg/m^3"),
+    "kg m^2": ("a moment of inertia", "2.3e-6 kg*m^2"),
+    "N m/rad": ("a torsional stiffness", "30 N*m/rad"),
+    "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
+    "N s/m": ("a damping", "100 N*s/m"),
+    "N": ("a force", "50 N"),
+    "N/m": ("a stiffness", "1e6 N/m"),
+    "rad/s": ("a rotational speed", "60 rpm"),
+    "m/s": ("a speed", "10 mm/s"),
+    "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
+    "": ("a plain number or a percentage", "0.15"),
 }
-"""An example of each kind of quantity, by the unit in which the package counts it."""
-
-_WORDS = {"m": "a length", "rad": "an angle", "kg": "a mass", "kg/m^3": "a density", "kg m^2": "a moment of inertia"}
-_WORDS |= {"N m/rad": "a torsional stiffness", "N m s/rad": "a rotational damping", "N s/m": "a damping"}
-_WORDS |= {"N": "a force", "N/m": "a stiffness", "rad/s": "a rotational speed", "m/s": "a speed"}
-_WORDS |= {"s/m": "a slope of the friction coefficient over the sliding speed", "": "a plain number or a percentage"}
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
 _LONGEST = 40  # characters of a unit; the longest sensible one has a dozen
 _LETTERS = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]*")
@@ -67,7 +61,7 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     if not unit:
         if "" in units:
             return figure, ""
-        raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {EXAMPLES[units[0]]}")
+        raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
         return figure / 100, ""
     if len(unit) > _LONGEST or not _LETTERS.fullmatch(unit):
@@ -94,5 +88,5 @@ def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> 
 
 
 def _wanted(units: tuple[str, ...]) -> str:
-    words = " or ".join(_WORDS[unit] for unit in units)
-    return f"{words}, such as {' or '.join(EXAMPLES[unit] for unit in units)}"
+    words, examples = (" or ".join(texts) for texts in zip(*(_KINDS[unit] for unit in units), strict=True))
+    return f"{words}, such as {examples}"

@@ -94,8 +94,7 @@ def vibration(
         drive = drive_of(sheet, values, *corner, part)
         kind = find_model(model)
         start = {"u": 0.0, "w": push * drive.input_speed}
-        options = tuple(kind.options) + tuple(term for term in kind.terms if getattr(drive, term) != 0)
-        automaton = kind.build(drive, options, "contact_sign")
+        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
         state = kind.initial_state(drive, start)
         end = steady_state(automaton, state, max_events=_MOST_WORK[part])
     except (InputError, EngineError) as error:
@@ -161,21 +160,18 @@ def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.flo
 
 
 def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
-    automaton = orbit.automaton
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
-    rates = np.zeros(row.size + 1)
-    rates[1], rates[-1] = row[0], row[0] * drive.input_speed
-    if row.size > 2:
-        rates[3] = 1.0
-    impulses = np.abs(event_impulses(drive, orbit).normal)
-    turning = np.zeros(row.size + 1)
+    turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
     turning[1], turning[-1] = 1.0, drive.input_speed
+    rates[1:-1:2], rates[-1] = row[::2], row[0] * drive.input_speed  # each coordinate is followed by its rate
+    impulses = np.abs(event_impulses(drive, orbit).normal)
+    normal = orbit_extremes(orbit, orbit.automaton.observables["normal_force"])
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),
         "load_speed": _speeds(orbit, rates),
         "screw_speed": _speeds(orbit, turning),
-        "peak_force": float(max(map(abs, orbit_extremes(orbit, automaton.observables["normal_force"])))),
+        "peak_force": float(max(map(abs, normal))),
         "impulse": float(impulses.max(initial=0.0)),
     }
 
@@ -229,7 +225,6 @@ def springy_push(
     """
     drive = drive_of(sheet, values, *corner, "contact")
     kind = find_model(_MODELS["contact"])
-    options = tuple(term for term in kind.terms if getattr(drive, term) != 0)
 
     def ends(push: float) -> str:
         state = kind.initial_state(drive, {"u": 0.0, "w": push})
@@ -240,7 +235,7 @@ def springy_push(
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
     low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
     try:
-        automaton = kind.build(drive, options, "contact_sign")
+        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")

@@ -40,11 +40,12 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     low, high = values["speed_low"], values["speed_high"]
     count = 1 if not is_window(sheet, "operation.speed") else 2 if sheet.friction.curve is None else _SPEEDS_OF_CURVE
     speeds = [low + share * (high - low) for share in np.linspace(0.0, 1.0, count)]
-    found = []
-    for direction in directions(sheet):
-        for speed in speeds:
-            found += [(direction, speed, force) for force in _forces(sheet, values, direction, speed)]
-    return found
+    return [
+        (direction, speed, force)
+        for direction in directions(sheet)
+        for speed in speeds
+        for force in _forces(sheet, values, direction, speed)
+    ]
 
 
 def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any) -> list[Any]:

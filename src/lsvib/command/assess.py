@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from lsvib.command.app import app
 from lsvib.command.options import AsJson
-from lsvib.command.printing import print_json
+from lsvib.command.printing import show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
 
@@ -47,8 +47,5 @@ def assess(
         print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
         return
     result = run.assess_file(sheet, out, samples, seed, workers, Progress("blocks of samples"))
-    if as_json:
-        print_json(result)
-        return
-    print(result["sentence"])
-    print(f"wrote {out / 'index.html'}, assessment.nc and assessment.json")
+    written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
+    show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))

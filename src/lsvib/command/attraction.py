@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from lsvib.command.app import app
 from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
-from lsvib.command.printing import picture_files, print_json, print_map
+from lsvib.command.printing import picture_files, print_map, show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
 
@@ -74,8 +74,4 @@ def attraction(
             from lsvib.figures.drawing.style import save
 
             save(draw(dataset), *parts[1:])
-    if as_json:
-        print_json(result)
-        return
-    print(f"wrote {out}")
-    print_map(result, counts)
+    show(result, as_json, lambda result: print_map(result, counts), out)

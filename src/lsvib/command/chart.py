@@ -6,8 +6,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
-from lsvib.command.printing import picture_files, print_chart, print_json
+from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, pairs
+from lsvib.command.printing import picture_files, print_chart, show
 from lsvib.command.terminal import Progress
 
 
@@ -22,9 +22,7 @@ def chart(
     workers: Annotated[
         str, Parameter(help="Number of processes; of threads for a small chart of the rigid drive.")
     ] = "1",
-    out: Annotated[
-        Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
-    ] = None,
+    out: OutFile = None,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the chart to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -60,7 +58,4 @@ def chart(
             from lsvib.figures.drawing.style import save
 
             save(draw(found), *parts[-2:])
-    if as_json:
-        print_json(result)
-        return
-    print_chart(result)
+    show(result, as_json, print_chart)

@@ -1,13 +1,13 @@
 """The commands about cycles: all of a drive's, and one of them over a parameter."""
 
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
-from lsvib.command.printing import print_json
+from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, ends, pairs
+from lsvib.command.printing import show
 from lsvib.errors import InputError
 
 
@@ -29,19 +29,7 @@ def cycles(
     """
     from lsvib.api import drive_class
 
-    found = drive_class(model).of(pairs(changes)).cycles(resume=resume).to_json()
-    if as_json:
-        print_json(found)
-        return
-    for sentence in (found["proved"], found["searched"]):
-        if sentence:
-            print(sentence)
-    if not found["cycles"]:
-        print("no cycle found")
-    for cycle in found["cycles"]:
-        _print_cycle(cycle)
-    for family in found["neutral_families"]:
-        print(f"neutral oscillations side by side, one of them with period {family['period']:.9g} s")
+    show(drive_class(model).of(pairs(changes)).cycles(resume=resume).to_json(), as_json, _print_cycles)
 
 
 @app.command
@@ -53,9 +41,7 @@ def follow(
     cycle: Annotated[str, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = "1",
     resume: Annotated[str, RESUME] = "contact_sign",
     points: Annotated[str, Parameter(help="Most points each way.")] = "1000",
-    out: Annotated[
-        Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
-    ] = None,
+    out: OutFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Follow a cycle over a parameter, both ways, through folds; changes of its events are named.
@@ -73,32 +59,37 @@ def follow(
     from lsvib.files import Outputs
 
     outputs = Outputs([(out, "netCDF")] if out else [])
-    ((parameter, text),) = pairs([over]).items()
-    low, colon, high = text.partition(":")
-    if not colon or ":" in high:
-        raise InputError(f"over: {parameter}={text} is not of the form KEY=START:STOP.")
+    ((parameter, given),) = pairs([over]).items()
+    span: Any = ends("over", parameter, given, "KEY=START:STOP")
     drive = drive_class(model).of(pairs(changes))
     listed = drive.cycles(resume=resume).cycles
-    try:
-        number = numbers.whole(cycle)
-    except numbers.NotNumber as error:
-        raise InputError(f"cycle = {cycle} {error}.") from None
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")
-    if not 1 <= number <= len(listed):
-        raise InputError(f"cycle = {number} is outside the allowed range 1 <= cycle <= {len(listed)}.")
-    span: Any = (low, high)
+    number = numbers.whole_between("cycle", cycle, 1, len(listed))
     branch = drive.follow(listed[number - 1], parameter, span, resume=resume, points=points)  # type: ignore[arg-type]
     with outputs.writing() as parts:
         for part in parts:
             write_dataset(branch_dataset(drive, branch), part)
-    if as_json:
-        print_json(branch_json(branch))
-        return
-    values = [point.value for point in branch.points]
-    print(f"{len(values)} cycles, {parameter} from {min(values):.9g} to {max(values):.9g}")
-    for change in branch.changes:
-        print(f"{change.kind} at {parameter} = {change.value:.12g}: {change.what}")
+
+    def text(result: Mapping[str, Any]) -> None:
+        values = [point.value for point in branch.points]
+        print(f"{len(values)} cycles, {parameter} from {min(values):.9g} to {max(values):.9g}")
+        for change in branch.changes:
+            print(f"{change.kind} at {parameter} = {change.value:.12g}: {change.what}")
+
+    show(branch_json(branch), as_json, text)
+
+
+def _print_cycles(found: Mapping[str, Any]) -> None:
+    for sentence in (found["proved"], found["searched"]):
+        if sentence:
+            print(sentence)
+    if not found["cycles"]:
+        print("no cycle found")
+    for cycle in found["cycles"]:
+        _print_cycle(cycle)
+    for family in found["neutral_families"]:
+        print(f"neutral oscillations side by side, one of them with period {family['period']:.9g} s")
 
 
 def _print_cycle(cycle: dict[str, Any]) -> None:

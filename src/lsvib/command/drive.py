@@ -6,14 +6,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, MODEL_IF_GIVEN, AsJson, Changes, pairs
-from lsvib.command.printing import (
-    print_json,
-    print_parameters,
-    print_solved_threshold,
-    print_stability,
-    print_thresholds,
-)
+from lsvib.command.options import MODEL, MODEL_IF_GIVEN, AsJson, Changes, SceneFile, pairs
+from lsvib.command.printing import print_parameters, print_solved_threshold, print_stability, print_thresholds, show
 from lsvib.errors import InputError
 
 
@@ -22,7 +16,7 @@ def config(
     *,
     model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     changes: Changes = None,
-    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    scene: SceneFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the effective parameters of a drive, with units and allowed ranges.
@@ -46,10 +40,7 @@ def config(
         about = described(kind, key)
         allowed = allowed_range(kind, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
-    if as_json:
-        print_json(fields)
-        return
-    print_parameters(fields)
+    show(fields, as_json, print_parameters)
 
 
 @app.command
@@ -93,11 +84,7 @@ def thresholds(
     if solve is not None:
         from lsvib.api import drive_class
 
-        found = drive_class(model).of(changed).threshold(solve, unknown)
-        if as_json:
-            print_json(found.to_json())
-        else:
-            print_solved_threshold(found)
+        show(drive_class(model).of(changed).threshold(solve, unknown).to_json(), as_json, print_solved_threshold)
         return
     if unknown is not None:
         raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
@@ -105,20 +92,11 @@ def thresholds(
         raise InputError(
             "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."
         )
-    table = threshold_table(changed, model)
-    if as_json:
-        print_json(table)
-        return
-    print_thresholds(table)
+    show(threshold_table(changed, model), as_json, print_thresholds)
 
 
 @app.command
-def stability(
-    *,
-    model: Annotated[str, MODEL] = "rigid",
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
+def stability(*, model: Annotated[str, MODEL] = "rigid", changes: Changes = None, as_json: AsJson = False) -> None:
     """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
 
     Examples of use:
@@ -133,11 +111,7 @@ def stability(
     """
     from lsvib.steady_sliding.stability_table import stability_table
 
-    table = stability_table(pairs(changes), model)
-    if as_json:
-        print_json(table)
-        return
-    print_stability(table)
+    show(stability_table(pairs(changes), model), as_json, print_stability)
 
 
 def _known_keys(scene: Path) -> dict[str, Any]:

@@ -9,8 +9,6 @@ from lsvib import numbers
 from lsvib.command.app import app
 from lsvib.errors import InputError
 
-_PORTS = "0 <= port <= 65535"  # 0: any that is free
-
 
 @app.command
 def explore(
@@ -26,19 +24,9 @@ def explore(
 
         lsvib explore --port 5010 --no-show
     """
-    number = _port(port)
+    number = numbers.whole_between("port", port, 0, 65535)
     if find_spec("bokeh") is None:
         raise InputError("lsvib explore needs bokeh, which is not installed: pip install 'lsvib[explore]'.")
     from lsvib.explore.server import serve
 
     serve(number, show)
-
-
-def _port(given: str) -> int:
-    try:
-        port = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(f"port = {numbers.shown(given)} {error}; the allowed range is {_PORTS}.") from None
-    if not 0 <= port <= 65535:
-        raise InputError(f"port = {port} is outside the allowed range {_PORTS}.")
-    return port

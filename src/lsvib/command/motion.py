@@ -6,8 +6,19 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, MODEL_IF_GIVEN, ONE_VALUE, RESUME, AsJson, Changes, pairs
-from lsvib.command.printing import print_json, print_motion, print_sweep
+from lsvib.command.options import (
+    MODEL,
+    MODEL_IF_GIVEN,
+    ONE_VALUE,
+    RESUME,
+    AsJson,
+    Changes,
+    OutFile,
+    SceneFile,
+    Start,
+    pairs,
+)
+from lsvib.command.printing import print_motion, print_sweep, show
 from lsvib.command.terminal import Progress
 
 
@@ -16,11 +27,9 @@ def simulate(
     *,
     out: Path,
     model: Annotated[str | None, MODEL_IF_GIVEN] = None,
-    scene: Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")] = None,
+    scene: SceneFile = None,
     changes: Changes = None,
-    start: Annotated[
-        list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
-    ] = None,
+    start: Start = None,
     duration: Annotated[str | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
     resume: Annotated[str | None, RESUME] = None,
@@ -55,11 +64,7 @@ def simulate(
     result = summary(checked, motion, steady)
     with outputs.writing() as (part,):
         write_dataset(motion_file(checked, motion, steady), part, "lsvib.simulate")
-    if as_json:
-        print_json(result)
-        return
-    print(f"wrote {out}")
-    print_motion(result)
+    show(result, as_json, print_motion, out)
 
 
 @app.command
@@ -68,13 +73,10 @@ def sweep(
     over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **ONE_VALUE)],
     model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
-    start: Annotated[
-        list[str] | None,
-        Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE),
-    ] = None,
+    start: Start = None,
     resume: Annotated[str, RESUME] = "contact_sign",
     workers: Annotated[str, Parameter(help="Number of threads; with more than two states of processes.")] = "1",
-    out: Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")] = None,
+    out: OutFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Sweep parameters of a drive: what the motion ends on, how large and how fast, and the forces.
@@ -105,8 +107,4 @@ def sweep(
     with outputs.writing() as parts:
         for part in parts:
             write_dataset(found, part)
-    result = swept_summary(found, seconds)
-    if as_json:
-        print_json(result)
-        return
-    print_sweep(result)
+    show(swept_summary(found, seconds), as_json, print_sweep)

@@ -1,5 +1,6 @@
 """Options that several commands share, and how KEY=VALUE items are read."""
 
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -17,6 +18,11 @@ Changes = Annotated[
     list[str] | None,
     Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **ONE_VALUE),
 ]
+SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
+Start = Annotated[
+    list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
+]
+OutFile = Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")]
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 
 
@@ -34,3 +40,11 @@ def pairs(items: list[str] | None) -> dict[str, str]:
             raise InputError(f"{key} is given twice, as {found[key]} and as {value}; give it once.")
         found[key] = value
     return found
+
+
+def ends(option: str, key: str, text: str, form: str) -> tuple[str, str]:
+    """Split the value of KEY=LOW:HIGH; raises :class:`~lsvib.errors.InputError`, with the ``form``, for another one."""
+    low, colon, high = text.partition(":")
+    if not colon or ":" in high:
+        raise InputError(f"{option}: {key}={text} is not of the form {form}.")
+    return low, high

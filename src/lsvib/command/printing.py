@@ -1,7 +1,7 @@
 """The results of the commands as text, for people; ``--json`` prints the same as one object."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,12 +9,18 @@ from lsvib.errors import InputError
 
 if TYPE_CHECKING:
     from lsvib.data.checks import Check
-    from lsvib.results import SolvedThreshold
 
 
-def print_json(value: Mapping[str, Any]) -> None:
-    """Print one JSON object."""
-    print(json.dumps(value, indent=2, allow_nan=False))
+def show(
+    result: Mapping[str, Any], as_json: bool, text: Callable[[Mapping[str, Any]], None], out: Path | None = None
+) -> None:
+    """Print a result as one JSON object, or as ``text`` prints it for people; ``out``: a file that was written."""
+    if as_json:
+        print(json.dumps(result, indent=2, allow_nan=False))
+        return
+    if out is not None:
+        print(f"wrote {out}")
+    text(result)
 
 
 def print_thresholds(table: Mapping[str, Any]) -> None:
@@ -33,19 +39,18 @@ def print_thresholds(table: Mapping[str, Any]) -> None:
         print(line)
 
 
-def print_solved_threshold(found: "SolvedThreshold") -> None:
+def print_solved_threshold(found: Mapping[str, Any]) -> None:
     """Print all solutions of a threshold, with the derivatives that are not zero."""
-    print(
-        f"{found.name}: {len(found.solutions)} solution{'s' if found.several else ''} for {found.unknown}. {found.how}"
-    )
-    for solution in found.solutions:
-        value = _with_unit(repr(solution.value), found.unit)
-        print(f"{found.unknown} = {value}, in error by at most {solution.error_bound:.1g}")
-        print(f"  equation: {solution.equation}")
-        print(f"  residual {solution.residual:.1g} of its terms")
-        for name, slope in solution.derivatives.items():
-            if slope.value:
-                print(f"  d/d {name} = {_with_unit(f'{slope.value:.12g}', slope.unit)}")
+    unknown, count = found["unknown"], len(found["solutions"])
+    print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
+    for solution in found["solutions"]:
+        value = _with_unit(repr(solution["value"]), found["unit"])
+        print(f"{unknown} = {value}, in error by at most {solution['error_bound']:.1g}")
+        print(f"  equation: {solution['equation']}")
+        print(f"  residual {solution['residual']:.1g} of its terms")
+        for name, slope in solution["derivatives"].items():
+            if slope["value"]:
+                print(f"  d/d {name} = {_value(slope)}")
 
 
 def print_stability(table: Mapping[str, Any]) -> None:
@@ -122,15 +127,16 @@ def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
 
 def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> None:
     """Print the checks of a figure and where its picture lies."""
-    if as_json:
-        print_json({"figure": str(picture), "checks": [check.to_json() for check in checks]})
-        return
-    for check in checks:
-        print(check.sentence())
-    failed = sum(not check.passed for check in checks)
-    if checks:
-        print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
-    print(f"wrote {picture}, its PDF, dataset and checks")
+
+    def text(result: Mapping[str, Any]) -> None:
+        for check in checks:
+            print(check.sentence())
+        failed = sum(not check.passed for check in checks)
+        if checks:
+            print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
+        print(f"wrote {picture}, its PDF, dataset and checks")
+
+    show({"figure": str(picture), "checks": [check.to_json() for check in checks]}, as_json, text)
 
 
 def print_parameters(fields: Mapping[str, Any]) -> None:

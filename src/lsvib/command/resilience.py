@@ -1,13 +1,12 @@
 """The command about what steady sliding survives."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import ONE_VALUE, AsJson, Changes, pairs
-from lsvib.command.printing import print_json
+from lsvib.command.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs
+from lsvib.command.printing import show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
 
@@ -26,9 +25,7 @@ def resilience(
         list[str] | None,
         Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable. Needs --out.", **ONE_VALUE),
     ] = None,
-    out: Annotated[
-        Path | None, Parameter(help="netCDF file to write; one that is there is replaced.", **ONE_VALUE)
-    ] = None,
+    out: OutFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the smallest fatal pushes of the rigid drive's steady sliding, and the share of a window that settles.
@@ -47,9 +44,15 @@ def resilience(
 
     if (over is None) != (out is None):
         raise InputError("over and out belong together: the values over a parameter are written to a file.")
-    drive, part = RigidDrive.of(pairs(changes)), window_of(_window(window))
+    limits = (
+        None
+        if window is None
+        else {name: ends("window", name, text, "KEY=LOW:HIGH") for name, text in pairs(window).items()}
+    )
+    drive, part = RigidDrive.of(pairs(changes)), window_of(limits)
     if over is None:
-        _print(drive.resilience(part, samples=samples, seed=seed), as_json)  # type: ignore[arg-type]
+        reserve = drive.resilience(part, samples=samples, seed=seed)  # type: ignore[arg-type]
+        show(reserve.to_json(), as_json, lambda result: _print(reserve))
         return
     outputs = Outputs([(out, "netCDF")] if out else [])
     count, start = samples_of(samples, seed, part)
@@ -59,29 +62,11 @@ def resilience(
         for file in files:
             write_dataset(found, file)
     result = {"points": int(found.fatal_energy.size), "not_covered": int(found.fatal_energy.isnull().sum())}
-    if as_json:
-        print_json(result)
-        return
-    print(f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered")
+    text = f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered"
+    show(result, as_json, lambda result: print(text))
 
 
-def _window(items: list[str] | None) -> dict[str, tuple[str, str]] | None:
-    """Read KEY=LOW:HIGH items."""
-    if items is None:
-        return None
-    found = {}
-    for name, text in pairs(items).items():
-        low, colon, high = text.partition(":")
-        if not colon or ":" in high:
-            raise InputError(f"window: {name}={text} is not of the form KEY=LOW:HIGH.")
-        found[name] = low, high
-    return found
-
-
-def _print(found: Any, as_json: bool) -> None:
-    if as_json:
-        print_json(found.to_json())
-        return
+def _print(found: Any) -> None:
     print(f"boundary of the region of attraction: {found.boundary.replace('_', ' ')}")
     print(f"smallest fatal push in the deflection: {found.angle:.12g} rad")
     print(f"smallest fatal push in the speed: {found.speed:.12g} rad/s")

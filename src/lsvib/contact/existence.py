@@ -26,17 +26,9 @@ def contact_forces(drive: RigidParameters, u, w) -> np.ndarray:
     c = coefficients(drive)
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     q = q_u * np.asarray(u) + q_w * np.asarray(w) + q_0
+    cosine, sine = np.cos(drive.lead_angle), np.sin(drive.lead_angle)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.stack(
-            [
-                q
-                / (
-                    float(c.gamma[s])
-                    * (np.cos(drive.lead_angle) + s * drive.friction_coefficient * np.sin(drive.lead_angle))
-                )
-                for s in (1, -1)
-            ]
-        )
+        return np.stack([q / (float(c.gamma[s]) * (cosine + s * drive.friction_coefficient * sine)) for s in (1, -1)])
 
 
 def existence(drive: RigidParameters, u, w) -> np.ndarray:

@@ -75,7 +75,8 @@ class ReturnSection(Section):
             return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
         leading, (exact, margin) = largest(self.jacobian(here)), self.slopes(here)
         neutral = self._is_neutral(exact, margin)
-        if math.isnan(leading):  # a motion beside does not come back
+        # A motion beside may not come back, or a surface that is only touched attracts from one side.
+        if math.isnan(leading) or (not neutral and abs(largest(exact)) >= 1 - margin):
             leading = largest(exact)
         return FixedPoint(self.origin, leading, math.nan, neutral)
 

@@ -175,9 +175,7 @@ class ExactParameters:
         def __getattr__(self, name: str) -> Decimal: ...
 
 
-@once
-def _exact(drive: RigidParameters) -> ExactParameters:
-    return ExactParameters(drive)
+_exact = once(ExactParameters)
 
 
 def sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:

@@ -40,18 +40,22 @@ class Model:
     start: Callable[[Any, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
     events: type[IntEnum]
-    required: tuple[str, ...]
-    optional: tuple[str, ...]
     states: tuple[str, ...]
     terms: tuple[str, ...]
-    options: tuple[str, ...]
-    outputs: tuple[str, ...]
     equations: str
     characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial]
     powers: "type[Powers]"
+    required: tuple[str, ...] = ("u", "w")
+    optional: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
+
+    def physics_of(self, drive: RigidParameters) -> tuple[str, ...]:
+        """Return the words of all that a drive has: its terms that are not zero, and the options."""
+        return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
 
     def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""

@@ -176,11 +176,8 @@ class _Stand:
         def torque_above(law: int) -> tuple:
             """(T_r − r_m ξ R) / k [rad] as a function of (u, w) under a law; k z_0 is inserted: nothing cancels."""
             steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-            return (
-                -1,
-                0,
-                steady + d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness,
-            )
+            friction = d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness
+            return -1, 0, steady + friction
 
         upper, lower = (1, -1) if d.axial_force >= 0 else (-1, 1)
         self.above = torque_above(upper)
@@ -357,12 +354,9 @@ MODEL = Model(
     start=lambda drive, values: np.array([values["u"], values["w"]], dtype=float),
     modes=MotionMode,
     events=EventKind,
-    required=("u", "w"),
-    optional=(),
     states=STATES,
     terms=("support_damping", "translation_damping", "axial_force"),
     options=("rest",),
-    outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     powers=Powers,

@@ -75,9 +75,7 @@ class Scene(BaseModel):
     @property
     def terms(self) -> tuple[str, ...]:
         """The physics of the scene, spelled out."""
-        if self.physics is not None:
-            return self.physics
-        return (*(term for term in self.kind.terms if getattr(self.drive, term) != 0), *self.kind.options)
+        return self.kind.physics_of(self.drive) if self.physics is None else self.physics
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""

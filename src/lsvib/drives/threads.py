@@ -96,10 +96,7 @@ def automaton_of(c: Coefficients, d: Any) -> Automaton:
         for direction, where in DIRECTIONS.items():
             for sign, contact in SIGNS.items():
                 name = f"slip_{where}_{contact}"
-                guards = (
-                    Guard("contact", sign, f"contact_reversal_{name}"),
-                    Guard("screw_speed", direction, "stop"),
-                )
+                guards = (Guard("contact", sign, f"contact_reversal_{name}"), Guard("screw_speed", direction, "stop"))
                 modes[name] = Mode(ThreadsMode[name.upper()], slip[direction * sign], guards)
         for contact in SIGNS.values():
             name = f"rest_{contact}"
@@ -138,11 +135,8 @@ class _ThreadsBuild:
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = plus(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-        force, stiffness, damping = (
-            abs(double(d.axial_force)) + 1.0,
-            double(d.contact_stiffness),
-            double(d.contact_damping),
-        )
+        force = abs(double(d.axial_force)) + 1.0
+        stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
         mass, swing = double(d.mass), double((d.screw_inertia / d.coupling_stiffness).sqrt())
         mismatch = force / (stiffness + damping / swing + mass / squared(swing))
         rate = force / (damping + np.sqrt(stiffness * mass) + mass / swing)
@@ -262,11 +256,7 @@ def _automaton(drive: ThreadsParameters, physics: tuple[str, ...], resume: str) 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
     """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
-    return parts.coupled(_excess(parts), (Fraction(0), p["contact_damping"], p["contact_stiffness"]))
-
-
-def _excess(parts: LinearParts) -> Any:
-    return 1 + parts.t**2
+    return parts.coupled(1 + parts.t**2, (Fraction(0), p["contact_damping"], p["contact_stiffness"]))
 
 
 class ThreadsPowers(Powers):
@@ -306,16 +296,13 @@ MODEL = Model(
     start=_start,
     modes=ThreadsMode,
     events=ThreadsEvent,
-    required=("u", "w"),
     optional=("e", "v"),
     states=STATES,
     terms=("support_damping", "translation_damping", "axial_force", "contact_damping"),
-    options=(),
-    outputs=("normal_force", "coupling_torque", "coupling_deflection", "screw_speed"),
     equations="eqs 8.6, 8.7",
     characteristic=_characteristic,
     powers=ThreadsPowers,
-    excess=_excess,
+    excess=lambda parts: 1 + parts.t**2,
     quantities={
         "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
         "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),

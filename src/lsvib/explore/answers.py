@@ -91,12 +91,12 @@ def labels(drive: RigidParameters, window: Window, cells: tuple[int, int], round
 
     Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; a third is saved by it.
     """
-    return _mapper(drive, rounding).cells(_grid(window, cells), quantities=("label",))["label"]
+    return _mapper(drive, rounding).cells(grid_of(window, cells), quantities=("label",))["label"]
 
 
 def label_rows(drive: RigidParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
     """Yield the rows of :func:`labels` one by one, with their indices, from the middle of the window outwards."""
-    mapped, grid = _mapper(drive), _grid(window, cells)
+    mapped, grid = _mapper(drive), grid_of(window, cells)
     middle = cells[1] // 2
     for row in sorted(range(cells[1]), key=lambda k: abs(k - middle)):
         yield row, mapped.cells(grid, rows=slice(row, row + 1), quantities=("label",))["label"][0]
@@ -167,7 +167,8 @@ def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return sample(motion, max(_SAMPLES, _PER_ARC * (motion.time.size + 1)))
 
 
-def _grid(window: Window, cells: tuple[int, int]) -> Grid:
+def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
+    """Return the cells, so many along u and w, of a window."""
     x = Axis.checked("u", window.left, window.right, cells[0])
     return Grid(x, Axis.checked("w", window.bottom, window.top, cells[1]))
 

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.data.attraction_map import attraction_map
 from lsvib.data.simulation import attractor_of, motion_file, run
@@ -31,10 +30,7 @@ def drawing(view: View, path: Path) -> None:
     """Draw the map of the window of a view and its motion on it as PNG, in the look of the figures."""
     shown = answers.followed(view)
     window = view.window or answers.window_around(view.drive, shown)
-    columns, rows = answers.SETTLED if view.drive.model == "rigid" else answers.COARSE
-    grid = Grid(
-        Axis.checked("u", window.left, window.right, columns), Axis.checked("w", window.bottom, window.top, rows)
-    )
+    grid = answers.grid_of(window, answers.SETTLED if view.drive.model == "rigid" else answers.COARSE)
     mapped = mapper(view.drive, view.drive.model)
     figure = picture.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
     figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)

@@ -35,9 +35,7 @@ SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most scr
 _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
 _SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
-_BEYOND = (
-    20  # heights of the drawing of the force that the line of the moment goes beyond it, for a hand that zooms out
-)
+_BEYOND = 20  # heights of its drawing that the line of the moment goes beyond it, for a hand that zooms out
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the browser draws anew in a redraw
@@ -246,10 +244,7 @@ class Plots:
         self.curve.x_range.update(start=view.low, end=view.high)
         self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self.sources["marks"].data = {
-            "x": list(inside.values()),
-            "name": [name.replace("_", " ") for name in inside],
-        }
+        self.sources["marks"].data = {"x": list(inside.values()), "name": [name.replace("_", " ") for name in inside]}
         self.draw_curve([])
 
     def draw_curve(self, points: Sequence[Point]) -> None:

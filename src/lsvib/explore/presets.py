@@ -37,7 +37,7 @@ def presets(settings: Path = DEFAULT) -> dict[str, View]:
 def _of_figure(label: str, section: Mapping[str, Any]) -> dict[str, View]:
     """The views of one figure: each of its drives."""
     shared = {**section["drive"], **{key: section[key] for key in section if _is_parameter(key, section[key])}}
-    kind = _model({**shared, **{_LISTS.get(key, key): None for key in section}, **_first_case(section)})
+    kind = _model({**shared, **{_LISTS.get(key, key): None for key in section}, **next(_cases(section), {})})
     starts = section.get("starts") or [section.get("start") or {}]
     start = starts[0] if "u" in starts[0] else {"u": _DEFAULT.u, "w": _DEFAULT.w}
     common: dict[str, Any] = {**start, "duration": section.get("duration", _DEFAULT.duration), "window": None}
@@ -58,10 +58,6 @@ def _cases(section: Mapping[str, Any]) -> Iterator[dict[str, float]]:
     named = [section[key] for key in ("cases", "contacts") if key in section]
     for parts in product(*named, *lists):
         yield {key: value for part in parts for key, value in part.items()}
-
-
-def _first_case(section: Mapping[str, Any]) -> dict[str, float]:
-    return next(_cases(section), {})
 
 
 def _curve(drive: RigidParameters, section: Mapping[str, Any]) -> dict[str, Any]:

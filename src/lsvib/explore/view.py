@@ -51,33 +51,27 @@ class View:
         for end in (self.low, self.high):
             self.drive.replace(**{self.over: end})
 
+    def _scene(self, drive: Any) -> dict[str, Any]:
+        start = {"u": self.u, "w": self.w}
+        scene = {"model": self.drive.model, "drive": drive, "start": start}
+        return {**scene, "duration": self.duration, "samples": SAMPLES}
+
+    def _changed(self) -> dict[str, float]:
+        """The parameters that differ from their defaults."""
+        return {key: value for key, value in self.drive if value != type(self.drive).model_fields[key].default}
+
     def scene(self) -> Scene:
         """Return the scene of the motion."""
-        return Scene(
-            model=self.drive.model,
-            drive=self.drive,
-            start={"u": self.u, "w": self.w},
-            duration=self.duration,
-            samples=SAMPLES,
-        )
+        return Scene(**self._scene(self.drive))
 
     def yaml(self) -> str:
         """Return the scene as YAML, as ``lsvib simulate --scene`` reads it."""
-        changed = {key: value for key, value in self.drive if value != type(self.drive).model_fields[key].default}
-        scene = {
-            "model": self.drive.model,
-            "drive": changed,
-            "start": {"u": self.u, "w": self.w},
-            "duration": self.duration,
-            "samples": SAMPLES,
-        }
-        return yaml.safe_dump(scene, sort_keys=False)
+        return yaml.safe_dump(self._scene(self._changed()), sort_keys=False)
 
     def query(self) -> str:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
         values: dict[str, Any] = {"model": self.drive.model}
-        fields = type(self.drive).model_fields
-        values |= {key: repr(value) for key, value in self.drive if value != fields[key].default}
+        values |= {key: repr(value) for key, value in self._changed().items()}
         values |= {"u": repr(self.u), "w": repr(self.w), "duration": repr(self.duration)}
         values |= {"over": self.over, "low": repr(self.low), "high": repr(self.high)}
         if self.window is not None:

@@ -14,14 +14,7 @@ from typing import Any
 
 from lsvib.drives.linear_parts import multiplied
 from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding.characteristic import (
-    DIGITS,
-    Polynomial,
-    hurwitz,
-    polynomial,
-    rationals,
-    tangents,
-)
+from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
 from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
 from lsvib.steady_sliding.spectrum import neutral_margins
@@ -50,24 +43,21 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
     ``support_damping`` or the drive's ``own_damping``. Raises ``InputError`` if the contact carries no force.
     """
-    kind, law = type(drive), steady_law(drive)
+    kind, law, neutral = type(drive), steady_law(drive), undamped(drive, key)
     tangent = tangents(drive, DIGITS)[0]
     if key == "friction_coefficient":
         limit = 1 / tangent
     else:
         limit = Fraction(kind.model_json_schema()["properties"][key]["maximum"])
     values = rationals(drive)
-    dampings = ("support_damping", "translation_damping", kind.own_damping)  # key may be the first or the last
-    neutral = key not in dampings and not any(values[name] for name in dampings)
 
-    def margins(value: Fraction) -> tuple[Fraction, ...]:
-        exact = polynomial(kind, {**values, key: value}, law, tangent)
-        return neutral_margins(exact) if neutral else _asymptotic(exact)
+    def at(value: Fraction) -> tuple[Fraction, ...]:
+        return margins(polynomial(kind, {**values, key: value}, law, tangent), neutral)
 
     def stable(value: Fraction) -> bool:
-        return min(margins(value)) > 0
+        return min(at(value)) > 0
 
-    conditions = [interpolated(samples) for samples in zip(*(margins(Fraction(x)) for x in range(4)), strict=True)]
+    conditions = [interpolated(samples) for samples in zip(*(at(Fraction(x)) for x in range(4)), strict=True)]
     if not all(conditions):  # one vanishes for every value of the parameter
         return StableSet(key, (), limit, neutral, False)
     places = [root for p in conditions for root in positive_roots(p, limit)]
@@ -121,9 +111,20 @@ def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
     return {name: threshold_of(drive, key) for name, key in keys.items()}
 
 
-def _asymptotic(p: Polynomial) -> tuple[Fraction, ...]:
-    """Return numbers that are all positive exactly where steady sliding is asymptotically stable (p_0 > 0 always)."""
-    return (*p[:4], hurwitz(p))
+def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
+    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
+
+    Without damping (``neutral``) those for which no motion grows and all frequencies are distinct.
+    """
+    if len(p) == 3:
+        return p[:1] if neutral else p[:2]
+    return neutral_margins(p) if neutral else (*p[:4], hurwitz(p))
+
+
+def undamped(drive: RigidParameters, key: str) -> bool:
+    """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability."""
+    dampings = ["support_damping", "translation_damping", drive.own_damping]
+    return key not in dampings and not any(getattr(drive, name) for name in dampings if name)
 
 
 def _end(found: StableSet, unit: str) -> str:

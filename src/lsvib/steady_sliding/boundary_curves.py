@@ -208,11 +208,7 @@ def _stick_or_onset(drive: RigidParameters) -> float:
     try:
         return thresholds.stick_force(drive)
     except NoThreshold:
-        try:
-            thresholds.stick_start(drive)
-        except NoThreshold:
-            return thresholds.onset_force(drive)
-        raise
+        return thresholds.onset_force(drive)
 
 
 def stops_again(drive: RigidParameters) -> float:

@@ -19,19 +19,14 @@ def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
     """
     c = coefficients(drive)
     d = drive.exact()
-    self_locking = d.friction_coefficient - d.tan_lead
+    both = {
+        "self_locking": d.friction_coefficient - d.tan_lead,
+        "force_with_motion": c.net_force * d.input_speed,
+    }
     margins = {
-        "negative_damping": {
-            "self_locking": self_locking,
-            "force_with_motion": c.net_force * d.input_speed,
-            "negative_effective_damping": -c.damping[1],
-        },
+        "negative_damping": {**both, "negative_effective_damping": -c.damping[1]},
         "negative_inertia": {"negative_effective_inertia": -c.gamma[c.steady_law]},
-        "paradox": {
-            "self_locking": self_locking,
-            "force_with_motion": c.net_force * d.input_speed,
-            "negative_effective_inertia": -c.gamma[1],
-        },
+        "paradox": {**both, "negative_effective_inertia": -c.gamma[1]},
     }
     return {
         name: {"margins": {k: float(v) for k, v in parts.items()}, "hold": all(v > 0 for v in parts.values())}

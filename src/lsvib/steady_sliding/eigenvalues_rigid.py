@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_SPLIT = 2.0**27 + 1  # Dekker's constant: it splits the 53 bits of a double into halves whose products are exact
+from lsvib.engine.exact.pair_arrays import rounded_product
 
 
 class Stability(IntEnum):
@@ -55,36 +55,18 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
     pair = eigenvalues(inertia, damping, stiffness)
     low, high = pair[..., 0], pair[..., 1]
     oscillates = high.imag != 0
-    return np.select(
-        [
-            np.isnan(high.real),
-            oscillates & (high.real < 0),
-            oscillates & (high.real > 0),
-            oscillates,
-            high.real < 0,
-            low.real > 0,
-        ],
-        [
-            Stability.DEGENERATE,
-            Stability.STABLE_FOCUS,
-            Stability.UNSTABLE_FOCUS,
-            Stability.CENTRE,
-            Stability.STABLE_NODE,
-            Stability.UNSTABLE_NODE,
-        ],
-        Stability.SADDLE,
-    ).astype(np.int8)
+    first_of = {
+        Stability.DEGENERATE: np.isnan(high.real),
+        Stability.STABLE_FOCUS: oscillates & (high.real < 0),
+        Stability.UNSTABLE_FOCUS: oscillates & (high.real > 0),
+        Stability.CENTRE: oscillates,
+        Stability.STABLE_NODE: high.real < 0,
+        Stability.UNSTABLE_NODE: low.real > 0,
+    }
+    return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
 
 
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
     """C_0² − 4kΓ_0 with the rounding errors of both products added back, so nearly equal roots keep their digits."""
-    square, product = c * c, 4 * k * gamma
-    return (square - product) + (_product_error(c, c, square) - _product_error(4 * k, gamma, product))
-
-
-def _product_error(a: NDArray, b: NDArray, product: NDArray) -> NDArray:
-    """Exact a·b − fl(a·b) by Dekker's splitting (T. J. Dekker 1971)."""
-    a_high = _SPLIT * a - (_SPLIT * a - a)
-    b_high = _SPLIT * b - (_SPLIT * b - b)
-    a_low, b_low = a - a_high, b - b_high
-    return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+    (square, of_square), (product, of_product) = rounded_product(c, c), rounded_product(4 * k, gamma)
+    return (square - product) + (of_square - of_product)

@@ -10,7 +10,7 @@ from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding.threshold_motions import Start
+from lsvib.steady_sliding.threshold_motions import Return, Start
 
 _GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
@@ -108,11 +108,9 @@ def widest_return(forward: ForwardDrive):
         left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
         low, high = (left, high) if height(left) < height(right) else (low, right)
     time = 0.5 * (low + high)
-    slip = forward.slip(-1)
     time = many.mpf(time if height(time) >= heights[best] else times[best])
-    c, s, s_rate = slip.responses(time)
-    x = -forward.speed * s / (1 - c)
-    return forward.contact[0] * x + forward.contact[1] * (-forward.speed * s_rate - slip.a0 * x * s), x, time
+    back = Return(forward.slip(-1), forward.contact, forward.speed, time)
+    return back.h, back.x, time
 
 
 def _require_rest_in_every_cycle(forward: ForwardDrive, force) -> None:

@@ -22,9 +22,9 @@ def positive_roots(p: Polynomial, limit: Fraction) -> list[Fraction]:
         p = p[:-1]
     if len(p) == 1:
         return []
-    p = quotient(p, greatest_common_divisor(p, _derivative(p)))
-    chain = [_integers(p), _integers(_derivative(p))]
-    while rest := _remainder(chain[-2], chain[-1]):
+    p, _ = divided(p, greatest_common_divisor(p, derivative(p)))
+    chain = [_integers(p), _integers(derivative(p))]
+    while rest := divided(chain[-2], chain[-1])[1]:
         chain.append(_integers(tuple(-x for x in rest)))
     found, open_ends = [], [(Fraction(0), _changes(chain, Fraction(0)), limit, _changes(chain, limit))]
     while open_ends:
@@ -43,18 +43,18 @@ def positive_roots(p: Polynomial, limit: Fraction) -> list[Fraction]:
 def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
     """Greatest common divisor of two polynomials that are not zero, with integer coefficients."""
     while q:
-        p, q = q, _remainder(p, q)
+        p, q = q, divided(p, q)[1]
     return tuple(Fraction(x) for x in _integers(p))
 
 
-def quotient(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Quotient of two polynomials without the remainder."""
-    rest, result = list(p), []
+def divided(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Quotient and remainder of two polynomials."""
+    rest, result = [Fraction(x) for x in p], []
     for i in range(len(p) - len(q) + 1):
-        result.append(Fraction(rest[i]) / q[0])
+        result.append(rest[i] / q[0])
         for j, x in enumerate(q):
             rest[i + j] -= result[-1] * x
-    return tuple(result)
+    return tuple(result), trimmed(tuple(rest[len(result) :]))
 
 
 def trimmed(p: Polynomial) -> Polynomial:
@@ -63,17 +63,9 @@ def trimmed(p: Polynomial) -> Polynomial:
     return tuple(p[start:])
 
 
-def _derivative(p: Polynomial) -> Polynomial:
+def derivative(p: Polynomial) -> Polynomial:
+    """Derivative of a polynomial."""
     return tuple(x * power for x, power in zip(p, range(len(p) - 1, 0, -1), strict=False))
-
-
-def _remainder(p: Polynomial, q: Polynomial) -> Polynomial:
-    rest = [Fraction(x) for x in p]
-    for i in range(len(p) - len(q) + 1):
-        factor = rest[i] / q[0]
-        for j, x in enumerate(q):
-            rest[i + j] -= factor * x
-    return trimmed(tuple(rest[len(p) - len(q) + 1 :]))
 
 
 def _integers(p: Polynomial) -> Polynomial:

@@ -2,10 +2,8 @@
 
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from functools import partial
 from typing import Any
 
-from lsvib.drives import parameters
 from lsvib.drives.parameters import RigidParameters, allowed_range, described
 from lsvib.drives.registry import find_model
 from lsvib.errors import EngineError, InputError, NoThreshold
@@ -94,9 +92,8 @@ def _at_place(drive: RigidParameters, name: str, unknown: str, place: Place) -> 
 
 
 def _by_search(drive: RigidParameters, name: str, unknown: str) -> SolvedThreshold:
-    gap = partial(_gap, name)
     found = []
-    for value in changes(drive, unknown, gap):
+    for value in changes(drive, unknown, lambda near: float(_start(name, near)[0])):
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
             found.append(_newton(near, unknown, _start(name, near)[1], value))
@@ -124,10 +121,6 @@ def _start(name: str, drive: RigidParameters) -> tuple[Any, Start]:
         return sprag_thresholds.rest_left(drive)
     start = _FORCES[name](drive)
     return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
-
-
-def _gap(name: str, drive: RigidParameters) -> float:
-    return float(_start(name, drive)[0])
 
 
 def _newton(drive: RigidParameters, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
@@ -163,7 +156,7 @@ def _result(
         name=name,
         model=drive.model,
         unknown=unknown,
-        unit=parameters.described(type(drive), unknown)["unit"],
+        unit=described(type(drive), unknown)["unit"],
         solutions=ordered,
         how=how,
     )

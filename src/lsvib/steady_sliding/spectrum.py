@@ -22,7 +22,7 @@ from lsvib.errors import InputError
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, settled
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
 from lsvib.steady_sliding.eigenvalues_two_coordinates import routh_hurwitz
-from lsvib.steady_sliding.real_roots import greatest_common_divisor, quotient
+from lsvib.steady_sliding.real_roots import derivative, divided, greatest_common_divisor
 
 # Below this share of its first term a sum has lost so many of its 50 digits that exact signs must decide.
 _CLEAR = Decimal("1e-25")
@@ -103,10 +103,9 @@ def _roots(p: Polynomial) -> list[mpmath.mpc]:
             return [sign * root for square in _quadratic(p[::2]) for root in (_root_of(square),) for sign in (-1, 1)]
         if p_3 != 0 and p_1 != 0 and hurwitz(p) == 0:
             return _quadratic((p_3, Fraction(0), p_1)) + _quadratic((p_4, p_3, p_0 * p_3 / p_1))
-    derivative = tuple(x * (len(p) - 1 - i) for i, x in enumerate(p[:-1]))
-    repeated = greatest_common_divisor(p, derivative)
+    repeated = greatest_common_divisor(p, derivative(p))
     if len(repeated) > 1:
-        return _roots(quotient(p, repeated)) + _roots(repeated)
+        return _roots(divided(p, repeated)[0]) + _roots(repeated)
     digits = DIGITS
     while (found := _simple_roots(p, digits)) is None:
         digits *= 2

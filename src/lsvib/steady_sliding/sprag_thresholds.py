@@ -11,10 +11,10 @@ from collections.abc import Callable
 from typing import Any
 
 from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
-from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding.threshold_motions import Start
+from lsvib.steady_sliding.threshold_motions import Return, Start
+from lsvib.steady_sliding.thresholds import seizing
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before a root among them is refined
 _CLOSE = 1e-13  # relative, of a root: Newton's method squares it in every step
@@ -23,15 +23,7 @@ _FIRST = 0.1  # of the shortest time in which slip does anything: no root is ear
 
 
 def _forward(drive: RigidParameters) -> ForwardDrive:
-    """The drive mirrored to Ω > 0; refused outside the Painlevé region and without damping."""
-    c = coefficients(drive)
-    if not c.paradox:
-        raise NoThreshold(
-            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
-        )
-    if c.damping[-1] <= 0:
-        raise NoThreshold("without damping no cycle of this drive is isolated.")
-    return ForwardDrive(drive, c)
+    return seizing(drive, "without damping no cycle of this drive is isolated.")
 
 
 def _without_rest(drive: RigidParameters) -> ForwardDrive:
@@ -61,28 +53,12 @@ class _Returns:
         first = min(q_u / (self.slip.a0 * q_w), slowest) if q_w > 0 else slowest
         self.ends = _FIRST * first, 2 * context.pi / self.slip.beta if self.slip.turns else _FEW_TURNS * slowest
 
-    def start(self, time: Any) -> Any:
-        """x [rad]."""
-        c, s, _ = self.slip.responses(time)
-        return -self.speed * s / (1 - c)
-
-    def end(self, time: Any) -> tuple[Any, Any]:
-        """x [rad] and the rate w [rad/s] on coming back."""
-        x, (_, s, s_rate) = self.start(time), self.slip.responses(time)
-        return x, -self.speed * s_rate - self.slip.a0 * x * s
-
-    def height(self, time: Any) -> Any:
-        """h, the part of Q that depends on the state, on coming back."""
-        x, w = self.end(time)
-        return self.contact[0] * x + self.contact[1] * w
-
-    def rise(self, time: Any) -> Any:
-        """Q′ on coming back."""
-        x, w = self.end(time)
-        return self.contact[0] * w - self.contact[1] * (self.slip.a0 * x + self.slip.a1 * w)
+    def at(self, time: Any) -> Return:
+        """Return the slip that comes back after a time."""
+        return Return(self.slip, self.contact, self.speed, time)
 
 
-def _first_root(forward: ForwardDrive, function: Callable[[_Returns, Any], Any]) -> Any:
+def _first_root(forward: ForwardDrive, function: Callable[[Return], Any]) -> Any:
     """The first time at which a function of returns changes sign while slip comes back forward; None if there is none.
 
     In double precision as long as that can be: Newton's method goes on from there.
@@ -93,19 +69,20 @@ def _first_root(forward: ForwardDrive, function: Callable[[_Returns, Any], Any])
             bracket = _bracket(returns, function)
             if bracket is None:
                 return None
-            return many.mpf(bracketed_root(lambda time, at=returns: function(at, time), *bracket, _CLOSE))
+            return many.mpf(bracketed_root(lambda time, at=returns.at: function(at(time)), *bracket, _CLOSE))
         except (ZeroDivisionError, OverflowError):  # 1 − C rounds to zero, or slip grows beyond all numbers
             continue
     return None
 
 
-def _bracket(returns: _Returns, function: Callable[[_Returns, Any], Any]) -> tuple[Any, Any] | None:
+def _bracket(returns: _Returns, function: Callable[[Return], Any]) -> tuple[Any, Any] | None:
     (low, high), last = returns.ends, None
     for k in range(_GRID):
         time = low * (high / low) ** (k / _GRID)
-        if returns.end(time)[1] <= 0:
+        back = returns.at(time)
+        if back.w <= 0:
             return None
-        value = function(returns, time)
+        value = function(back)
         if last is not None and (value > 0) != (last[1] > 0):
             return last[0], time
         last = time, value
@@ -133,11 +110,12 @@ def cycle_birth_start(drive: RigidParameters) -> Start:
     """
     forward = _without_rest(drive)
     returns = _Returns(forward)
-    time = _first_root(forward, _Returns.rise)
+    time = _first_root(forward, lambda back: back.q_rate)
     if time is None:
         raise NoThreshold("slip under law - that comes back to where it started never touches Q = 0 there.")
-    force = forward.onset - returns.height(time) / forward.inertia[-1]
-    return _before_rest(Start("cycle_birth", force, (time,)), returns.start(time), forward)
+    back = returns.at(time)
+    force = forward.onset - back.h / forward.inertia[-1]
+    return _before_rest(Start("cycle_birth", force, (time,)), back.x, forward)
 
 
 def _before_rest(start: Start, x: Any, forward: ForwardDrive) -> Start:
@@ -158,11 +136,12 @@ def rest_left(drive: RigidParameters) -> tuple[Any, Start]:
     forward = _forward(drive)
     force = many.mpf(drive.axial_force) * (1 if drive.input_speed > 0 else -1)
     returns, begins = _Returns(forward), float(end_of_rest(forward, force))  # Newton's method adds the digits
-    time = _first_root(forward, lambda some, time: some.start(time) - begins)
+    time = _first_root(forward, lambda back: back.x - begins)
     if time is None:
         raise NoThreshold("slip from the end of rest does not come back to where it started.")
     net = forward.inertia[-1] * (force - forward.onset)
-    if returns.rise(time) <= 0:
+    back = returns.at(time)
+    if back.q_rate <= 0:
         raise NoThreshold("slip from the end of rest seizes long before it is back where it started, or never.")
     name = "rest lost with the motion" if force > 0 else "rest lost"
-    return returns.height(time) + net, Start(name, force, (time,))
+    return back.h + net, Start(name, force, (time,))

@@ -5,9 +5,11 @@ from typing import Any
 
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, SupportParameters, model_of, parameters_of
+from lsvib.drives.registry import find_model
+from lsvib.errors import NoThreshold
 from lsvib.steady_sliding import thresholds
+from lsvib.steady_sliding.boundaries import model_thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
-from lsvib.steady_sliding.summary_two_coordinates import model_threshold_table
 from lsvib.steady_sliding.support_conditions import critical_friction_by_eigenvalues
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
@@ -39,47 +41,50 @@ def threshold_table(
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
     A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For another
-    ``model`` than the rigid one see :func:`lsvib.steady_sliding.summary_two_coordinates.model_threshold_table`. A
-    change of ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support;
-    there ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and
-    ``unit``, the chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all
-    four None if ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no
-    number –, ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide,
-    for Ω > 0. Raises ``InputError`` for unacceptable parameters.
+    ``model`` than the rigid one see :func:`lsvib.steady_sliding.boundaries.model_thresholds`. A change of
+    ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
+    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the
+    chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if
+    ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –,
+    ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0.
+    Raises ``InputError`` for unacceptable parameters.
     """
     model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
-        return model_threshold_table(model, changes)
-    table = {name: _printed_threshold(name, claim, changes) for name, claim in chapter.THRESHOLDS.items()}
-    drive = RigidParameters.of(chapter.GLOBAL_STABILITY).replace(**_without_screw(changes))
-    value, reason = _value_or_reason("global_stability_force", drive)
-    table["global_stability_force"] = {
-        "value": value,
-        "unit": "N",
-        **dict.fromkeys(("expected", "tolerance", "relative_error", "passed")),
-        "source": "end of Sect. 8.7",
-        "statement": _STATEMENTS["global_stability_force"],
-        **({"reason": reason} if reason else {}),
+        return model_thresholds(find_model(model).drive.of(changes))
+    table = {
+        name: _entry(name, changes, claim.drive, claim.unit, claim.source, claim)
+        for name, claim in chapter.THRESHOLDS.items()
     }
-    return table
+    name = "global_stability_force"
+    return table | {name: _entry(name, changes, chapter.GLOBAL_STABILITY, "N", "end of Sect. 8.7")}
 
 
-def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The entry of a threshold that the chapter prints."""
+def _entry(
+    name: str,
+    changes: Mapping[str, Any],
+    start: Mapping[str, Any],
+    unit: str,
+    source: str,
+    claim: chapter.Claim | None = None,
+) -> dict[str, Any]:
+    """The entry of a threshold of the drive ``start`` with changes; ``claim``: what the chapter prints, if it does."""
     kind = SupportParameters if name == "critical_friction" else RigidParameters
-    original = kind.of(claim.drive)
-    drive = original.replace(**(changes if kind is SupportParameters else _without_screw(changes)))
+    original = kind.of(start)
+    drive = original.replace(
+        **{key: value for key, value in changes.items() if key != "screw_mass" or kind is SupportParameters}
+    )
     value, reason = _value_or_reason(name, drive)
-    as_printed = drive == original
-    error = abs(value - claim.value) / claim.value if as_printed and value is not None else None
+    claim = claim if drive == original else None
+    error = abs(value - claim.value) / claim.value if claim and value is not None else None
     entry = {
         "value": value,
-        "unit": claim.unit,
-        "expected": claim.value if as_printed else None,
-        "tolerance": claim.tolerance if as_printed else None,
+        "unit": unit,
+        "expected": claim and claim.value,
+        "tolerance": claim and claim.tolerance,
         "relative_error": error,
-        "passed": (error is not None and error <= claim.tolerance) if as_printed else None,
-        "source": claim.source,
+        "passed": claim and (error is not None and error <= claim.tolerance),
+        "source": source,
     }
     if name in _STATEMENTS:
         entry["statement"] = _STATEMENTS[name]
@@ -90,14 +95,10 @@ def _printed_threshold(name: str, claim: chapter.Claim, changes: Mapping[str, An
     return entry
 
 
-def _without_screw(changes: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in changes.items() if key != "screw_mass"}
-
-
 def _value_or_reason(name: str, drive: RigidParameters) -> tuple[float | None, str | None]:
     """A threshold, or None and why there is none."""
     try:
         value = _COMPUTE[name](drive)
-    except thresholds.NoThreshold as absent:
+    except NoThreshold as absent:
         return None, str(absent)
     return value, None if value is not None else _ABSENT[name]

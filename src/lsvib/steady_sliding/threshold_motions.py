@@ -99,81 +99,68 @@ def _stick(law: int) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
     return equations
 
 
-def _touches(law: int, start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
-    """Slip from the end of rest touches Q = 0: there Q′ = 0 and Q = 0."""
+def _touches(
+    law: int, start: Callable[[DualDrive], Dual], stops: bool = False
+) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-        """Return what vanishes: Q′ and Q at the time ``inner[0]`` after the end of rest."""
+        """Return what vanishes at the time ``inner[0]`` after the end of rest: Q′, or θ′, and Q."""
         slip, (q_u, q_w) = d.slip(law), d.contact
         y, w = slip.state(start(d), -d.speed, inner[0])
-        rate = -slip.a0 * y - slip.a1 * w
-        return [q_u * w + q_w * rate, q_u * y + q_w * w + d.inertia[law] * d.net]
+        q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
+        return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
 
     return equations
 
 
-def _comes_back_at_zero(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-    """Slip under law + from the end of rest is back at θ′ = 0 just where Q = 0."""
-    slip, (q_u, q_w) = d.slip(1), d.contact
-    y, w = slip.state(d.end_of_rest(1), -d.speed, inner[0])
-    return [w + d.speed, q_u * y + q_w * w + d.inertia[1] * d.net]
+class Return:
+    """Slip under law − from θ′ = 0 that is back at the same y after a time, in any arithmetic.
+
+    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, the part of Q that depends on the
+    state, then, with its derivative ``h_rate`` by the time; ``q_rate``, Q′ along the slip as it comes back.
+    """
+
+    def __init__(self, slip: Any, contact: tuple[Any, Any], speed: Any, time: Any) -> None:
+        self.slip, self.contact, self.speed = slip, contact, speed
+        self.responses = c, s, s_rate = slip.responses(time)
+        self.x = -speed * s / (1 - c)
+        self.w = -speed * s_rate - slip.a0 * self.x * s
+        self.h = contact[0] * self.x + contact[1] * self.w
+
+    @property
+    def h_rate(self) -> Any:
+        slip, (c, s, s_rate) = self.slip, self.responses
+        x_rate = -self.speed * (s_rate * (1 - c) - slip.a0 * s * s) / (1 - c) ** 2  # C′ = −a₀ S
+        w_rate = self.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)
+        return self.contact[0] * x_rate + self.contact[1] * w_rate
+
+    @property
+    def q_rate(self) -> Any:
+        return self.contact[0] * self.w - self.contact[1] * (self.slip.a0 * self.x + self.slip.a1 * self.w)
 
 
-class _Return:
-    """Slip under law − from θ′ = 0 that is back at the same y after a time: start x, rates there, h and dh/dτ."""
-
-    def __init__(self, d: DualDrive, time: Dual) -> None:
-        slip, (q_u, q_w) = d.slip(-1), d.contact
-        c, s, s_rate = slip.responses(time)
-        open_ = 1 - c
-        self.x = -d.speed * s / open_
-        self.w = -d.speed * s_rate - slip.a0 * self.x * s
-        self.h = q_u * self.x + q_w * self.w
-        x_rate = -d.speed * (s_rate * open_ - slip.a0 * s * s) / open_**2  # C′ = −a₀ S
-        w_rate = d.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)
-        self.h_rate = q_u * x_rate + q_w * w_rate
-        self.q_rate = q_u * self.w - q_w * (slip.a0 * self.x + slip.a1 * self.w)  # Q′ along the slip as it comes back
-        self.q = self.h + d.inertia[-1] * d.net
-
-
-def _fold(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-    """Seizures that lead to each other meet: dh/dτ = 0, and Q = 0 on coming back."""
-    back = _Return(d, inner[0])
-    return [back.h_rate, back.q]
-
-
-def _birth(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-    """The cycle of seizures touches Q = 0 where it seizes: Q′ = 0 and Q = 0 on coming back."""
-    back = _Return(d, inner[0])
-    return [back.q_rate, back.q]
-
-
-def _rest_lost(start: Callable[[DualDrive], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
-    """Slip from the end of rest seizes just where rest ends: x(τ) is the end of rest, and Q = 0."""
+def _comes_back(zero: Callable[[DualDrive, Return], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+    """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-        back = _Return(d, inner[0])
-        return [back.x - start(d), back.q]
+        back = Return(d.slip(-1), d.contact, d.speed, inner[0])
+        return [zero(d, back), back.h + d.inertia[-1] * d.net]
 
     return equations
 
 
+_STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
 _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]]] = {
-    "stick+": (
-        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law + w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
-        _stick(1),
-    ),
-    "stick-": (
-        "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law − w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)",
-        _stick(-1),
-    ),
+    "stick+": (_STICK.format("+"), _stick(1)),
+    "stick-": (_STICK.format("−"), _stick(-1)),
     "detach": (
         "slip under law + from the end of rest, u = C₊ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
         _touches(1, lambda d: d.end_of_rest(1)),
     ),
     "detach at rest": (
         "slip under law + from the end of rest, u = C₊ Ω / k, has θ′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)",
-        _comes_back_at_zero,
+        _touches(1, lambda d: d.end_of_rest(1), stops=True),
     ),
     "rest seizes": (
         "slip under law − from the end of rest, u = C₋ Ω / k, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)",
@@ -187,21 +174,21 @@ _SYSTEMS: dict[str, tuple[str, Callable[[DualDrive, Sequence[Dual]], list[Dual]]
     "fold": (
         "slip under law − from (x, −Ω) back at u = x after τ: dh/dτ = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
         "(eq. 8.17, Sect. 8.7)",
-        _fold,
+        _comes_back(lambda d, back: back.h_rate),  # seizures that lead to each other meet
     ),
     "cycle_birth": (
         "slip under law − from (x, −Ω) back at u = x after τ: Q′(τ) = 0 and Q(τ) = h(τ) + Γ₋ R̃ = 0 "
         "(eq. 8.17, Sect. 8.7)",
-        _birth,
+        _comes_back(lambda d, back: back.q_rate),  # the cycle touches Q = 0 where it seizes
     ),
     "rest lost": (
         "slip under law − from the end of rest, x = C₋ Ω / k, is back at u = x after τ with Q(τ) = 0 (eq. 8.17)",
-        _rest_lost(DualDrive.end_against),
+        _comes_back(lambda d, back: back.x - d.end_against()),
     ),
     "rest lost with the motion": (
         "slip under law − from the end of rest, x = [C₋ Ω − r_m (ξ₊ − ξ₋) R] / k, is back at u = x after τ with "
         "Q(τ) = 0 (eq. 8.17)",
-        _rest_lost(lambda d: d.end_of_rest(-1)),
+        _comes_back(lambda d, back: back.x - d.end_of_rest(-1)),
     ),
 }
 

@@ -20,10 +20,9 @@ from typing import Any
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundaries import interpolated
-from lsvib.steady_sliding.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
+from lsvib.steady_sliding.boundaries import interpolated, margins, undamped
+from lsvib.steady_sliding.characteristic import DIGITS, polynomial, rationals, tangents
 from lsvib.steady_sliding.real_roots import SAME, positive_roots
-from lsvib.steady_sliding.spectrum import neutral_margins
 from lsvib.steady_sliding.threshold_solver import Equations
 
 Values = Mapping[str, Any]
@@ -83,22 +82,6 @@ def _margin(law: int, neutral: bool, which: int, words: str) -> Condition:
     return Condition(words, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which])
 
 
-def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
-    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
-
-    Without damping (``neutral``) those for which no motion grows and all frequencies are distinct.
-    """
-    if len(p) == 3:
-        return p[:1] if neutral else p[:2]
-    return neutral_margins(p) if neutral else (*p[:4], hurwitz(p))
-
-
-def undamped(drive: RigidParameters, unknown: str) -> bool:
-    """Whether nothing damps the drive, whatever the unknown is: stability is then neutral stability."""
-    dampings = ["support_damping", "translation_damping", drive.own_damping]
-    return unknown not in dampings and not any(getattr(drive, name) for name in dampings if name)
-
-
 def conditions(drive: RigidParameters, name: str, unknown: str) -> list[Condition]:
     """Return the conditions one of which holds at a threshold, by its name."""
     model, neutral = drive.model, undamped(drive, unknown)
@@ -151,14 +134,10 @@ class Line:
 
     def roots(self, condition: Condition) -> list[Fraction] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
-        samples = [condition.of(self.kind, *self.at(Fraction(x))) for x in range(_DEGREE + 1)]
-        p = interpolated(samples)
+        p = interpolated([condition.of(self.kind, *self.at(Fraction(x))) for x in range(_DEGREE + 1)])
         if len(p) < 2:
             return None
-        zero = [Fraction(0)] if p[-1] == 0 else []
-        while p[-1] == 0:
-            p = p[:-1]
-        return zero + (positive_roots(p, self.limit) if len(p) > 1 else [])
+        return ([Fraction(0)] if p[-1] == 0 else []) + positive_roots(p, self.limit)
 
     def law(self, x: Fraction) -> int:
         """Return the law s_0 of steady sliding, 0 where the contact carries no force."""
@@ -166,11 +145,15 @@ class Line:
         force = _net_force(self.kind, values, t, sense) * sense
         return int(force > 0) - int(force < 0)
 
+    def margins(self, x: Fraction, law: int) -> tuple[Fraction, ...]:
+        """Return the numbers of :func:`margins` under a law."""
+        values, t, _ = self.at(x)
+        return margins(polynomial(self.kind, values, law, t), self.neutral)
+
     def stable(self, x: Fraction) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
-        values, t, _ = self.at(x)
         law = self.law(x)
-        return bool(law and min(margins(polynomial(self.kind, values, law, t), self.neutral)) > 0)
+        return bool(law and min(self.margins(x, law)) > 0)
 
     def value(self, x: Fraction) -> float | Fraction:
         """Return the value of the unknown at a distance from zero."""
@@ -186,33 +169,29 @@ def places(drive: RigidParameters, name: str, unknown: str) -> list[Place] | Non
     if all(found is None for _, of_line in roots for _, found in of_line):
         return None
     if name == "onset":
-        return _changes(drive, unknown, roots)
-    found = [
-        Place(line.value(x), condition, line.sense)
-        for line, of_line in roots
-        for condition, distances in of_line
-        for x in distances or []
-        if (x or line is lines[0]) and (name != "flutter" or _flutters(line, condition, wanted, x))
-    ]
-    return sorted((place for place in found if _allowed(drive, unknown, place.value)), key=lambda place: place.value)
+        found = _changes(unknown, roots)
+    else:
+        found = [
+            Place(line.value(x), condition, line.sense)
+            for line, of_line in roots
+            for condition, distances in of_line
+            for x in distances or []
+            if (x or line is lines[0]) and (name != "flutter" or _flutters(line, condition, wanted, x))
+        ]
+    return sorted((place for place in found if allowed(drive, unknown, place.value)), key=lambda place: place.value)
 
 
 def _flutters(line: Line, condition: Condition, wanted: list[Condition], x: Fraction) -> bool:
     """Whether the condition is that of the law of steady sliding, and all other eigenvalues decay."""
     law = line.law(x)
-    if not law or condition is not wanted[0 if law > 0 else 1]:
-        return False
-    values, t, _ = line.at(x)
-    return bool(min(margins(polynomial(line.kind, values, law, t), line.neutral)[:-1]) > 0)
+    return bool(law) and condition is wanted[0 if law > 0 else 1] and min(line.margins(x, law)[:-1]) > 0
 
 
-def _changes(drive: RigidParameters, unknown: str, roots: list[tuple[Line, Any]]) -> list[Place]:
+def _changes(unknown: str, roots: list[tuple[Line, Any]]) -> list[Place]:
     """The places at which steady sliding gains or loses its stability."""
     found = []
     for line, of_line in roots:
-        candidates = sorted(
-            ((x, k) for k, (_, distances) in enumerate(of_line) for x in distances or [] if 0 < x < line.limit)
-        )
+        candidates = sorted((x, k) for k, (_, ds) in enumerate(of_line) for x in ds or [] if 0 < x < line.limit)
         cuts: list[Fraction] = []
         for x, _ in candidates:
             if not cuts or x - cuts[-1] > SAME * x:
@@ -229,10 +208,11 @@ def _changes(drive: RigidParameters, unknown: str, roots: list[tuple[Line, Any]]
             at_zero = [condition for condition, ds in of_line if ds and ds[0] == 0]
             if at_zero and line.stable(min([*cuts, line.limit]) / 2) != other.stable(min(first, other.limit) / 2):
                 found.append(Place(0.0, at_zero[0], line.sense))
-    return sorted((p for p in found if _allowed(drive, unknown, p.value)), key=lambda place: place.value)
+    return found
 
 
-def _allowed(drive: RigidParameters, unknown: str, value: float | Fraction) -> bool:
+def allowed(drive: RigidParameters, unknown: str, value: float | Fraction) -> bool:
+    """Whether the drive may have this value of a parameter."""
     try:
         drive.replace(**{unknown: float(value)})
     except InputError:

@@ -9,13 +9,14 @@ What lies between two samples without a change of sign, or beyond the twelve dec
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
 from lsvib.cycles.forward_slip import bracketed_root
 from lsvib.drives.parameters import RigidParameters
-from lsvib.errors import EngineError, InputError
-from lsvib.steady_sliding.threshold_polynomials import places
+from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.steady_sliding.threshold_polynomials import allowed, places
 
 DECADES = 6  # on both sides of the middle of the search
 _EACH = 12  # samples a decade: a fifth from one to the next
@@ -35,13 +36,18 @@ def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
     A jump through zero is among them.
     """
 
+    def defined(value: float) -> float:
+        """Return the gap at a value of the parameter."""
+        found = gap(drive.replace(**{unknown: value}))
+        if not math.isfinite(found):
+            raise NoThreshold
+        return found
+
     def at(value: float) -> float | None:
         """Return the gap at a value of the parameter; None where there is none."""
-        try:
-            found = gap(drive.replace(**{unknown: value}))
-        except (InputError, EngineError):
-            return None
-        return found if math.isfinite(found) else None
+        with suppress(InputError, EngineError):
+            return defined(value)
+        return None
 
     known: list[Sample] = [(value, at(value)) for value in samples(drive, unknown)]
     ordered = [known[0]]
@@ -51,7 +57,8 @@ def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
         ordered.append(after)
     for before, after in pairwise(ordered):
         if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
-            yield from _between(at, before[0], after[0])
+            with suppress(InputError, EngineError):  # it is not defined somewhere on the way
+                yield float(bracketed_root(defined, before[0], after[0], _CLOSE))
 
 
 def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:
@@ -67,26 +74,6 @@ def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) ->
     return inside
 
 
-def _between(at: Callable[[float], float | None], low: float, high: float) -> Iterator[float]:
-    """Yield the root between two values; none if the gap is not defined somewhere on the way."""
-
-    def function(value: float) -> float:
-        """Return the gap, for a method that wants a number everywhere."""
-        found = at(value)
-        if found is None:
-            raise _Undefined
-        return found
-
-    try:
-        yield float(bracketed_root(function, low, high, _CLOSE))
-    except _Undefined:
-        return
-
-
-class _Undefined(Exception):
-    """The gap is not defined there."""
-
-
 def samples(drive: RigidParameters, unknown: str) -> list[float]:
     """Return the values of a parameter at which the gap is looked at, in ascending order, all of them allowed."""
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
@@ -97,15 +84,7 @@ def samples(drive: RigidParameters, unknown: str) -> list[float]:
         for place in places(drive, name, unknown) or []:
             end = float(place.value)
             values |= {end * (1 + side * part) for side in (-1, 1) for part in _CLOSER}
-    return sorted(value for value in values if _allowed(drive, unknown, value))
-
-
-def _allowed(drive: RigidParameters, unknown: str, value: float) -> bool:
-    try:
-        drive.replace(**{unknown: value})
-    except InputError:
-        return False
-    return True
+    return sorted(value for value in values if allowed(drive, unknown, value))
 
 
 def _natural(drive: RigidParameters, unknown: str) -> float:

@@ -5,6 +5,7 @@ drive is mirrored, and all forces change sign.
 """
 
 import math
+from itertools import takewhile
 
 from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.cycles.slip_cycle import decay_of_large_motions, slowest_point
@@ -16,9 +17,7 @@ from lsvib.steady_sliding.threshold_motions import Start
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
 _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
-_BALANCED = (
-    1e-12  # Large motions that decay by less in a turn cannot be told from undamped ones by input in double precision.
-)
+_BALANCED = 1e-12  # large motions that decay by less in a turn cannot be told from undamped ones by doubles
 
 
 def _negatively_damped(drive: RigidParameters) -> Coefficients:
@@ -33,6 +32,18 @@ def _negatively_damped(drive: RigidParameters) -> Coefficients:
             "the effective damping of law + is not negative, so conditions (8.19) hold for no axial force."
         )
     return c
+
+
+def seizing(drive: RigidParameters, undamped: str) -> ForwardDrive:
+    """Return a drive mirrored to Ω > 0; refused outside the Painlevé region and, in words of its own, if undamped."""
+    c = coefficients(drive)
+    if not c.paradox:
+        raise NoThreshold(
+            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
+        )
+    if c.damping[-1] <= 0:
+        raise NoThreshold(undamped)
+    return ForwardDrive(drive, c)
 
 
 def _apart(start: Start, forward: ForwardDrive) -> Start:
@@ -121,7 +132,7 @@ def detach_start(drive: RigidParameters) -> Start:
         )
     start = forward.damping[1] * forward.speed / forward.stiffness, -forward.speed
     end = slip.recurrence()
-    times = _extremes(slip, start, forward.contact, end)
+    times = [end, *takewhile(lambda time: time < end, slip.stationary(*start, forward.contact))]
     states = (slip.state(*start, time) for time in times)
     values = [forward.contact[0] * u + forward.contact[1] * w for u, w in states]
     if min(values) >= 0:
@@ -136,16 +147,6 @@ def detach_start(drive: RigidParameters) -> Start:
         )
     lowest = times[values.index(min(values))]
     return _apart(Start("detach" if lowest < end else "detach at rest", force, (lowest,)), forward)
-
-
-def _extremes(slip, start, row, end) -> list:
-    """Times [s] at which row[0] · u + row[1] · w is stationary within (0, end), and ``end``."""
-    times = [end]
-    for time in slip.stationary(*start, row):
-        if time >= end:
-            break
-        times.append(time)
-    return times
 
 
 def global_stability_force(drive: RigidParameters) -> float:
@@ -163,16 +164,9 @@ def global_stability_force(drive: RigidParameters) -> float:
 
 def global_stability_start(drive: RigidParameters) -> Start:
     """Return :func:`global_stability_force` of the drive mirrored to Ω > 0, with its equations."""
-    c = coefficients(drive)
-    if not c.paradox:
-        raise NoThreshold(
-            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
-        )
-    if c.damping[-1] <= 0:
-        raise NoThreshold("without damping steady sliding attracts nothing.")
+    forward = seizing(drive, "without damping steady sliding attracts nothing.")
     from lsvib.steady_sliding.global_stability import start  # loads the engine
 
-    forward = ForwardDrive(drive, c)
     found = start(forward)
     if found.force == many.inf:
         with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"

@@ -6,7 +6,7 @@ the mode, with a = 0 while it is held. A model solves Newton's laws in each mode
 :mod:`lsvib.drives.second_body.modes_and_guards` makes the automaton from these solutions.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum
@@ -18,12 +18,12 @@ from lsvib.engine.exact.pair_arrays import Pairs, exactly
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 
 DIRECTIONS = {1: "forward", -1: "backward"}
+HELD = {**DIRECTIONS, 0: "held"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
 # Two numbers that differ by less than this share of the larger one are equal: what differs is the rounding of their 50
 # digits.
 _CANCELLED = Decimal("1e-40")
-HELD = {1: "forward", -1: "backward", 0: "held"}
 
 
 @dataclass(frozen=True)
@@ -43,39 +43,6 @@ class Solution:
     slip_rate: Row
     second_rate: Row
     second_force: Row
-
-
-@dataclass(frozen=True)
-class TwoBodies:
-    """A drive with two coordinates in the words of this module.
-
-    ``solve(d, s, a)`` solves the mode with slip direction d (0: rest), law s and direction a of the second body.
-    ``holds(a)`` gives, by the side of rest and by direction d, the row that is positive while static friction keeps the
-    threads from slipping in direction d; the sides are the signs of n, or 0 alone if they do not matter. ``released(d,
-    side)`` is the sign of n with which slip begins at the end of static friction. ``tied(slip, second)`` are the rows
-    of the reset that sets the named speeds to exactly zero; ``impact`` are the rows of the reset of a seizure.
-    ``turning`` is sgn Ω, and ``horizon`` [s] that of :func:`lsvib.engine.exact.reach.reached`. ``second`` is the word
-    for the second body, whose friction has the size ``limit`` (0: none). ``turns_over`` says that n may pass zero at
-    rest. ``snaps`` are the coordinates that are moved to put the speeds ``slip`` and ``sliding`` on zero.
-    """
-
-    states: tuple[str, ...]
-    sizes: tuple[float, ...]
-    horizon: float
-    slip: Row
-    sliding: Row
-    snaps: tuple[int, int]
-    solve: Callable[[int, int, int], Solution]
-    holds: Callable[[int], Mapping[int, Mapping[int, Row]]]
-    released: Callable[[int, int], int]
-    tied: Callable[[bool, bool], tuple[Row, ...]]
-    impact: tuple[Row, ...]
-    observables: Callable[[Solution], Mapping[str, Row]]
-    turning: int
-    paradox: bool
-    turns_over: bool
-    second: str
-    limit: Decimal
 
 
 def mode_enum(name: str, rests: Sequence[str], second: str) -> type[IntEnum]:

@@ -1,9 +1,7 @@
 r"""Modes, guards and transitions of a drive with two coordinates whose threads stay rigid: axial support, rotating nut.
 
-The threads slip with a speed ω (θ′, or θ′ − θ_2′) in the direction d = sgn ω under the law s = d sgn n, where n is the
-axial contact force, or they rest. A second body may slide against the ground with Coulomb friction of fixed size L;
-then its direction a is part of the mode, with a = 0 while it is held. A model solves Newton's laws in each of these
-modes (:class:`Solution`), and everything else follows from the signs of speeds and forces.
+A model solves Newton's laws in each mode (:mod:`lsvib.drives.second_body.mechanics`), and everything else follows from
+the signs of speeds and forces.
 
 * n = Q / (positive factor × Γ_s), where Q does not depend on the law. If Γ₊ > 0, the sign of n is that of Q. If Γ₊ > 0
   also while the second body is held, exactly one mode is consistent in each state: with the accelerations as unknowns,
@@ -16,42 +14,41 @@ modes (:class:`Solution`), and everything else follows from the signs of speeds 
   (``resume="contact_sign"`` of the rigid drive).
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from enum import IntEnum
+from collections.abc import Callable, Mapping
+from decimal import localcontext
 
-from lsvib.drives.second_body.mechanics import (
-    DIRECTIONS,
-    HELD,
-    SIGNS,
-    SLIPS,
-    Solution,
-    TwoBodies,
-    constant,
-    plus,
-)
+from lsvib.drives.once import once
+from lsvib.drives.parameters import NutParameters, SupportParameters
+from lsvib.drives.second_body.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, constant, plus
+from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
+from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
 
 
-def two_bodies(bodies: TwoBodies, codes: type[IntEnum], kinds: type[IntEnum]) -> Automaton:
-    """Lay a model out as an automaton, in the precision of the current decimal context.
+@once
+def automaton_of(
+    model: type[TwoBodies], drive: SupportParameters | NutParameters, slide: bool = False, bearing: bool = False
+) -> Automaton:
+    """Return the automaton of a drive; ``slide``, ``bearing``: with F_0, with T_0.
 
-    ``codes``: modes as made by :func:`lsvib.drives.second_body.mechanics.mode_enum`; ``kinds``: events, by
-    ``event_enum``. Raises ``EngineError`` if the rates of a mode cannot be separated in double precision.
+    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
+    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 or T_0 leaves the motion undetermined (see the models),
+    ``EngineError`` if the rates of a mode cannot be separated in double precision.
     """
-    return _Layout(bodies, codes, list(kinds)[2:]).automaton()
+    with localcontext(prec=PLACES):
+        return _Layout(model(drive, slide, bearing)).automaton()
 
 
 class _Layout:
     """Collect the surfaces, modes and transitions of a drive, mode by mode."""
 
-    def __init__(self, bodies: TwoBodies, codes: type[IntEnum], kinds: Sequence[IntEnum]) -> None:
-        self.b, self.codes = bodies, codes
-        self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = kinds
-        self.ways = (
-            tuple(HELD) if bodies.limit else (1,)
-        )  # directions of the second body; without friction a single one stands for all of them
+    def __init__(self, bodies: TwoBodies) -> None:
+        self.b = bodies
+        _, _, self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = bodies.events
+        # Directions of the second body; without friction a single one stands for all of them.
+        self.ways = tuple(HELD) if bodies.limit else (1,)
         self.slips = tuple(x for x in SLIPS if not bodies.paradox or x[0] * x[1] < 0)
         self.solutions = {self.name(d, q, a): bodies.solve(d, d * q, a) for d, q in self.slips for a in self.ways}
         self.lasting = {a: bodies.solve(0, 1, a) for a in self.ways}  # at rest
@@ -59,10 +56,7 @@ class _Layout:
         self.sides = tuple(self.holds[1])
         self.solutions |= {self.rest(side, a): self.lasting[a] for side in self.sides for a in self.ways}
         self.gauge = {(d, a): bodies.solve(d, -1, a).contact for d in DIRECTIONS for a in self.ways}  # Q > 0 ⇔ > 0
-        self.order = (
-            bodies.turning,
-            -bodies.turning,
-        )  # in this order the guards of the mirrored drive come in the same order
+        self.order = (bodies.turning, -bodies.turning)  # the guards of the mirrored drive come in the same order
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
 
@@ -105,7 +99,7 @@ class _Layout:
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
         flow = linear_mode(solution.field, self.b.sizes, solution.frozen, self.b.horizon)
-        return Mode(self.codes[name.upper()], flow, guards)
+        return Mode(self.b.modes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:
         """Return a guard, note its surface; ``snap``: coordinate that is set on it, by default the most effective."""

@@ -31,60 +31,36 @@ only if Γ̂₊ > 0: a bearing that holds the screw changes the effective inerti
 the rule for the motion after an impact does not cover it.
 """
 
-import math
 from collections.abc import Mapping
-from decimal import localcontext
+from decimal import Decimal
+from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
-from lsvib.drives.once import once
 from lsvib.drives.parameters import NutParameters
 from lsvib.drives.second_body.body_powers import TwoBodyPowers
-from lsvib.drives.second_body.mechanics import (
-    Solution,
-    TwoBodies,
-    constant,
-    event_enum,
-    mode_enum,
-    plus,
-    solved,
-)
-from lsvib.drives.second_body.modes_and_guards import two_bodies
+from lsvib.drives.second_body.mechanics import Solution, constant, event_enum, mode_enum, plus, solved
+from lsvib.drives.second_body.modes_and_guards import automaton_of
 from lsvib.drives.second_body.registration import two_body_model
-from lsvib.drives.second_body.screw import Screw
+from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton, scaled
-from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.exact.reach import SWINGS
 from lsvib.errors import InputError
 
-STATES = ("angle_deviation", "velocity_deviation", "nut_angle", "nut_rate")
 NutMode = mode_enum("NutMode", ("rest",), "screw")
 NutEvent = event_enum("NutEvent", "bearing")
 
 
-def nut_automaton(drive: NutParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
-    """Return the automaton of the drive with a rotating nut; ``slide``, ``bearing``: with F_0, with T_0.
-
-    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` for T_0 in the Painlevé region, ``EngineError`` if the rates of
-    a mode cannot be separated in double precision.
-    """
-    return _automaton(drive, slide, bearing)
-
-
-@once
-def _automaton(drive: NutParameters, slide: bool, bearing: bool) -> Automaton:
-    with localcontext(prec=PLACES):
-        return two_bodies(_NutBuild(drive, slide, bearing).bodies(), NutMode, NutEvent)
-
-
-class _NutBuild(Screw):
+class _Nut(TwoBodies):
     """Newton's laws as rows over (u, w, φ, ψ, 1)."""
+
+    states = ("angle_deviation", "velocity_deviation", "nut_angle", "nut_rate")
+    modes, events, second, snaps, turns_over = NutMode, NutEvent, "screw", (3, 1), False
 
     def __init__(self, drive: NutParameters, slide: bool, bearing: bool) -> None:
         super().__init__(drive, slide, bearing)
         d = self.d
-        inertia = d.screw_inertia * d.nut_inertia / (d.screw_inertia + d.nut_inertia)
+        total = d.screw_inertia + d.nut_inertia
+        inertia = d.screw_inertia * d.nut_inertia / total
         self.paradox = inertia <= self.turned * d.mass
         if self.bearing and self.paradox:
             raise InputError(
@@ -95,37 +71,20 @@ class _NutBuild(Screw):
         self.angle = (0, 0, 1, 0, self.twist / d.nut_stiffness)
         self.slip = plus(self.speed, (0, 0, 0, -1, 0))
         self.nut_speed = scaled(self.slip, self.reach)
-
-    def bodies(self) -> TwoBodies:
-        """The drive in the words of :mod:`lsvib.drives.second_body.mechanics`: typical sizes of the state, speeds,
-        laws, resets."""
-        d, speed = self.d, abs(float(self.d.input_speed))
-        total = d.screw_inertia + d.nut_inertia
+        self.sliding, self.limit = self.speed, self.bearing
+        speed = abs(float(d.input_speed))
+        self.sizes = (0.1, speed, 0.1 * float(min(d.coupling_stiffness / d.nut_stiffness, 1)), speed)
         common = plus(scaled(self.speed, d.screw_inertia / total), (0, 0, 0, d.nut_inertia / total, 0))
-        return TwoBodies(
-            states=STATES,
-            sizes=(0.1, speed, 0.1 * float(min(d.coupling_stiffness / d.nut_stiffness, 1)), speed),
-            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
-            slip=self.slip,
-            sliding=self.speed,
-            snaps=(3, 1),
-            solve=self.solve,
-            holds=self.holds,
-            released=lambda direction, side: self._sign(direction) or -direction,
-            tied=self.tied,
-            impact=((1, 0, 0, 0, 0), plus(common, constant(-d.input_speed)), (0, 0, 1, 0, 0), common),
-            observables=self.observables,
-            turning=self.turning,
-            paradox=self.paradox,
-            turns_over=False,
-            second="screw",
-            limit=self.bearing,
-        )
+        self.impact = ((1, 0, 0, 0, 0), plus(common, constant(-d.input_speed)), (0, 0, 1, 0, 0), common)
 
-    def _sign(self, direction: int) -> int:
-        """Sign of n when slip in a direction begins from rest, R ∓ F_0."""
-        force = self.d.axial_force - self.slide * direction
-        return (force > 0) - (force < 0)
+    def _force(self, direction: int) -> Decimal:
+        """R ∓ F_0 [N], which the threads carry as slip in a direction begins from rest."""
+        return self.d.axial_force - self.slide * direction
+
+    def released(self, direction: int, side: int) -> int:
+        """The sign of R ∓ F_0; without that force the threads resist."""
+        force = self._force(direction)
+        return (force > 0) - (force < 0) or -direction
 
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Newton's laws for θ″, θ_2″, n, the torque that the threads take, and the friction of the bearing."""
@@ -136,7 +95,7 @@ class _NutBuild(Screw):
         travel = zero if rests else plus(scaled(turning, self.reach), scaled(rate, -self.reach))
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(turning, -d.support_damping))
         spring = plus(scaled(self.angle, -d.nut_stiffness), scaled(rate, -d.nut_damping))
-        push = plus(constant(d.axial_force - self.slide * direction), scaled(travel, -d.translation_damping))
+        push = plus(constant(self._force(direction)), scaled(travel, -d.translation_damping))
         threads = (1, -1, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
         bearing = (1, 0, 0, 0, 0) if held else (0, 0, 0, 0, 1)
         screw, nut, contact, taken, second = solved(
@@ -166,7 +125,7 @@ class _NutBuild(Screw):
         torque = self.solve(0, 1, way).torque
 
         def left(direction: int) -> tuple:
-            force = self.d.axial_force - self.slide * direction
+            force = self._force(direction)
             most = self.d.pitch_radius * self.xi[1 if direction * force > 0 else -1] * force
             return scaled(plus(constant(most), scaled(torque, -1)), direction)
 
@@ -177,6 +136,9 @@ class _NutBuild(Screw):
         speed = constant(-self.d.input_speed) if second else (0, 1, 0, 0, 0)
         common = constant(0) if second else self.speed
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
+
+
+nut_automaton = partial(automaton_of, _Nut)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
@@ -196,12 +158,8 @@ class NutPowers(TwoBodyPowers):
 
 
 MODEL = two_body_model(
-    name="nut",
+    _Nut,
     drive=NutParameters,
-    make=nut_automaton,
-    modes=NutMode,
-    events=NutEvent,
-    second=("nut_angle", "nut_rate"),
     quantities={
         "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
         "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),

@@ -1,59 +1,37 @@
 """What scenes and the command line know of the drives with a second body: axial support and rotating nut."""
 
-from collections.abc import Callable, Mapping
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
-from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import Model, seizures_only_by_contact
-from lsvib.drives.second_body.body_powers import TwoBodyPowers
+from lsvib.drives.second_body.modes_and_guards import automaton_of
+from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton
 
 
-def two_body_model(
-    name: str,
-    drive: type[RigidParameters],
-    make: Callable[..., Automaton],
-    modes: type[IntEnum],
-    events: type[IntEnum],
-    second: tuple[str, str],
-    quantities: Mapping[str, tuple[str, str, str]],
-    characteristic: Callable[[Mapping[str, Any], LinearParts], Polynomial],
-    powers: type[TwoBodyPowers],
-    equations: str,
-    section: str,
-) -> Model:
-    """Return the ``MODEL`` of a drive whose automaton is ``make(drive, slide=, bearing=)``.
+def two_body_model(kind: type[TwoBodies], drive: type[RigidParameters], **own: Any) -> Model:
+    """Return the ``MODEL`` of the drives of a class; ``own``: its fields that no other model shares.
 
-    ``second``: the coordinate and the rate of the second body, in a start 0 if left out; the others as of
-    :class:`~lsvib.drives.registry.Model`.
+    The coordinate and the rate of the second body are 0 if a start leaves them out.
     """
+    second = kind.states[2:]
 
-    def build(drive: RigidParameters, physics: tuple[str, ...], resume: str) -> Automaton:
-        seizures_only_by_contact(name, resume)
-        return make(drive, slide="slide_friction" in physics, bearing="bearing_friction" in physics)
+    def build(drive: Any, physics: tuple[str, ...], resume: str) -> Automaton:
+        seizures_only_by_contact(drive.model, resume)
+        return automaton_of(kind, drive, "slide_friction" in physics, "bearing_friction" in physics)
 
+    common = ("support_damping", "translation_damping", "axial_force", drive.own_damping)
     return Model(
         drive=drive,
         build=build,
         start=lambda drive, values: np.array([values["u"], values["w"], *(values.get(key, 0.0) for key in second)]),
-        modes=modes,
-        events=events,
-        required=("u", "w"),
+        modes=kind.modes,
+        events=kind.events,
         optional=second,
-        states=("angle_deviation", "velocity_deviation", *second),
-        terms=(
-            "support_damping",
-            "translation_damping",
-            "axial_force",
-            drive.own_damping,
-            "slide_friction",
-            "bearing_friction",
-        ),
-        options=(),
+        states=kind.states,
+        terms=(*common, "slide_friction", "bearing_friction"),
         outputs=(
             "normal_force",
             "axial_contact_force",
@@ -62,9 +40,5 @@ def two_body_model(
             "screw_speed",
             "nut_speed",
         ),
-        equations=equations,
-        characteristic=characteristic,
-        powers=powers,
-        quantities=quantities,
-        section=section,
+        **own,
     )

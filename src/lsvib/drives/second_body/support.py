@@ -29,53 +29,28 @@ infinite, and the motion is not determined.
 
 import math
 from collections.abc import Mapping
-from decimal import localcontext
+from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
-from lsvib.drives.once import once
 from lsvib.drives.parameters import SupportParameters
 from lsvib.drives.second_body.body_powers import TwoBodyPowers
-from lsvib.drives.second_body.mechanics import (
-    Solution,
-    TwoBodies,
-    constant,
-    event_enum,
-    mode_enum,
-    plus,
-    solved,
-)
-from lsvib.drives.second_body.modes_and_guards import two_bodies
+from lsvib.drives.second_body.mechanics import Solution, constant, event_enum, mode_enum, plus, solved
+from lsvib.drives.second_body.modes_and_guards import automaton_of
 from lsvib.drives.second_body.registration import two_body_model
-from lsvib.drives.second_body.screw import Screw
+from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton, scaled
-from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.exact.reach import SWINGS
 from lsvib.errors import InputError
 
-STATES = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
 SupportEvent = event_enum("SupportEvent", "slide")
 
 
-def support_automaton(drive: SupportParameters, *, slide: bool = False, bearing: bool = False) -> Automaton:
-    """Return the automaton of the drive with axial support; ``slide``, ``bearing``: with F_0, with T_0.
-
-    Observables: normal_force and axial_contact_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed
-    [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 leaves the motion undetermined, ``EngineError`` if
-    the rates of a mode cannot be separated in double precision.
-    """
-    return _automaton(drive, slide, bearing)
-
-
-@once
-def _automaton(drive: SupportParameters, slide: bool, bearing: bool) -> Automaton:
-    with localcontext(prec=PLACES):
-        return two_bodies(_SupportBuild(drive, slide, bearing).bodies(), SupportMode, SupportEvent)
-
-
-class _SupportBuild(Screw):
+class _Support(TwoBodies):
     """Newton's laws as rows over (u, w, y, v, 1)."""
+
+    states = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
+    modes, events, second, snaps = SupportMode, SupportEvent, "nut", (1, 3)
 
     def __init__(self, drive: SupportParameters, slide: bool, bearing: bool) -> None:
         super().__init__(drive, slide, bearing)
@@ -87,35 +62,14 @@ class _SupportBuild(Screw):
                 "in model support: above, the threads jam while the slide is held, and the motion is not determined."
             )
         self.shift = (0, 0, 1, 0, self.force / d.support_stiffness)
-        self.nut_speed = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
-
-    def bodies(self) -> TwoBodies:
-        """The drive in the words of :mod:`lsvib.drives.second_body.mechanics`: typical sizes of the state, speeds,
-        laws, resets."""
-        d = self.d
+        self.nut_speed = self.sliding = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
+        self.slip, self.limit, self.turns_over = self.speed, self.slide, bool(self.bearing)
         rate = float(self.reach * abs(d.input_speed))
         loaded = (abs(float(d.axial_force)) + 1) / float(d.support_stiffness)
         swing = rate * math.sqrt(float(d.screw_mass / d.support_stiffness))
+        self.sizes = (0.1, abs(float(d.input_speed)), max(loaded, swing), rate)  # 0.1 rad: cycles of Table 8.1
         kick = d.mass * self.reach / (d.mass + d.screw_mass)
-        return TwoBodies(
-            states=STATES,
-            sizes=(0.1, abs(float(d.input_speed)), max(loaded, swing), rate),  # 0.1 rad: cycles of Table 8.1
-            horizon=SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness)),
-            slip=self.speed,
-            sliding=self.nut_speed,
-            snaps=(1, 3),
-            solve=self.solve,
-            holds=self.holds,
-            released=lambda d, side: side,
-            tied=self.tied,
-            impact=(*self.tied(True, False)[:3], plus((0, 0, 0, 1, 0), scaled(self.speed, kick))),
-            observables=self.observables,
-            turning=self.turning,
-            paradox=self.paradox,
-            turns_over=bool(self.bearing),
-            second="nut",
-            limit=self.slide,
-        )
+        self.impact = (*self.tied(True, False)[:3], plus((0, 0, 0, 1, 0), scaled(self.speed, kick)))
 
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Newton's laws for θ″, x_1″, n, the torque of friction on the screw, and the friction of the slide."""
@@ -167,11 +121,18 @@ class _SupportBuild(Screw):
 
         return {side: {direction: left(side, direction) for direction in (1, -1)} for side in (1, -1)}
 
+    def released(self, direction: int, side: int) -> int:
+        """The side of rest."""
+        return side
+
     def tied(self, slip: bool, second: bool) -> tuple[tuple, ...]:
         """θ′ = 0 where ``slip`` is zero, x′ = 0 where ``second`` is."""
         speed = constant(-self.d.input_speed) if slip else (0, 1, 0, 0, 0)
         held = constant(0) if slip else scaled(self.speed, -self.reach)
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
+
+
+support_automaton = partial(automaton_of, _Support)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
@@ -190,12 +151,8 @@ class SupportPowers(TwoBodyPowers):
 
 
 MODEL = two_body_model(
-    name="support",
+    _Support,
     drive=SupportParameters,
-    make=support_automaton,
-    modes=SupportMode,
-    events=SupportEvent,
-    second=("screw_shift", "shift_rate"),
     quantities={
         "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
         "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),

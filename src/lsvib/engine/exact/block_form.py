@@ -17,11 +17,12 @@ is not too far from a multiple of the identity.
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import mpmath
 import numpy as np
 
-from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
+from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification, homogeneous
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.errors import EngineError
 
@@ -34,19 +35,10 @@ _CONDITION = 1e4
 _NORM_CONDITION = 200.0  # amplification by the norm of a block that is accepted whatever the block's own one is
 
 
-@dataclass(frozen=True)
-class BlockMode:
-    """One mode in blocks, with the tables of :class:`lsvib.engine.kernels.tables.BlockFlow` and its condition."""
+class BlockMode(NamedTuple):
+    """One mode in blocks: its tables, without the axis of the modes, and the largest amplification of rounding."""
 
-    matrix: np.ndarray
-    norm: np.ndarray
-    inverse_norm: np.ndarray
-    rate: np.ndarray
-    edges: np.ndarray
-    growth: np.ndarray
-    to_blocks: np.ndarray
-    from_blocks: np.ndarray
-    field: np.ndarray
+    tables: BlockFlow
     condition: float
 
 
@@ -57,6 +49,10 @@ class Block:
     matrix: mpmath.matrix  # (d, d)
     into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
     out: mpmath.matrix  # (p + 1, d)
+
+    def turned(self, turn, back) -> "Block":
+        """Return the block in the coordinates z = T y, from T and its inverse."""
+        return Block(turn * self.matrix * back, turn * self.into, self.out * back)
 
 
 @dataclass(frozen=True)
@@ -72,14 +68,8 @@ def block_mode(field: Field) -> BlockMode:
     """Decompose a field. Raises ``EngineError`` if even so rounding is amplified by more than 1e6."""
     with mpmath.workdps(_DIGITS):
         matrix, push, sizes = field.reduced()
-        p = len(sizes)
-        sizes = [*sizes, mpmath.mpf(1)]
-        homogeneous = mpmath.zeros(p + 1)
-        for i in range(p):
-            for j in range(p + 1):
-                homogeneous[i, j] = (matrix[i, j] if j < p else push[i]) * sizes[j] / sizes[i]
         rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
-        return _tables(field, sizes, _blocks(homogeneous, rates))
+        return _tables(field, [*sizes, mpmath.mpf(1)], _blocks(homogeneous(matrix, push, sizes), rates))
 
 
 def _blocks(matrix, rates) -> list[Block]:
@@ -163,8 +153,7 @@ def _norm_of(block: Block) -> _Norm:
     most = max(_NORM_CONDITION, 4 * _amplification(block))
     while True:
         found = _lyapunov_norm(block.matrix, spectral + margin)
-        seen = Block(block.matrix, found.factor * block.into, block.out * found.inverse)
-        if _amplification(seen) <= most or margin > 8 * size:
+        if _amplification(block.turned(found.factor, found.inverse)) <= most or margin > 8 * size:
             return found
         margin *= 4
 
@@ -194,14 +183,13 @@ def _in_good_coordinates(block: Block, norm: _Norm) -> tuple[Block, _Norm]:
     """
     d = block.matrix.rows
     own = _rate_of_sizes(block)
-    turned = Block(norm.factor * block.matrix * norm.inverse, norm.factor * block.into, block.out * norm.inverse)
+    turned = block.turned(norm.factor, norm.inverse)
     if float(_SAME * mpmath.mnorm(block.matrix, mpmath.inf)) < own > _rate_of_sizes(turned):
         return turned, _Norm(mpmath.eye(d), mpmath.eye(d), norm.growth)
     # Each coordinate in the unit whose norm is one, which makes B small.
     lengths = [mpmath.norm(norm.factor[:, j]) for j in range(d)]
     unit, inverse = mpmath.diag(lengths), mpmath.diag([1 / x for x in lengths])
-    even = Block(unit * block.matrix * inverse, unit * block.into, block.out * inverse)
-    return even, _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
+    return block.turned(unit, inverse), _Norm(norm.factor * inverse, unit * norm.inverse, norm.growth)
 
 
 def _rate_of_sizes(block: Block) -> float:
@@ -214,8 +202,10 @@ def _floats(matrix) -> np.ndarray:
 
 
 def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
-    n, q = field.rows.rows, len(sizes)
+    n, own = field.rows.rows, len(sizes)
+    q = n + 1  # a mode in which some coordinates are kept is filled up with others that stay zero
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
+    edges[: own + 1] = own
     norm, inverse_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
     places = [*field.alive, n]
@@ -237,38 +227,16 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
             to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
             if place < n:
                 from_blocks[place, part] = [float(x * sizes[j]) for x in block.out[j, :]]
-    condition = amplification(from_blocks[:, :q], to_blocks, field.sizes)
+    condition = amplification(from_blocks[:, :own], to_blocks[:own], field.sizes)
     if not condition < WORST_CONDITION:
         raise EngineError(
             f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
             "parameters that lie less far apart."
         )
-    return BlockMode(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table(), condition)
+    tables = BlockFlow(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table())
+    return BlockMode(tables, condition)
 
 
 def block_flow(modes: list[BlockMode]) -> BlockFlow:
-    """Put modes together in one table; modes with fewer coordinates are filled up with some that stay zero."""
-    count, n = len(modes), modes[0].field.shape[0]
-    q = n + 1
-    flow = BlockFlow(
-        np.zeros((count, q, q)),
-        np.zeros((count, q, q)),
-        np.zeros((count, q, q)),
-        np.zeros((count, q)),
-        np.full((count, q + 1), q, dtype=np.int64),
-        np.zeros((count, q)),
-        np.zeros((count, q, n + 1)),
-        np.zeros((count, n, q + 1)),
-        np.array([mode.field for mode in modes]),
-    )
-    for k, mode in enumerate(modes):
-        own = len(mode.matrix)
-        flow.matrix[k, :own, :own] = mode.matrix
-        flow.norm[k, :own, :own], flow.inverse_norm[k, :own, :own] = mode.norm, mode.inverse_norm
-        flow.rate[k, :own] = mode.rate
-        flow.edges[k, : own + 1] = mode.edges
-        flow.growth[k, :own] = mode.growth
-        flow.to_blocks[k, :own] = mode.to_blocks
-        flow.from_blocks[k, :, :own] = mode.from_blocks[:, :own]
-        flow.from_blocks[k, :, -1] = mode.from_blocks[:, -1]
-    return flow
+    """Put modes together in one table."""
+    return BlockFlow(*map(np.array, zip(*(mode.tables for mode in modes), strict=True)))

@@ -1,6 +1,9 @@
 """Factors of a matrix's characteristic polynomial, of degree one or two, and the projectors on their subspaces."""
 
+from collections.abc import Callable
 from itertools import pairwise, product
+from operator import mul
+from typing import Any
 
 import mpmath
 
@@ -61,7 +64,9 @@ def subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
     for once in (True, False):
         factors = _factors(rates, once)
         try:
-            projectors = [_projector(matrix, factors, k) for k in range(len(factors))]
+            projectors = [
+                projector(factors, k, lambda factor: _polynomial(factor, matrix), mul) for k in range(len(factors))
+            ]
         except ZeroDivisionError:  # a rate in two factors
             continue
         if _carried(matrix, factors, projectors, scale):
@@ -69,14 +74,18 @@ def subspaces(matrix, scale) -> list[tuple[list, mpmath.matrix, bool]]:
     raise ArithmeticError("rates of a mode coincide, with a chain")
 
 
-def _projector(matrix, factors, k: int) -> mpmath.matrix:
+def projector(factors: list, k: int, polynomial: Callable[[list], Any], product: Callable[[Any, Any], Any]) -> Any:
+    """Return the projector on the subspace of a factor.
+
+    ``polynomial`` of the matrix, by its coefficients; ``product`` of two matrices: in any kind of number.
+    """
     others, remainder = None, [1]  # the product of the others, and what it leaves modulo this factor
     for j, other in enumerate(factors):
         if j != k:
-            others = _polynomial(other, matrix) if others is None else others * _polynomial(other, matrix)
+            others = polynomial(other) if others is None else product(others, polynomial(other))
             remainder = modulo(multiplied(remainder, other), factors[k])
-    inverse = _polynomial(inverse_modulo(remainder, factors[k]), matrix)
-    return inverse if others is None else inverse * others
+    inverse = polynomial(inverse_modulo(remainder, factors[k]))
+    return inverse if others is None else product(inverse, others)
 
 
 def _slow(factor, rates) -> bool:

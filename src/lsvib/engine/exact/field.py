@@ -40,6 +40,16 @@ class Field:
         return np.array([[float(x) for x in self.rows[i, :]] for i in range(self.rows.rows)])
 
 
+def homogeneous(matrix: mpmath.matrix, push: Sequence, sizes: Sequence) -> mpmath.matrix:
+    """Return the field of (x, 1), of coordinates in units of their sizes, from what :meth:`Field.reduced` returns."""
+    n, units = len(sizes), [*sizes, mpmath.mpf(1)]
+    found = mpmath.zeros(n + 1)
+    for i in range(n):
+        for j, x in enumerate([*matrix[i, :], push[i]]):
+            found[i, j] = x * units[j] / units[i]
+    return found
+
+
 def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None) -> Field:
     """Make a field from rows.
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.engine.exact.factors import inverse_modulo, modulo, multiplied
+from lsvib.engine.exact.factors import projector
 from lsvib.engine.exact.field import WORST_CONDITION, amplification
 from lsvib.engine.exact.modal_form import ModalMode
 from lsvib.engine.exact.pair_arrays import Pairs, double
@@ -135,11 +135,11 @@ def _decomposed(field: _Field, rates: Rates, pattern: Pattern, unsafe: np.ndarra
     square = product(field.matrix, field.matrix)
     pairs, singles = [], []
     for k, factor in enumerate(factors):
-        projector = _projector(field.matrix, square, factors, k)
+        space = projector(factors, k, lambda part: polynomial(part, field.matrix, square), product)
         if len(factor) == 2:
             alone = k - len(pattern.upper) - len(pattern.together)
             slow = alone >= len(pattern.slow) or pattern.slow[alone]
-            singles.append(_single(field, factor, projector, slow, unsafe))
+            singles.append(_single(field, factor, space, slow, unsafe))
             continue
         if k < len(pattern.upper):
             x, y = rates.parts[pattern.upper[k]]
@@ -148,18 +148,8 @@ def _decomposed(field: _Field, rates: Rates, pattern: Pattern, unsafe: np.ndarra
             (x, _), (y, _) = (rates.parts[j] for j in pattern.together[k - len(pattern.upper)])
             row = {columns.DELTA: (x - y) / 2, columns.ALPHA: -(x + y) / 2, columns.R1: x, columns.R2: y}
         row |= {columns.A0: factor[2], columns.A1: factor[1], columns.TIME_SCALE: 1 / abs(factor[2]).sqrt()}
-        pairs.append(_pair(field, factor, projector, [row.get(i, 0) for i in range(columns.COUNT)], unsafe))
+        pairs.append(_pair(field, factor, space, [row.get(i, 0) for i in range(columns.COUNT)], unsafe))
     return _Tables.of(field, pairs, singles, unsafe)
-
-
-def _projector(matrix: Matrix, square: Matrix, factors: list, k: int) -> Matrix:
-    others, remainder = None, [1]
-    for j, other in enumerate(factors):
-        if j != k:
-            part = polynomial(other, matrix, square)
-            others = part if others is None else product(others, part)
-            remainder = modulo(multiplied(remainder, other), factors[k])
-    return product(polynomial(inverse_modulo(remainder, factors[k]), matrix, square), others)
 
 
 def _single(field: _Field, factor: list, projector: Matrix, slow: bool, unsafe: np.ndarray) -> _Piece:

@@ -94,22 +94,15 @@ def _spaces(entries: tuple, scale: tuple, digits: int) -> list[_Space]:
     return spaces
 
 
-@dataclass(frozen=True)
-class _Pair:
-    row: np.ndarray  # of the oscillator table
-    into: mpmath.matrix  # (2, n + 1)
-    out: mpmath.matrix  # (n, 3), the constant last
+class _Piece(NamedTuple):
+    """A pair or a single: its row of the oscillator table, or (rate, push); rows into and out of its coordinates."""
+
+    row: np.ndarray
+    into: mpmath.matrix  # (1 or 2, n + 1)
+    out: mpmath.matrix  # (n, 2 or 3), the constant last
 
 
-@dataclass(frozen=True)
-class _SingleRate:
-    rate: mpmath.mpf
-    push: mpmath.mpf
-    into: mpmath.matrix  # (1, n + 1)
-    out: mpmath.matrix  # (n, 2), the constant last
-
-
-def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_SingleRate]:
+def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_Piece]:
     """Return the exponentials of the subspace of one rate, as many as the subspace has dimensions."""
     rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
     block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
@@ -123,7 +116,7 @@ def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_S
         shift = push / rate if rate and not slow else mpmath.mpf(0)
         left = push if slow or not rate else mpmath.mpf(0)
         out = mpmath.matrix([[x, -x * shift] for x in vector])
-        singles.append(_SingleRate(rate, left, mpmath.matrix([[*covector, shift]]), out))
+        singles.append(_Piece(np.array([rate, left], dtype=float), mpmath.matrix([[*covector, shift]]), out))
     return singles
 
 
@@ -150,14 +143,14 @@ def _frames(matrix, factor, projector, scale, count: int) -> list:
     return frames
 
 
-def _pair(constant, factor, covector, turned, vectors) -> _Pair:
+def _pair(constant, factor, covector, turned, vectors) -> _Piece:
     """Return the oscillator of a frame under a constant push."""
     _, a1, a0 = factor
     push = (covector * constant)[0]
     rest = (a1 * push + (turned * constant)[0]) / a0  # equilibrium of q
     into = mpmath.matrix([[*covector, -rest], [*turned, push]])
     out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(vectors.rows)]
-    return _Pair(_row(a0, a1), into, mpmath.matrix(out))
+    return _Piece(_row(a0, a1), into, mpmath.matrix(out))
 
 
 def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
@@ -199,7 +192,7 @@ def _row(a0, a1) -> np.ndarray:
     return row
 
 
-def _tables(field: Field, pairs: list[_Pair], singles: list[_SingleRate]) -> ModalMode:
+def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMode:
     n, count, alive = field.rows.rows, 2 * len(pairs) + len(singles), field.alive
     to_modal, from_modal = np.zeros((count, n + 1)), np.zeros((n, count + 1))
     offset = mpmath.zeros(n, 1)
@@ -221,8 +214,7 @@ def _tables(field: Field, pairs: list[_Pair], singles: list[_SingleRate]) -> Mod
         raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
-        np.array([float(single.rate) for single in singles]),
-        np.array([float(single.push) for single in singles]),
+        *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
         to_modal,
         from_modal,
         field.table(),

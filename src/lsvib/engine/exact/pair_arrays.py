@@ -23,9 +23,8 @@ import numpy as np
 T = TypeVar("T")
 
 _SPLIT = 134217729.0  # 2^27 + 1 cuts a double into two halves of 26 digits
-_RELATIVE = (
-    2.0**-100
-)  # error of one operation; proved are at most 15 · 2^-106, and the rest pays for rounding the bound
+# Error of one operation; proved are at most 15 · 2^-106, and the rest pays for rounding the bound.
+_RELATIVE = 2.0**-100
 _UP = 1.0 + 2.0**-40  # factor that pays for rounding of bounds that are sums
 _UNDERFLOW = 1e-290  # error of a product of which parts may have underflown; they are below 1e-320
 _REST = 2.0**-104  # of a leading part, more than the rounding of "rest ± bound"
@@ -77,7 +76,7 @@ class Pairs:
     def sqrt(self, context: Any = None) -> "Pairs":
         """Return the square roots; ``context`` is that of ``Decimal.sqrt`` and has no effect."""
         root = np.sqrt(self.high)
-        square, rest = _product(root, root)
+        square, rest = rounded_product(root, root)
         correction = ((self.high - square) - rest + self.low) / (2.0 * np.where(root == 0.0, 1.0, root))
         high, low = _quick_sum(root, correction)
         zero = (self.high == 0.0) & (self.bound == 0.0)
@@ -254,8 +253,8 @@ def _quick_sum(a: Any, b: Any) -> tuple[Any, Any]:
     return s, b - (s - a)
 
 
-def _product(a: Any, b: Any) -> tuple[Any, Any]:
-    """a b and its rounding."""
+def rounded_product(a: Any, b: Any) -> tuple[Any, Any]:
+    """Return the rounded product of doubles and what its rounding has cut off, by Dekker's splitting (1971)."""
     p = a * b
     t = _SPLIT * a
     a1 = t - (t - a)
@@ -276,7 +275,7 @@ def _add(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
 
 def _multiply(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
     """(a + b) (c + d)."""
-    p, e = _product(a, c)
+    p, e = rounded_product(a, c)
     return _quick_sum(p, e + (a * d + b * c))
 
 

@@ -15,7 +15,7 @@ from dataclasses import replace
 import mpmath
 
 from lsvib.engine.exact.block_form import block_of
-from lsvib.engine.exact.field import Field
+from lsvib.engine.exact.field import Field, homogeneous
 
 _DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
@@ -27,16 +27,9 @@ def reached(field: Field, horizon: float) -> Field:
     """Return the field with the sizes that its coordinates reach within a time ``horizon`` [s]."""
     with mpmath.workdps(_DIGITS):
         matrix, push, sizes = field.reduced()
-        n = len(sizes)
-        extended = mpmath.zeros(n + 1)
-        for i in range(n):
-            for j in range(n):
-                extended[i, j] = matrix[i, j] * sizes[j] / sizes[i]
-            extended[i, n] = push[i] / sizes[i]
-        most = [mpmath.mpf(1)] * n
-        for projector in _slow_projectors(extended, horizon):
-            for i in range(n):
-                most[i] = max(most[i], sum(abs(projector[i, j]) for j in range(n + 1)))
+        most = [mpmath.mpf(1)] * len(sizes)
+        for projector in _slow_projectors(homogeneous(matrix, push, sizes), horizon):
+            most = [max(known, sum(map(abs, projector[i, :]))) for i, known in enumerate(most)]
         wider = field.sizes.copy()
         for i, place in enumerate(field.alive):
             wider[place] *= float(most[i])
