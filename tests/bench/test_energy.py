@@ -89,7 +89,7 @@ def test_loss_in_seizures_is_counted(name):
     """Without it the balance is open by a good part of the energy."""
     motion, drive, physics = motion_of(name)
     assert np.isin(motion.kind, motion.automaton.sprag_kinds).any()
-    lossless = terms(motion, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
+    lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
     assert residual(motion, lossless)[0] > 1e-3
 
 

@@ -20,6 +20,7 @@ _SAFETY = 4.0  # times the error of the polynomial in the middle
 _ROUNDING = 1e-13  # of the coefficients
 MOST_STRIDES = 100_000  # of a motion of some turns
 _PATIENCE = 4  # strides after one that was too long, before a longer one is tried
+_LOWEST = -20  # rung of the shortest stride, below the ladder's by the series; two events may follow each other so fast
 _NONE = -1  # index of no mode and of no condition
 
 
@@ -43,39 +44,43 @@ def _shift(field, x, s, term, other, out):
 
 
 @kernel
-def _sign(c, m, r, x, on_zero):
-    """Sign of a condition at x, or of its first derivative that is not zero; 0 if all are."""
+def _sign(c, m, r, x, reached, on_zero):
+    """Sign of a condition at x, or of its first derivative that is not zero; 0 if all are.
+
+    ``reached`` (4,): largest magnitude of each coordinate so far, by which x is known: what an event has put on zero
+    may be no more than the coordinate's own last digits.
+    """
     for k in range(ORDERS):
         if k == 0 and on_zero:
             continue
         value, _ = affine(c.rows[m, r, k], x)
         size = c.sizes[m, r, k, 4]
         for i in range(4):
-            size += c.sizes[m, r, k, i] * abs(x[i, 0])
+            size += c.sizes[m, r, k, i] * reached[i]
         if abs(value) > _ZERO * size:
             return 1 if value > 0 else -1
     return 0
 
 
 @kernel
-def _lasts(c, m, x, zero):
+def _lasts(c, m, x, reached, zero):
     """Whether a mode's own flow keeps all its conditions; the speeds whose bits are in ``zero`` are zero exactly."""
     if c.ties[m] & ~zero:
         return False
     for r in range(c.kinds.shape[1]):
         kind = c.kinds[m, r]
-        if kind != ABSENT and _sign(c, m, r, x, kind >= 0 and zero >> kind & 1) < 0:
+        if kind != ABSENT and _sign(c, m, r, x, reached, kind >= 0 and zero >> kind & 1) < 0:
             return False
     return True
 
 
 @kernel
-def _chosen(c, x, zero, seized):
+def _chosen(c, x, reached, zero, seized):
     """The one mode that lasts at x, or _NONE; ``seized``: sign of the impulse of a seizure just before, or 0."""
     found, rest, against = _NONE, _NONE, _NONE
     count, rests = 0, 0
     for m in range(c.direction.size):
-        if not _lasts(c, m, x, zero):
+        if not _lasts(c, m, x, reached, zero):
             continue
         found, count = m, count + 1
         if c.direction[m] == 0:
@@ -126,6 +131,23 @@ def _between(left, middle, right, fresh):
 
 
 @kernel
+def _judge(c, m, x, middle, end, h, fresh, crossing, left, mid, right):
+    """Whether one of a mode's conditions is unclear within a stride h, and whether one, so ``crossing``, falls."""
+    _look(c, m, x, h, left)
+    _look(c, m, middle, h, mid)
+    _look(c, m, end, h, right)
+    unclear, crossed = False, False
+    for r in range(crossing.size):
+        if c.kinds[m, r] == ABSENT:
+            continue
+        what = _between(left[r], mid[r], right[r], fresh[r])
+        unclear |= what < 0
+        crossing[r] = what > 0
+        crossed |= what > 0
+    return unclear, crossed
+
+
+@kernel
 def _moment(c, m, r, x, most):
     """Time, up to ``most``, until a falling condition is zero, by Newton's method on its series."""
     value = affine(c.rows[m, r, 0], x)[0]
@@ -145,11 +167,11 @@ def _arc(c, m, x, zero, t, t_end, budget, size):
     """Follow a mode from x, which is moved, to the first condition that fails or to t_end.
 
     Returns (status, time, index of the condition, what is left of the budget); _NONE for the index at t_end. One loop:
-    its parts share eight arrays, which are made once for an arc and not for each stride.
+    its parts share nine arrays, which are made once for an arc and not for each stride.
     """
     count, first = c.kinds.shape[1], c.shortest[m]
     field, tables = c.fields[m], c.tables[m]
-    middle, end, other = np.empty((4, 2)), np.empty((4, 2)), np.empty((4, 2))
+    middle, end, other, term = np.empty((4, 2)), np.empty((4, 2)), np.empty((4, 2)), np.empty((4, 2))
     left, mid, right = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
     fresh, crossing = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     for r in range(count):
@@ -159,47 +181,43 @@ def _arc(c, m, x, zero, t, t_end, budget, size):
         value = affine(c.rows[m, r, 0], x)[0]
         terms = c.sizes[m, r, 0, 4]
         for i in range(4):
-            terms += c.sizes[m, r, 0, i] * abs(x[i, 0])
+            terms += c.sizes[m, r, 0, i] * size[i]
         fresh[r] = (kind >= 0 and zero >> kind & 1) or abs(value) <= _ZERO * terms
         if not fresh[r] and value <= 0:
             return AMBIGUOUS, t, r, budget
     rung, patience = 1, 0
-    while True:
+    while t_end - t > 0:
         while rung > 0 and t + first * 2.0**rung > t_end:
             rung -= 1
-        if rung == 0:
-            break
         budget -= 1
         if budget < 0:
             return LATE, t, _NONE, budget
         h = first * 2.0**rung
-        moved(tables[rung - 1], x, middle)
-        moved(tables[rung - 1], middle, end)
+        last = rung <= 0 and t + h >= t_end
+        if last:
+            h = t_end - t
+        if rung > 0:
+            moved(tables[rung - 1], x, middle)
+            moved(tables[rung - 1], middle, end)
+        else:
+            _shift(field, x, 0.5 * h, term, other, middle)
+            _shift(field, x, h, term, other, end)
         if not finite(end):
             return AMBIGUOUS, t, _NONE, budget
-        _look(c, m, x, h, left)
-        _look(c, m, middle, h, mid)
-        _look(c, m, end, h, right)
-        unclear, crossed = False, False
-        for r in range(count):
-            if c.kinds[m, r] == ABSENT:
-                continue
-            what = _between(left[r], mid[r], right[r], fresh[r])
-            unclear |= what < 0
-            crossing[r] = what > 0
-            crossed |= what > 0
+        unclear, crossed = _judge(c, m, x, middle, end, h, fresh, crossing, left, mid, right)
         if unclear:
             rung, patience = rung - 1, _PATIENCE
-            if rung == 0:
+            if rung < _LOWEST:
                 return AMBIGUOUS, t, _NONE, budget
             continue
         if crossed:
-            s, fired = _close_in(c, m, x, rung, crossing, middle, end)
-            if fired == _NONE:
-                return AMBIGUOUS, t, _NONE, budget
-            return TIME_REACHED, t + s, fired, budget
+            if rung > 0:
+                s, fired = _close_in(c, m, x, rung, crossing, middle, end)
+            else:
+                s, fired = _last_digits(c, m, x, 0.0, crossing, middle, other, end)
+            return (AMBIGUOUS if fired == _NONE else TIME_REACHED), t + s, fired, budget
         fresh[:] = False
-        t += h
+        t = t_end if last else t + h
         for i in range(4):
             size[i] = max(size[i], abs(middle[i, 0]), abs(end[i, 0]))
             x[i, 0], x[i, 1] = end[i, 0], end[i, 1]
@@ -207,11 +225,6 @@ def _arc(c, m, x, zero, t, t_end, budget, size):
             patience -= 1
         elif rung + 1 < len(tables):
             rung += 1
-    while t_end - t > 0:
-        s = min(t_end - t, first)
-        _shift(field, x, s, middle, other, end)
-        x[:] = end
-        t = t_end if s == t_end - t else t + s
     return TIME_REACHED, t_end, _NONE, budget
 
 
@@ -230,6 +243,13 @@ def _close_in(c, m, x, rung, crossing, ahead, scratch):
                 break
             x[:] = ahead
             spent += first * 2.0**k
+    return _last_digits(c, m, x, spent, crossing, ahead, other, scratch)
+
+
+@allocating_kernel
+def _last_digits(c, m, x, spent, crossing, ahead, other, scratch):
+    """Move x, which two first rungs at most separate from it, to the first zero; (``spent`` and time, index)."""
+    first = c.shortest[m]
     fired, least = _NONE, 2 * first
     for r in range(crossing.size):
         if crossing[r]:
@@ -286,7 +306,7 @@ def follow(c: Ladders, start, t_end, most, times, before, after, fired, states, 
             if c.direction[m] == way and c.contact[m] == -way:
                 mode = m
     else:
-        mode = _chosen(c, x, zero, 0)
+        mode = _chosen(c, x, size, zero, 0)
     while True:
         if mode == _NONE:
             status = AMBIGUOUS
@@ -313,7 +333,7 @@ def follow(c: Ladders, start, t_end, most, times, before, after, fired, states, 
         _put(c.ties_of[zero], x, scratch)
         for i in range(4):
             size[i] = max(size[i], abs(x[i, 0]))
-        mode = _chosen(c, x, zero, seized)
+        mode = _chosen(c, x, size, zero, seized)
         if mode == _NONE:
             status = AMBIGUOUS
             break

@@ -27,9 +27,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.bench.sweeps.energy_quadrature import Terms, residual
+from lsvib.bench.sweeps.energy_quadrature import Terms, rates, residual
 from lsvib.drives.friction import friction_factor
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion
 
 
@@ -44,14 +45,19 @@ class Balance(NamedTuple):
     rounding: float
 
 
-def balance(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Balance:
-    """Balance the energy of a motion over its whole duration; ``physics`` has the words of frictions that are there."""
-    return Balance(*residual(motion, terms(motion, drive, physics)))
+def balance(
+    motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = (), known: Terms | None = None
+) -> Balance:
+    """Balance the energy of a motion over its whole duration; ``physics`` has the words of frictions that are there.
+
+    ``known``: the :func:`terms` of the drive, where many of its motions are asked for.
+    """
+    return Balance(*residual(motion, known or terms(motion.automaton, drive, physics)))
 
 
-def terms(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Terms:
+def terms(automaton: Automaton, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Terms:
     """Energy and powers of a drive as products of affine functions of the state (see the module's docstring)."""
-    seen, n = motion.automaton.observables, motion.start_state.size
+    seen, n = automaton.observables, len(automaton.states)
     unit, d = np.eye(n + 1), drive
     tan, cos, sin = math.tan(d.lead_angle), math.cos(d.lead_angle), math.sin(d.lead_angle)
     reach, rubbing = d.pitch_radius * tan, d.friction_coefficient * d.pitch_radius / cos
@@ -60,14 +66,14 @@ def terms(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ())
     nut, slip = reach * speed, speed
     inertia, moved = d.screw_inertia, d.mass
     stored, lost, rubbed = [], [], []
-    holding = np.zeros((len(motion.automaton.codes), n + 1))
+    holding = np.zeros((len(automaton.codes), n + 1))
     sliding = rubbing * speed
     if isinstance(d, ThreadsParameters):
         nut = reach * speed + unit[3]
         stored.append((0.5 * d.contact_stiffness, cos * unit[2]))
         lost.append((d.contact_damping, cos * unit[3]))
         sliding = rubbing * speed + d.friction_coefficient * sin * unit[3]
-        rest = np.isin(motion.automaton.codes, motion.automaton.rest_codes)
+        rest = np.isin(automaton.codes, automaton.rest_codes)
         friction = (-d.coupling_stiffness / d.pitch_radius * spring + sin * normal) / cos
         holding[rest] = friction[rest]
     elif isinstance(d, SupportParameters):
@@ -100,6 +106,7 @@ def terms(motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = ())
         holding=holding,
         approach=-sin * unit[3] if n == 4 else np.zeros(n + 1),
         seized=np.sqrt(0.5 * (inertia + moved * reach**2)) * slip,
+        rates=rates(automaton.tables.flow),
     )
 
 

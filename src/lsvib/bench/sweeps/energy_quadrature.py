@@ -28,7 +28,7 @@ class Terms(NamedTuple):
 
     Energy Σ (energy·x)²; power Σ (left·x)(right·x) − Σ |pressing·x| sgn(direction·x) (sliding·x) + (holding·x)
     (approach·x); a seizure takes (seized·x)². Shapes (terms, n + 1), but ``pressing`` (terms, modes, n + 1),
-    ``holding`` (modes, n + 1), ``approach`` and ``seized`` (n + 1).
+    ``holding`` (modes, n + 1), ``approach`` and ``seized`` (n + 1); ``rates``: see :func:`rates`.
     """
 
     energy: np.ndarray
@@ -40,6 +40,7 @@ class Terms(NamedTuple):
     holding: np.ndarray
     approach: np.ndarray
     seized: np.ndarray
+    rates: np.ndarray
 
 
 def residual(motion: Motion, terms: Terms) -> tuple[float, float]:
@@ -48,10 +49,10 @@ def residual(motion: Motion, terms: Terms) -> tuple[float, float]:
     clock = np.concatenate([motion.time, [motion.end_time]])
     seized = np.isin(motion.kind, motion.automaton.sprag_kinds)
     flow = motion.automaton.tables.flow
-    return _residual(flow, terms, _rates(flow), modes, starts, ends, durations, clock, seized, _NODES, _WEIGHTS)
+    return _residual(flow, terms, terms.rates, modes, starts, ends, durations, clock, seized, _NODES, _WEIGHTS)
 
 
-def _rates(flow) -> np.ndarray:
+def rates(flow) -> np.ndarray:
     """Decay, frequency and size [1/s] of the rates of each mode, shape (modes, 3, n)."""
     if isinstance(flow, np.ndarray):
         alpha, beta, first, second = (flow[:, k] for k in (columns.ALPHA, columns.BETA, columns.R1, columns.R2))

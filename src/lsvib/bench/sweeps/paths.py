@@ -71,7 +71,7 @@ def engine_path(motion: Motion, case: Case) -> Record:
     if case.drive.model in _TWO_BODIES:
         pairs = zip(motion.mode[counted], motion.kind[counted] == kind.events["SEIZURE"], strict=True)
         kinds = [_token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
-        size = np.maximum(size, _least(case))
+        size = np.maximum(size, _least(case.drive, case.physics))
     else:
         kinds = [kind.events(event).name.lower() for event in motion.kind[counted]]
     return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
@@ -131,7 +131,7 @@ def strides_path(case: Case, constants: Ladders) -> Record | None:
             mode = (constants.direction[other], constants.contact[other], seconds)
             kinds.append(_token(_name(mode, case.drive.model), kind == strides.SEIZURE))
     if case.drive.model in _TWO_BODIES:
-        size = np.maximum(size, _least(case))
+        size = np.maximum(size, _least(case.drive, case.physics))
     return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
 
 
@@ -172,7 +172,7 @@ def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], di
         end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
     if drive.model in _TWO_BODIES:
-        size = np.maximum(size, _least(case))
+        size = np.maximum(size, _least(case.drive, case.physics))
     times = np.array([float(event.time) for event in result.events])
     return _path(case, kinds, times, end, size, complete)
 
@@ -194,11 +194,12 @@ def _name(mode: tuple, model: str) -> str:
     return name if second is None else f"{name}_{body}{_SECONDS[second]}"
 
 
-def _least(case: Case) -> np.ndarray:
+@lru_cache(maxsize=2)  # one drive is asked after the other
+def _least(drive: RigidParameters, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    model, steady = case.drive.model, TwoBodies(case.drive.model, dict(case.drive), *_frictions(case))
-    speed = abs(case.drive.input_speed)
-    rate = speed * math.tan(case.drive.lead_angle) * case.drive.pitch_radius if model == "support" else speed
+    steady = TwoBodies(drive.model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics)
+    speed = abs(drive.input_speed)
+    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.model == "support" else speed
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
 
 
