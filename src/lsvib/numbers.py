@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Callable
 from typing import Any
 
 from lsvib.errors import InputError
@@ -15,6 +16,16 @@ _LONGEST = 60  # characters of a value in a sentence; the rest is cut off
 
 class NotNumber(InputError):
     """A value is not a number, or not a whole one; the sentence has no name yet."""
+
+
+def bisected(turned: Callable[[float], bool], low: float, high: float) -> float:
+    """Return where a condition turns true between ``low``, where it is not, and ``high``, where it is, to the last bit.
+
+    The result is the upper of two neighbouring doubles, so that the condition holds there.
+    """
+    while (middle := (low + high) / 2) not in (low, high):
+        low, high = (low, middle) if turned(middle) else (middle, high)
+    return high
 
 
 def shown(value: Any) -> str:

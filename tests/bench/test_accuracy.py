@@ -12,8 +12,8 @@ from lsvib.bench.rivals.catalogue import MethodFamily
 from lsvib.bench.rivals.hybrid import Hybrid, _affine
 from lsvib.bench.rivals.markdown_tables import markdown
 from lsvib.bench.rivals.padded_tables import NEVER, even_tables
+from lsvib.bench.rivals.race import fastest, time_at_error
 from lsvib.bench.rivals.race_scenes import scene
-from lsvib.bench.rivals.time_at_equal_error import fastest, time_at_error
 from lsvib.data.writer import read_dataset, write_dataset
 
 TRUTH = Record(

@@ -93,4 +93,4 @@ def rates_of(drive, law):
     """Roots of the characteristic polynomial of slip, from Newton's laws in 40 digits."""
     with mp.workdps(40):
         reference = ThreadsTrueDrive({key: mpf(value) for key, value in drive})
-        return list(reference.fields[law][2])
+        return list(reference.fields[law][0])

@@ -240,3 +240,48 @@ def test_leaps_that_shrink_with_the_motion_come_to_no_cycle():
     """The contact rattles ever less, by 1e-9 in a return, until N keeps its sign; its steps are below rounding then."""
     automaton, state = scene("threads", 72, 20, 2)
     assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
+
+
+def test_winding_up_is_a_trend():
+    """The contact rattles while the screw sticks and the motor winds the coupling up: no amplitude has a trend, u has.
+
+    The motion was once called recurrent; three other starts of the drive come to steady sliding.
+    """
+    automaton, start = scene("threads", 82, 50, 3)
+    rattling = [2.5264e8, start[1], 8.8483e-3, -2.0991e5]
+    motion = follow(automaton, rattling, math.inf, max_events=2000)
+    rests = np.isin(automaton.codes[motion.mode], automaton.rest_codes)
+    assert rests.any()
+    assert (np.diff(motion.after[:, 0]) >= 0).all()
+    assert not drifts._trend(motion).none
+
+
+def test_a_cycle_of_thousands_of_events_is_told():
+    """The screw sticks while the contact rattles 500 times, then slips: all kinds of events are frequent.
+
+    The motion comes back to one state after each period, for good, and so does one from beside it.
+    """
+    automaton, state = scene("threads", 82, 3, 0)
+    found = steady_state(automaton, state, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.orbit.time.size == 3386
+    assert found.residual < 1e-10
+    beside, mode = found.state * [1 + 1e-3, 1, 1, 1], found.orbit.start_mode
+    later = follow(automaton, beside, math.inf, mode=mode, max_events=40_000)
+    key = (found.orbit.kind[-1], found.orbit.mode[-1])
+    same = later.after[(later.kind == key[0]) & (later.mode == key[1])]
+    gap = np.abs((same - found.state) / np.abs(found.orbit.after).max(axis=0)).max(axis=1)
+    assert gap[-2 * found.returns :].min() < 1e-9
+
+
+def test_a_motion_of_which_most_is_spent_in_a_mode_that_does_not_turn():
+    """Under law +1 all four rates are real; the amplitudes are those of the mode that turns, and they decay as one."""
+    automaton, state = scene("threads", 82, 7, 2)
+    motion = follow(automaton, state, math.inf, max_events=20_000)
+    shares = np.bincount(motion.mode[:-1], weights=np.diff(motion.time))
+    trend = drifts._trend(follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=8000))
+    pairs = automaton.tables.flow.pairs
+    assert pairs[np.argmax(shares)] == 0
+    assert trend.step.size == pairs[trend.mode] == 2
+    assert trend.consistent
+    assert (trend.step < 0).all()

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from reference.threads_comparison import Comparison, compare
 
+from lsvib.bench.reference.exponential_sums import affine
 from lsvib.bench.reference.threads_digits import SPARE_DIGITS, Function, simulate
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import ThreadsMode
@@ -88,7 +89,7 @@ def peak_normal_force(result):
     """Largest |N| of a run of the reference: at the ends of its arcs or where N′ = 0."""
     peak = mpf(0)
     with mp.workdps(40 + SPARE_DIGITS):
-        row = result.drive.row(result.drive.N)
+        (row,) = affine(lambda x: [result.drive.N(x)])
         for _, _, arc, stay in result.arcs:
             force = Function(arc, row)
             times = [mpf(0), *force.derivative().roots(mpf(0), stay), stay] if stay else [mpf(0)]

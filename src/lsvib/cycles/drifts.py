@@ -6,8 +6,8 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
   and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ; this is exact if P is linear. L
   is doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
 * By amplitudes: a second oscillation with a frequency of its own may keep returns from being alike. Then the amplitudes
-  of the oscillators of the mode in which the motion is for most of the time have a trend over many turns. These
-  amplitudes are extrapolated in the same way, and the phases stay as they are.
+  of the oscillators have a trend over many turns, those of the mode in which the motion is longest, of all modes that
+  have oscillators. These amplitudes are extrapolated in the same way, and the phases stay as they are.
 
 Leaps by returns whose steps shrink, as foreseen, until nothing moves any more have come to a cycle, however little it
 attracts in one return.
@@ -15,8 +15,9 @@ attracts in one return.
 After each leap the motion is followed until errors of the extrapolation have died away, before the next step is
 measured. This is numerical evidence, not a proof: a narrow attractor on the way may be leapt over.
 
-A motion that has no trend over many events, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer
-events tell it where nothing damps: slip preserves volumes, so that no amplitude dies away by itself.
+A motion that has no trend over many events – neither an amplitude nor, such as while the motor winds the coupling up, a
+coordinate –, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer events tell it where nothing
+damps: slip preserves volumes, so that no amplitude dies away by itself.
 """
 
 import math
@@ -27,7 +28,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.recurrences import CORNERS, cycle_through
+from lsvib.cycles.recurrences import CORNERS, cycle_through, long_cycle
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
 from lsvib.cycles.steady_states import SteadyState
@@ -60,6 +61,7 @@ _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
+_LONG_LOOKS = (6, 18, 54)  # windows for trends, counted, in whose place the longest one is followed if there are rests
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
 # a multiple of its own spread.
@@ -89,7 +91,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves = None, 1.0, 0
+    before, trust, moves, looks = None, 1.0, 0, 0
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -108,10 +110,18 @@ def pursue(
                 return ended(motion) or leap.cycle, leapt
             if moves % _MOVES:
                 continue
+        # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
+        looks += 1
+        around = looks in _LONG_LOOKS and _rests(motion)
+        look = longest if around else window
         motion = follow_patiently(
-            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=window, budget=budget
+            automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
-        trend = _trend(motion) if motion.time.size == window else None
+        trend = _trend(motion) if motion.time.size == look else None
+        if look == longest and not (trend and trend.consistent):
+            found = long_cycle(motion, budget)
+            if found is not None:
+                return found, leapt
         longer = min(2 * window, longest) if conserved or not leap.moved else window
         if trend is None:
             window = longer
@@ -128,6 +138,11 @@ def pursue(
         else:
             window, blank = longer, 0
     return None, leapt
+
+
+def _rests(motion: Motion) -> bool:
+    """Whether a motion comes to rest."""
+    return bool(np.isin(motion.automaton.codes[motion.mode], motion.automaton.rest_codes).any())
 
 
 class _Leap(NamedTuple):
@@ -290,7 +305,9 @@ def _trend(motion: Motion) -> _Trend | None:
     if not isinstance(flow, ModalFlow):
         return None
     modes, _, _, durations = motion.arcs()
-    home = int(np.argmax(np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs))))
+    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
+    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
+    home = int(np.argmax(shares))
     rows = flow.oscillators[home, : flow.pairs[home]]
     turning = np.flatnonzero(rows[:, BETA] > 0)
     if turning.size == 0:
@@ -310,10 +327,16 @@ def _trend(motion: Motion) -> _Trend | None:
     steady = (step != 0) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
+    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
     return _Trend(home, full, bend, consistent and not none, none)
+
+
+def _moves(states: np.ndarray) -> bool:
+    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
+    changes = np.diff([part.mean(axis=0) for part in np.array_split(states, _QUARTERS)], axis=0)
+    return bool((np.abs(changes.mean(axis=0)) > _TREND_NOISE * np.ptp(changes, axis=0)).any())
 
 
 def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:

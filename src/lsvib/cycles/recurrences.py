@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import leaps
+from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
@@ -22,6 +23,9 @@ _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 CORNERS = (1e-9, 1e-5)
+_ROUNDS = 3  # periods with thousands of events after which a motion must have come back
+_BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle, which must come nearer by ...
+_NEARER = 0.5  # ... this factor within a period: rounding, or a faint damping, does not bring them so near
 _TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
@@ -93,6 +97,48 @@ def recurrence(
     found = section.repeated()
     attracts = abs(found.multiplier) < 1 - MARGIN  # no comparison holds with a multiplier that is not known
     return cycle_through(section, found) if attracts or found.neutral else None
+
+
+def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
+    """Return the cycle that a motion with more than two states repeats, if a period has thousands of events.
+
+    Where a contact rattles, every kind of event is frequent; but two of them in a row may be rare. After the rarest two
+    the motion has come back to one state, to rounding, and motions beside it come much nearer within a period. None if
+    it has not, or if they do not.
+    """
+    seen = watched(motion)
+    if seen is None:
+        return None
+    rows = _in_a_row(motion)
+    found, often = np.unique(rows[rows.size // 2 :], return_counts=True)
+    at = np.flatnonzero(rows == found[np.argmin(often)]) + 1
+    states = motion.after[at]
+    for apart in range(1, min(SOLVED, (at.size - 1) // _ROUNDS) + 1):
+        rounds = states[-1] - states[-1 - apart * _ROUNDS : -1 : apart]
+        if (np.abs(rounds) <= REPEATS[1] * seen.size).all():
+            break
+    else:
+        return None
+    key, length = (int(motion.kind[at[-1]]), int(motion.mode[at[-1]])), int(at[-1] - at[-1 - apart])
+    same = (motion.kind == key[0]) & (motion.mode == key[1])
+    returns = int(same[at[-1 - apart] + 1 : at[-1] + 1].sum())
+    section = ReturnSection(motion.automaton, key, states[-1], seen.size, returns, seen.longest, budget)
+    multiplier = 0.0
+    for direction in section.directions.T:
+        beside, most = section.origin + _BESIDE * direction, length + length // 2
+        later = follow_patiently(motion.automaton, beside, math.inf, mode=key[1], max_events=most, budget=budget)
+        back = np.flatnonzero(_in_a_row(later) == rows[at[-1] - 1]) + 1
+        if back.size < apart:
+            return None
+        multiplier = max(multiplier, np.abs(section.place(later.after[back[apart - 1]])).max() / _BESIDE)
+    return cycle_through(section, FixedPoint(section.origin, multiplier, math.nan)) if multiplier < _NEARER else None
+
+
+def _in_a_row(motion: Motion) -> np.ndarray:
+    """Return a number for each two events in a row (k − 1), by their kinds and modes."""
+    many = len(motion.automaton.codes)
+    events = motion.kind * np.int64(many) + motion.mode
+    return events[:-1] * np.int64(many << 8) + events[1:]
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:

@@ -44,17 +44,20 @@ def section_key(motion: Motion) -> tuple[int, int] | None:
     the map is steep.
     """
     ours = (motion.kind != GRAZE_KIND) & (motion.kind != ACCUMULATION_KIND)  # np.isin takes ten times as long
-    pairs, states = np.stack([motion.kind[ours], motion.mode[ours]], axis=1), motion.after[ours]
-    if not len(pairs):
+    count, states = len(motion.automaton.codes), motion.after[ours]
+    events = motion.kind[ours] * np.int64(count) + motion.mode[ours]  # one number for each; np.unique takes far longer
+    if not events.size:
         return None
-    half = len(pairs) // 2
-    found, first, counts = np.unique(pairs[half:][::-1], axis=0, return_index=True, return_counts=True)
-    order, size = np.argsort(first), np.abs(motion.after).max(axis=0)
-    rarest = [k for k in order if counts[k] == counts.min()]
-    if size.size > 2:
-        rarest.sort(key=lambda k: -len(_surfaces(motion.automaton, states[len(pairs) - 1 - first[k]], size)))
-    kind, mode = found[rarest[0]].tolist()
-    return kind, mode
+    half = events.size // 2
+    counts = np.bincount(events[half:])
+    latest = np.zeros(counts.size, dtype=np.int64)
+    latest[events[half:]] = np.arange(half, events.size)
+    rarest = np.flatnonzero(counts == counts[counts > 0].min())
+    rarest = rarest[np.argsort(-latest[rarest])].tolist()
+    if states.shape[1] > 2:
+        size = np.abs(motion.after).max(axis=0)
+        rarest.sort(key=lambda event: -len(_surfaces(motion.automaton, states[latest[event]], size)))
+    return divmod(rarest[0], count)
 
 
 def _surfaces(automaton: Automaton, state: np.ndarray, size: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ from lsvib.basins.refinement import RefinedMap, count
 from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import phase_plane
-from lsvib.data.attributes import attributes, flagged, flags, flags_or_none, quantity, variable
+from lsvib.data.attributes import attributes, flags, flags_or_none, fractions, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
@@ -54,10 +54,7 @@ def map_attraction(
     refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
-    """Map the region of attraction of a drive; arguments as of :meth:`RigidDrive.attraction`.
-
-    The seconds are those of mapping, without compiling.
-    """
+    """Map the region of attraction of a drive as :meth:`RigidDrive.attraction`; the seconds are without compiling."""
     at_once = numbers.workers("workers", workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
@@ -102,7 +99,10 @@ def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) 
         for name, array in found.items()
     }
     return xr.Dataset(
-        data | fractions(count(found["label"])) | parameters(mapper) | surroundings(mapper, grid),
+        data
+        | fractions("attractor", "attractor", count(found["label"]))
+        | parameters(mapper)
+        | surroundings(mapper, grid),
         coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
         attrs=global_attributes(mapper, grid),
     )
@@ -125,7 +125,7 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
             "column": variable("block", column, "1", "column of the block among those of its level"),
             "label": ("block", label, variable_attributes(mapper, "label")),
         }
-        | fractions(refined.counts())
+        | fractions("attractor", "attractor", refined.counts())
         | parameters(mapper)
         | surroundings(mapper, refined.grid),
         attrs=global_attributes(mapper, refined.grid),
@@ -165,16 +165,6 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         )
     return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
-
-
-def fractions(counts: Mapping[Attractor, int]) -> dict[str, tuple]:
-    """Return the fraction of the cells of each attractor, as a variable along the coordinate ``attractor``."""
-    kinds = np.array([int(kind) for kind in Attractor], dtype=np.int8)
-    values = np.array([counts[kind] for kind in Attractor]) / sum(counts.values())
-    return {
-        "attractor": flagged("attractor", kinds, "attractor", Attractor),
-        "fraction": variable("attractor", values, "1", "fraction of the cells"),
-    }
 
 
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
@@ -238,10 +228,7 @@ def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
 def summary(
     counts: Mapping[Attractor, int], doubts: Mapping[str, int], exact_basin_area: float | None, seconds: float
 ) -> dict[str, Any]:
-    """Summarise a map for JSON.
-
-    ``fractions`` by attractor, ``unresolved`` cells, in all and by why they are, ``cells_per_second``, exact area.
-    """
+    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells and why, cells per second, area."""
     cells = sum(counts.values())
     return {
         "cells": cells,

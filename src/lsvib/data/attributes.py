@@ -69,6 +69,15 @@ def flagged(dims: Dims, values: Any, long_name: str, kinds: Iterable[IntEnum], *
     return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(kinds), **more)
 
 
+def fractions(dim: str, long_name: str, counts: Mapping[Any, int]) -> dict[str, Variable]:
+    """Return the fraction of the cells of each kind, from their numbers, along the coordinate ``dim`` of the kinds."""
+    share = np.array(list(counts.values())) / sum(counts.values())
+    return {
+        dim: flagged(dim, list(counts), long_name, counts),
+        "fraction": variable(dim, share, "1", "fraction of the cells"),
+    }
+
+
 def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
     """Return a variable that is 1 where a statement is true, else 0, as int8 with flags."""
     return named_flags(dims, values, long_name, {0: "no", 1: "yes"})

@@ -4,7 +4,7 @@ A cell depends on nothing but its own drive, so a large chart can be cut into ti
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -17,7 +17,7 @@ from lsvib import numbers
 from lsvib.basins.grid import Axis
 from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
-from lsvib.data.attributes import attributes, flagged, flags, named_flags, variable
+from lsvib.data.attributes import attributes, flagged, flags, fractions, named_flags, variable
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
@@ -217,7 +217,9 @@ def chart(
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
-    return plane.frame(resumption, curves).assign(label=(plane.dims, labels, LABEL), **_fractions(labels))
+    counts = {kind: np.count_nonzero(labels == kind) for kind in Behaviour}
+    shares = fractions("behaviour", LABEL["long_name"], counts)
+    return plane.frame(resumption, curves).assign(label=(plane.dims, labels, LABEL), **shares)
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
@@ -260,15 +262,6 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
         "fractions": {name: part for name, part in parts.items() if part},
         "curves": [Boundary(kind).name.lower() for kind in curves],
         "cells_per_second": found.label.size / seconds,
-    }
-
-
-def _fractions(labels: np.ndarray) -> Mapping[str, tuple]:
-    kinds = np.array([int(kind) for kind in Behaviour], dtype=np.int8)
-    values = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
-    return {
-        "behaviour": ("behaviour", kinds, LABEL),
-        "fraction": variable("behaviour", values, "1", "fraction of the cells"),
     }
 
 

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from lsvib.basins.exact_basin import Basin, Boundary, basin
 from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.cycles.continuation import CycleBranch, follow_cycle
 from lsvib.cycles.periodic import Cycle
-from lsvib.cycles.search import Search, Seed, search, starts
-from lsvib.data.attributes import attributes, flags, variable
+from lsvib.cycles.search import Seed, search, starts
+from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
@@ -56,7 +55,7 @@ def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
         model = find_model(drive.model)
         states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
         found = search(drive, automaton, states)
-        return Cycles(found.cycles, found.families, "", _sentence(found))
+        return Cycles(found.cycles, found.families, "", f"Searched: {found.searched}.")
     if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     try:
@@ -71,11 +70,7 @@ def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
     if exact is not None:
         kind = exact.boundary.name.lower().replace("_", " ")
         proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
-    return Cycles(found.cycles, found.families, proved, _sentence(found))
-
-
-def _sentence(found: Search) -> str:
-    return f"Searched: {found.searched}."
+    return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
 
 
 def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
@@ -89,13 +84,6 @@ def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
 
 
 _MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memory
-
-
-class Attracts(IntEnum):
-    """Whether all multipliers of a cycle lie inside the unit circle by more than their error."""
-
-    NO = 0
-    YES = 1
 
 
 def followed(
@@ -142,26 +130,24 @@ def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
     cycles = [point.cycle for point in branch.points]
     count = max(cycle.multipliers.size for cycle in cycles)
     multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
-    columns = {
-        branch.parameter: ([p.value for p in branch.points], attributes(about["unit"], about["long_name"])),
-        "along": ([p.along for p in branch.points], attributes("1", "length of the branch from its start")),
-        "attractor": (
-            np.array([int(cycle.label) for cycle in cycles], dtype=np.int8),
-            attributes("1", "kind of cycle", **flags(Attractor)),
-        ),
-        "attracting": (
-            np.array([cycle.attracting for cycle in cycles], dtype=np.int8),
-            attributes("1", "whether the cycle attracts", **flags(Attracts)),
-        ),
-        "period": ([cycle.period for cycle in cycles], attributes("s", "period of the cycle", "$T$")),
-        "amplitude": ([cycle.amplitude for cycle in cycles], attributes("rad", "amplitude, half its peak-to-peak")),
-        "multiplier_error": ([c.multiplier_error for c in cycles], attributes("1", "bound of the multipliers' errors")),
-        "period_residual": ([cycle.residual for cycle in cycles], attributes("1", "change of the state over a period")),
+    numbers_of = {  # what a cycle calls it: name, unit, words, symbol
+        "period": ("period", "s", "period of the cycle", "$T$"),
+        "amplitude": ("amplitude", "rad", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
+        "residual": ("period_residual", "1", "change of the state over a period"),
     }
-    data: dict[str, Any] = {name: ("point", np.array(values), attrs) for name, (values, attrs) in columns.items()}
-    for part, name in (("real", "multiplier_real_part"), ("imag", "multiplier_imaginary_part")):
-        long_name = f"{'real' if part == 'real' else 'imaginary'} part of the Floquet multipliers"
-        data[name] = variable(("point", "multiplier_number"), getattr(multipliers, part), "1", long_name)
+    values, along = (np.array([getattr(p, name) for p in branch.points]) for name in ("value", "along"))
+    data: dict[str, Any] = {
+        branch.parameter: variable("point", values, about["unit"], about["long_name"]),
+        "along": variable("point", along, "1", "length of the branch from its start"),
+        "attractor": flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor),
+        "attracting": yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts"),
+    }
+    for own, (name, *words) in numbers_of.items():
+        data[name] = variable("point", np.array([getattr(cycle, own) for cycle in cycles]), *words)
+    for part, word in (("real", "real"), ("imag", "imaginary")):
+        dims, words = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
+        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", words)
     return xr.Dataset(
         data,
         attrs={

@@ -187,8 +187,7 @@ def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
 def _sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return times, states and indices of modes, as :func:`sample`.
 
-    Samples are shared out by duration, with a few for
-    the shortest arc. Raises ``InputError`` if there are fewer than two for each arc.
+    Samples are shared out by duration, with a few for the shortest arc; ``InputError`` below two for each arc.
     """
     modes, starts, ends, durations = motion.arcs()
     least = min(_ARC, count // durations.size)

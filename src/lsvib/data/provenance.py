@@ -1,6 +1,7 @@
 """What made a dataset: package version, git commit, library versions. No time, so equal runs give equal files."""
 
 import json
+import os
 import platform
 import subprocess
 from importlib.metadata import version
@@ -11,8 +12,6 @@ _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 def provenance(maker: str) -> dict[str, str]:
     """Return attributes that name the code, and in ``history`` the ``maker``, a function.
-
-    They are ``history``, ``lsvib_version``, ``git_commit``, ``git_dirty``, ``package_versions``.
 
     ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
     that tracks it; ``package_versions`` is a JSON object of Python and library versions.
@@ -28,13 +27,14 @@ def provenance(maker: str) -> dict[str, str]:
     }
 
 
-def processor() -> str:
-    """Return the name of the processor, for datasets that hold run times."""
+def machine() -> dict[str, str | int]:
+    """Return attributes that name processor, its cores and operating system, for datasets that hold run times."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        name = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
     except OSError:
-        return platform.processor() or "unknown"
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
+        name = platform.processor() or "unknown"
+    return {"processor": name, "processor_cores": os.cpu_count() or 0, "operating_system": platform.system()}
 
 
 def _git_state(tracked: Path) -> tuple[str, str]:

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from itertools import product
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from lsvib import numbers
 from lsvib.basins.clipping import Window
 from lsvib.basins.resilience import Resilience
 from lsvib.basins.sampling import resilience_beside_samples
-from lsvib.data.attributes import attributes
+from lsvib.data.attributes import variable
 from lsvib.data.sweep import coordinate, parameter_values
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.errors import EngineError, InputError
@@ -23,18 +24,14 @@ _MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
 _MOST_SAMPLES = 100_000_000  # starts: 1.6 GB
 _FARTHEST = 1e150  # of an edge of a window: its area is still a number
 
-_VARIABLES: dict[str, tuple[Callable[[Resilience], float], dict[str, Any]]] = {
-    "fatal_angle": (lambda r: r.angle, attributes("rad", "smallest fatal push in the deflection alone")),
-    "fatal_speed": (lambda r: r.speed, attributes("rad s-1", "smallest fatal push in the speed alone")),
-    "fatal_energy": (lambda r: r.energy, attributes("J", "energy of the smallest fatal push by energy")),
-}
-_OF_WINDOW: dict[str, tuple[Callable[[Resilience], float], dict[str, Any]]] = {
-    "basin_fraction": (lambda r: r.fraction, attributes("1", "share of the window that settles, exact")),
-}
-_OF_SAMPLES: dict[str, tuple[Callable[[Any], float], dict[str, Any]]] = {
-    "sampled_fraction": (lambda s: s.share, attributes("1", "share of random starts in the window that settle")),
-    "sampled_fraction_low": (lambda s: s.low, attributes("1", "lower end of its interval of 95 % (Wilson)")),
-    "sampled_fraction_high": (lambda s: s.high, attributes("1", "upper end of its interval of 95 % (Wilson)")),
+_VARIABLES = {  # where a resilience has it, unit, words
+    "fatal_angle": ("angle", "rad", "smallest fatal push in the deflection alone"),
+    "fatal_speed": ("speed", "rad s-1", "smallest fatal push in the speed alone"),
+    "fatal_energy": ("energy", "J", "energy of the smallest fatal push by energy"),
+    "basin_fraction": ("fraction", "1", "share of the window that settles, exact"),
+    "sampled_fraction": ("sampled.share", "1", "share of random starts in the window that settle"),
+    "sampled_fraction_low": ("sampled.low", "1", "lower end of its interval of 95 % (Wilson)"),
+    "sampled_fraction_high": ("sampled.high", "1", "upper end of its interval of 95 % (Wilson)"),
 }
 
 
@@ -70,17 +67,13 @@ def resilience_sweep(
             progress(len(found), total)
     sizes = tuple(map(len, axes.values()))
 
-    def column(of: Callable[[Any], float], part: Callable[[Resilience], Any]) -> np.ndarray[Any, Any]:
-        return np.array([math.nan if one is None else of(part(one)) for one in found]).reshape(sizes)
+    def column(where: str) -> np.ndarray[Any, Any]:
+        return np.array([math.nan if one is None else attrgetter(where)(one) for one in found]).reshape(sizes)
 
-    columns = {name: column(of, lambda one: one) for name, (of, _) in (_VARIABLES | _OF_WINDOW).items()}
-    about = {name: attrs for name, (_, attrs) in (_VARIABLES | _OF_WINDOW | _OF_SAMPLES).items()}
-    if window is None:
-        del columns["basin_fraction"]
-    elif samples:
-        columns |= {name: column(of, lambda one: one.sampled) for name, (of, _) in _OF_SAMPLES.items()}
+    absent = ("basin", "sampled") if window is None else () if samples else ("sampled",)
+    asked = {name: about for name, about in _VARIABLES.items() if not name.startswith(absent)}
     return xr.Dataset(
-        {name: (tuple(axes), values, about[name]) for name, values in columns.items()},
+        {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
         coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
         attrs={
             "title": f"What the steady sliding of the rigid lead-screw drive survives over {', '.join(axes)}",
@@ -97,10 +90,7 @@ def resilience_sweep(
 
 
 def window_of(given: Any) -> Window | None:
-    """Return a window from one, None, or edges by coordinate, ``{"u": (low, high), "w": (low, high)}`` [rad, rad/s].
-
-    Raises ``InputError`` for anything else.
-    """
+    """Return a window from one, None, or edges ``{"u": (low, high), "w": (low, high)}``, else raise ``InputError``."""
     if given is None:
         return None
     if isinstance(given, Window):

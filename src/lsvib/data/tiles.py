@@ -46,10 +46,7 @@ def window(item: str, rows: int, columns: int) -> TileWindow:
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
-    """Return the mapper of a map from its settings: ``model``, ``drive`` (changes of Table 8.1) and ``resume``.
-
-    Raises ``InputError``.
-    """
+    """Return the mapper of settings ``model``, ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
     model = settings.get("model", "rigid")
     drive = find_model(model).drive.of(settings["drive"])
     return mapper(drive, model, resume=settings.get("resume", "contact_sign"))

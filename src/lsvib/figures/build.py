@@ -25,10 +25,8 @@ def build_figure(
 ) -> list[Check]:
     """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
 
-    ``figure``: its name, such as ``fig8_06``. ``given``: settings as in its section of ``config/config.yaml``; those
-    that it does not name have their defaults. ``pdf`` None for no PDF; ``caption``, a file for its caption with the
-    values that it holds for, None for no such file; ``resolution`` of the PNG [dots per inch]. Raises ``InputError``
-    about the name and the settings and ``LsvibError`` about files, in one sentence.
+    Arguments as of :func:`compute_figure` and :func:`draw_figure`; ``figure``: its name, such as ``fig8_06``. Raises
+    ``InputError`` about the name and the settings and ``LsvibError`` about files, in one sentence.
     """
     checks = compute_figure(figure, given, dataset_file, checks_file)
     draw_figure(figure, dataset_file, png, pdf, caption, resolution=resolution)

@@ -72,11 +72,12 @@ def contest(
         if name not in METHODS:
             raise InputError(f"method {name!r} is not one of {', '.join(METHODS)}.")
     maps, exact = mapper(box.drive), basin(box.drive)
-    starts, length = beside_boundary(exact, box.window, distances, count, seed)
-    truth = np.array([exact.contains(start) for start in starts.reshape(-1, 2)])
+    beside, length = beside_boundary(exact, box.window, distances, count, seed)
+    starts = beside.reshape(-1, 2)
+    truth = np.array([exact.contains(start) for start in starts])
     outcomes, labels_of = {}, {name: METHODS[name].prepare(maps) for name in cells}
     for name, edge in cells.items():
-        labels = _points(labels_of[name], starts.reshape(-1, 2))
+        labels = np.array([_cells(labels_of[name], start[:1], start[1:])[0, 0] for start in starts])
         wrong, undecided = _judged(labels, truth)
         share = [part.reshape(distances.size, -1).mean(axis=1) for part in (wrong, undecided)]
         x, y = box.grid(edge)
@@ -154,14 +155,6 @@ def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """Mark wrong and undecided labels; ``truth``: whether the start lies in the basin."""
     undecided = labels == UNRESOLVED
     return ~undecided & ((labels == Attractor.STEADY_SLIDING) != truth), undecided
-
-
-def _points(label: Label, starts: np.ndarray) -> np.ndarray:
-    """Labels (n) of single starts (n, 2)."""
-    labels = np.empty((len(starts), 1, 1), dtype=np.int8)
-    for found, start in zip(labels, starts, strict=True):
-        label(start[:1], start[1:], found)
-    return labels[:, 0, 0]
 
 
 def _cells(label: Label, x: np.ndarray, y: np.ndarray) -> np.ndarray:

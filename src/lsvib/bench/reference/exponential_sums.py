@@ -11,7 +11,14 @@ followed by its first non-zero derivative until M of the next order lets that de
 
 from mpmath import mp, mpf
 
+UNIT = [[mpf(i == j) for j in range(4)] for i in range(4)]  # states, one coordinate 1 and the others 0
 CLOSE = mpf(1) / 10  # of a rate: rates so close together have coefficients that cancel, and one bound
+
+
+def affine(functions):
+    """Affine functions of the state as rows; ``functions(x)`` returns their values."""
+    constant, *slopes = [functions(x) for x in ([mpf(0)] * 4, *UNIT)]
+    return [[*(slope[i] - c for slope in slopes), c] for i, c in enumerate(constant)]
 
 
 class Function:
@@ -78,31 +85,15 @@ class Function:
             return
         if self.keeps_sign(1, left, right):
             if self(left) * self(right) < 0:
-                yield self.solve(left, right)
+                sign = mp.sign(self(left))
+                finest = right * mpf(10) ** -(mp.dps - 10)
+                yield solve(lambda t: sign * self(t), lambda t: sign * self(t, 1), left, right, finest)
             return
         middle = (left + right) / 2
         if right - left < mpf(10) ** -35 * (1 / self.arc.fastest + left):
             raise ArithmeticError("a guard grazes zero: no digit of this reference can decide")
         yield from self.roots(left, middle)
         yield from self.roots(middle, right)
-
-    def solve(self, left, right):
-        """Root of a function that is monotone from left to right: Newton kept inside a shrinking bracket.
-
-        Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
-        """
-        sign = 1 if self(left) < 0 else -1
-        t, last, finest = (left + right) / 2, right - left, mpf(10) ** -(mp.dps - 10)
-        while right - left > finest * right:
-            value = sign * self(t)
-            left, right = (t, right) if value < 0 else (left, t)
-            step = -value / (sign * self(t, 1))
-            if abs(step) < finest * right:
-                return t + step
-            if not (left < t + step < right and abs(step) <= last / 2):
-                step = (left + right) / 2 - t
-            t, last = t + step, abs(step)
-        return t
 
     def sign_after_zero(self, sizes):
         """(order, sign) of the first derivative that is not zero, for a function that is zero at t = 0."""
@@ -163,8 +154,7 @@ class ThreadsTrueArc:
 
     def state(self, t):
         """The four coordinates of the state."""
-        unit = [[mpf(i == j) for j in range(5)] for i in range(4)]
-        return tuple(Function(self, row)(t) for row in unit)
+        return tuple(Function(self, [*row, mpf(0)])(t) for row in UNIT)
 
 
 def _clusters(rates):
@@ -174,3 +164,27 @@ def _clusters(rates):
         near = [g for g in groups if any(abs(rate - rates[i]) < CLOSE * abs(rate) for i in g)]
         groups = [g for g in groups if g not in near] + [(*(i for g in near for i in g), j)]
     return groups
+
+
+def solve(f, slope, left, right, tolerance):
+    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
+
+    Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
+    """
+    tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
+    x, last = (left + right) / 2, right - left
+    while right - left > tolerance:
+        value, d = f(x), slope(x)
+        if value > 0:
+            left = x
+        else:
+            right = x
+        step = -value / d if d != 0 else right - left
+        if abs(step) < tolerance / 4:  # converged? then a step of tolerance brackets it
+            low, high = max(left, x + step - tolerance / 2), min(right, x + step + tolerance / 2)
+            if f(low) > 0 >= f(high):
+                return x + step
+        if not (left < x + step < right and abs(step) <= last / 2):
+            step = (left + right) / 2 - x
+        x, last = x + step, abs(step)
+    return (left + right) / 2

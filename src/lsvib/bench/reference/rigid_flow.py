@@ -9,6 +9,8 @@ from itertools import chain
 
 from mpmath import mp, mpf
 
+from lsvib.bench.reference.exponential_sums import solve
+
 
 class RigidTrueFlow:
     """Closed form of Gamma u'' + C u' + k u = force from (u0, w0) under law s, (8.16)."""
@@ -104,30 +106,6 @@ class RigidTrueFlow:
                 )
             left = right
         return None
-
-
-def solve(f, slope, left, right, tolerance):
-    """Root of a monotone f with f(left) > 0 >= f(right): Newton kept inside a shrinking bracket.
-
-    Where Newton's steps do not halve (along a steep exponential they stay the same) the bracket is halved instead.
-    """
-    tolerance = max(tolerance, right * mpf(10) ** (5 - mp.dps))  # no finer than the working digits
-    x, last = (left + right) / 2, right - left
-    while right - left > tolerance:
-        value, d = f(x), slope(x)
-        if value > 0:
-            left = x
-        else:
-            right = x
-        step = -value / d if d != 0 else right - left
-        if abs(step) < tolerance / 4:  # converged? then a step of tolerance brackets it
-            low, high = max(left, x + step - tolerance / 2), min(right, x + step + tolerance / 2)
-            if f(low) > 0 >= f(high):
-                return x + step
-        if not (left < x + step < right and abs(step) <= last / 2):
-            step = (left + right) / 2 - x
-        x, last = x + step, abs(step)
-    return (left + right) / 2
 
 
 def windows(first, end):

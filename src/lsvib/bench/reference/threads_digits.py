@@ -18,10 +18,11 @@ The search for its events is that of :mod:`lsvib.bench.reference.exponential_sum
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from mpmath import mp, mpf
 
-from lsvib.bench.reference.exponential_sums import CLOSE, Function, ThreadsTrueArc, first_root
+from lsvib.bench.reference.exponential_sums import CLOSE, Function, ThreadsTrueArc, affine, first_root
 
 SPARE_DIGITS = 30  # extra working digits beyond the dps asked for
 
@@ -65,7 +66,11 @@ class ThreadsTrueDrive:
         xi0 = (mu0 - self.tan) / (1 + mu0 * self.tan)
         C0 = self.c - xi0 * self.r**2 * self.tan * self.cx
         self.z0 = -(C0 * self.Omega + self.r * xi0 * self.R) / self.k  # (8.14)
-        self.fields = {law: self._spectrum(law) for law in (1, -1)}
+
+    @cached_property
+    def fields(self):
+        """Spectrum of slip under each law."""
+        return {law: self._spectrum(law) for law in (1, -1)}
 
     def N(self, x):
         """Normal force of the threads."""
@@ -90,14 +95,9 @@ class ThreadsTrueDrive:
         return -self.Omega, mpf(0), x[3], nut
 
     @staticmethod
-    def row(function):
-        """An affine function of the state as a row."""
-        constant = function((mpf(0),) * 4)
-        return [function([mpf(i == j) for j in range(4)]) - constant for i in range(4)] + [constant]
-
-    def matrix(self, field):
+    def matrix(field):
         """A and b of a field A x + b."""
-        rows = [self.row(lambda x, i=i: field(x)[i]) for i in range(4)]
+        rows = affine(field)
         return mp.matrix([row[:4] for row in rows]), mp.matrix([row[4] for row in rows])
 
     def _spectrum(self, law):
@@ -108,10 +108,9 @@ class ThreadsTrueDrive:
     def guards(self, mode):
         """Pairs (row, side): side*function is positive inside the mode; N or limit of friction first, then speed."""
         direction, contact = mode
-        N = self.row(self.N)
+        N, F = affine(lambda x: (self.N(x), self.friction(x)))
         if direction:
             return [(N, contact), ([mpf(0), mpf(1), mpf(0), mpf(0), self.Omega], direction)]
-        F = self.row(self.friction)
         return [([contact * self.mu * n - side * f for n, f in zip(N, F, strict=True)], 1) for side in (1, -1)]
 
     def arc(self, mode, x):

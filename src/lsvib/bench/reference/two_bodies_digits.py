@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.reference.exponential_sums import Function, ThreadsTrueArc, first_root
+from lsvib.bench.reference.exponential_sums import UNIT, Function, ThreadsTrueArc, affine, first_root
 from lsvib.bench.reference.threads_digits import SPARE_DIGITS
 from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive
 
@@ -66,12 +66,8 @@ class TwoBodiesTrueMode:
     @cached_property
     def tied(self):
         """Rows over (u, w, ., ., 1) of the speeds that the mode ties, by index."""
-        zero = [mpf(0)] * 4
-        unit = [[mpf(i == j) for j in range(4)] for i in range(4)]
-        at = self.drive.tie(np.array(zero, dtype=object), self.ties)
-        slopes = [self.drive.tie(np.array(row, dtype=object), self.ties) - at for row in unit]
-        free = [i for i in range(4) if at[i] == 0 and [slopes[j][i] for j in range(4)] == unit[i]]
-        return {i: [*(slopes[j][i] for j in range(4)), at[i]] for i in range(4) if i not in free}
+        rows = affine(lambda x: self.drive.tie(np.array(x, dtype=object), self.ties))
+        return {i: row for i, row in enumerate(rows) if row != [*UNIT[i], 0]}
 
     @cached_property
     def spectrum(self):
@@ -158,21 +154,16 @@ class ClosedFormDrive(TwoBodiesTrueDrive):
         """Accelerations and forces at a state, from the affine functions of it that they are; solved once a mode."""
         key = mode, along
         if key not in self.solved:
-            unit = [[mpf(i == j) for j in range(4)] for i in range(4)]
-            constant, *slopes = [super(ClosedFormDrive, self).forces(mode, y, along) for y in ([mpf(0)] * 4, *unit)]
-            self.solved[key] = [[*(slope[i] - c for slope in slopes), c] for i, c in enumerate(constant)]
+            self.solved[key] = affine(lambda y: super(ClosedFormDrive, self).forces(mode, y, along))
         return [_at(row, x) for row in self.solved[key]]
 
     def row(self, function):
         """An affine function of the state as a row."""
-        constant = function([mpf(0)] * 4)
-        return np.array([function([mpf(i == j) for j in range(4)]) - constant for i in range(4)] + [constant])
+        return np.array(affine(lambda x: [function(x)])[0])
 
     def row_of_field(self, mode):
         """Rows of the field."""
-        unit = [[mpf(i == j) for j in range(4)] for i in range(4)]
-        constant, *slopes = [self.field(mode, x) for x in ([mpf(0)] * 4, *unit)]
-        return [[*(slopes[j][i] - constant[i] for j in range(4)), constant[i]] for i in range(4)]
+        return affine(lambda x: self.field(mode, x))
 
     def mode(self, mode):
         """Field and conditions of a mode."""

@@ -20,9 +20,7 @@ VERDICTS = (Verdict.RIGHT, Verdict.INACCURATE, Verdict.OTHER_EVENTS, Verdict.OTH
 
 
 class Answer(NamedTuple):
-    """Verdict; largest error of final state and times, relative to the motion, nan unless the events are right; why it
-    gave up.
-    """
+    """Verdict; largest relative error of final state and times, nan unless the events are right; why it gave up."""
 
     verdict: Verdict
     error: float = math.nan

@@ -70,10 +70,15 @@ def _verdicts(dataset: xr.Dataset) -> str:
 
 def _runs(dataset: xr.Dataset) -> str:
     """Every run."""
-    labels, controls = (
-        dataset.method.attrs["labels"].split("; "),
-        ("relative_tolerance", "time_step", "smoothing_width"),
-    )
+    labels = dataset.method.attrs["labels"].split("; ")
+    controls = ("relative_tolerance", "time_step", "smoothing_width")
+    columns = {  # heading: factor and form of a number
+        "state error": ("state_error", 1, ".1e"),
+        "event times [s]": ("event_time_error", 1, ".1e"),
+        "amplitude": ("amplitude_error", 1, ".1e"),
+        "time [ms]": ("run_time", 1e3, ".3g"),
+        "median [ms]": ("run_time_median", 1e3, ".3g"),
+    }
     rows = []
     for i, scene in enumerate(_names(dataset, "scene")):
         for k, label in enumerate(labels):
@@ -83,24 +88,6 @@ def _runs(dataset: xr.Dataset) -> str:
                 if verdict == Verdict.NOT_RUN:
                     continue
                 setting = next((float(run[c]) for c in controls if math.isfinite(float(run[c]))), math.nan)
-                rows.append(
-                    [scene, label, _number(setting, "g")]
-                    + [
-                        _number(float(run[key]), ".1e")
-                        for key in ("state_error", "event_time_error", "amplitude_error")
-                    ]
-                    + [_number(1e3 * float(run[key]), ".3g") for key in ("run_time", "run_time_median")]
-                    + [verdict.words]
-                )
-    head = [
-        "scene",
-        "method",
-        "setting",
-        "state error",
-        "event times [s]",
-        "amplitude",
-        "time [ms]",
-        "median [ms]",
-        "motion",
-    ]
-    return _table(head, rows)
+                numbers = [_number(factor * float(run[key]), form) for key, factor, form in columns.values()]
+                rows.append([scene, label, _number(setting, "g"), *numbers, verdict.words])
+    return _table(["scene", "method", "setting", *columns, "motion"], rows)

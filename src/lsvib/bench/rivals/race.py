@@ -1,16 +1,17 @@
 """All methods on one scene: interleaved in one process, timed after a discarded run, compared with 40 digits.
 
 Times are processor times of this process: on a quiet machine the same as by the clock on the wall, on a busy one not
-inflated by what others do.
+inflated by what others do. How much faster one method is than others is asked at an equal error.
 """
 
 import ctypes
+import math
 import os
 import statistics
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
@@ -28,9 +29,7 @@ _WARM_UP = 0.01  # part of the duration that is run and discarded first, which l
 
 @dataclass(frozen=True)
 class Budget:
-    """``repeats``: rounds; ``seconds`` after which an entry is left out of further rounds; ``limit`` [s] of one run,
-    after which it gives up.
-    """
+    """Rounds (``repeats``); ``seconds`` after which an entry leaves further rounds, and a ``limit`` [s] of one run."""
 
     repeats: int
     seconds: float
@@ -76,27 +75,21 @@ def contest(
     this = scene(name, shorten)
     truth = reference(this)
     hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
+    entries: list[tuple[Entry, Callable]] = []
     with quiet():
-        entries = _compete(this, truth, hybrid, limit, settings, budget)
-    return this, truth, entries
-
-
-def _compete(this: RaceScene, truth: Record, hybrid: Hybrid, limit: int, settings, budget: Budget) -> list[Entry]:
-    entries, functions = [], []
-    for method_name, values in settings.items():
-        method = find_method(method_name)
-        if not values or (method.explicit and not this.explicit):
-            continue
-        clock = Clock(budget.limit)
-        first = _warm_up(method, this, values[0], clock)
-        for setting in values:
-            entries.append(Entry(method_name, setting, first))
-            functions.append(method.prepare(hybrid, setting, clock, limit))
-    for _ in range(budget.repeats):
-        for entry, function in zip(entries, functions, strict=True):
-            if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
-                _run(entry, function, truth)
-    return entries
+        for method_name, values in settings.items():
+            method = find_method(method_name)
+            if not values or (method.explicit and not this.explicit):
+                continue
+            clock = Clock(budget.limit)
+            first = _warm_up(method, this, values[0], clock)
+            for setting in values:
+                entries.append((Entry(method_name, setting, first), method.prepare(hybrid, setting, clock, limit)))
+        for _ in range(budget.repeats):
+            for entry, function in entries:
+                if not entry.failure and (not entry.seconds or sum(entry.seconds) < budget.seconds):
+                    _run(entry, function, truth)
+    return this, truth, [entry for entry, _ in entries]
 
 
 def _warm_up(method, this: RaceScene, setting: float, clock: Clock) -> float:
@@ -147,3 +140,29 @@ def _run(entry: Entry, function, truth: Record) -> None:
         run = outcome()
         entry.errors, entry.failure = errors(run, truth), run.failure
         entry.events = -1 if run.kinds is None else len(run.kinds)
+
+
+def time_at_error(points: Iterable[tuple[float, float]], level: float) -> float:
+    """Return the time [s] that a method needs for an error of at most ``level``; nan if it never gets there.
+
+    ``points``: pairs (error, time [s]) of its runs. Between two runs error and time are interpolated in logarithms; a
+    method whose coarsest run is already better needs the time of its fastest run that is good enough.
+    """
+    found = math.nan
+    runs = sorted((error, seconds) for error, seconds in points if error >= 0 and seconds > 0)
+    for k, (error, seconds) in enumerate(runs):
+        if error > level:
+            continue
+        best = seconds
+        if k + 1 < len(runs) and runs[k + 1][0] > level and error > 0 and runs[k + 1][1] < seconds:
+            worse, quick = runs[k + 1]
+            share = math.log(level / error) / math.log(worse / error)
+            best = math.exp((1 - share) * math.log(seconds) + share * math.log(quick))
+        found = best if math.isnan(found) else min(found, best)
+    return found
+
+
+def fastest(methods: Iterable[Sequence[tuple[float, float]]], level: float) -> float:
+    """Return the shortest time [s] in which one of several methods reaches an error; nan if none does."""
+    times = [time for time in (time_at_error(points, level) for points in methods) if not math.isnan(time)]
+    return min(times, default=math.nan)

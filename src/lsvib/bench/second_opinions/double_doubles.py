@@ -65,10 +65,10 @@ def moved(table, x, out):
 
 
 @kernel
-def composed(row, table, constant, out):
-    """The row (5, 2) over what a table (4, 5, 2) returns; ``constant``: whether the row's own constant is kept."""
+def composed(row, table, out):
+    """The row (5, 2), without its own constant, over what a table (4, 5, 2) returns."""
     for j in range(5):
-        h, e = (row[4, 0], row[4, 1]) if constant and j == 4 else (0.0, 0.0)
+        h, e = 0.0, 0.0
         for i in range(4):
             p, q = multiply(row[i, 0], row[i, 1], table[i, j, 0], table[i, j, 1])
             h, e = add(h, e, p, q)
@@ -86,7 +86,7 @@ def exponential(field, h, terms, table):
     table[:] = power
     for k in range(2, terms):
         for i in range(4):
-            composed(field[i], power, False, following[i])
+            composed(field[i], power, following[i])
         for i in range(4):
             for j in range(5):
                 # 1/k as a pair: what its leading part leaves out, by the exact product with k
@@ -103,7 +103,7 @@ def doubled(table, out):
     """exp(2 h A) − 1 = 2 E + E² from E = exp(h A) − 1; slow rates keep their digits beside fast ones."""
     square = np.empty((5, 2))
     for i in range(4):
-        composed(table[i], table, False, square)
+        composed(table[i], table, square)
         for j in range(5):
             a, b = 2.0 * table[i, j, 0], 2.0 * table[i, j, 1]
             out[i, j, 0], out[i, j, 1] = add(a, b, square[j, 0], square[j, 1])

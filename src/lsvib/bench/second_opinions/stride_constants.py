@@ -14,6 +14,7 @@ from mpmath import mp, mpf
 
 from lsvib.bench.jit import allocating_kernel
 from lsvib.bench.reference import threads_digits
+from lsvib.bench.reference.exponential_sums import affine
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
 from lsvib.bench.second_opinions import double_doubles
 from lsvib.bench.second_opinions.endings import DIGITS
@@ -106,7 +107,7 @@ def _fill(fields, kinds, rows, sizes, shortest, longest, tables):
                 continue
             sizes[m, r, 0] = np.abs(rows[m, r, 0, :, 0])
             for k in range(1, ORDERS):
-                double_doubles.composed(rows[m, r, k - 1], fields[m], False, rows[m, r, k])
+                double_doubles.composed(rows[m, r, k - 1], fields[m], rows[m, r, k])
                 for j in range(5):
                     for i in range(4):
                         sizes[m, r, k, j] += sizes[m, r, k - 1, i] * abs(fields[m, i, j, 0])
@@ -142,19 +143,14 @@ def _packed(modes, ties, fields, conditions, **others) -> dict:
 
 
 def _threads(parameters) -> dict:
-    drive = threads_digits.ThreadsTrueDrive.__new__(threads_digits.ThreadsTrueDrive)
-    drive._spectrum = lambda law: None  # not needed here, and slow
-    drive.__init__(parameters)
+    drive = threads_digits.ThreadsTrueDrive(parameters)
     modes = [(d, q) for d in (1, -1, 0) for q in (1, -1)]
-    fields, conditions = [], []
-    for d, q in modes:
-        A, b = drive.matrix((lambda x, s=d * q: drive.slip(s, x)) if d else drive.rest)
-        fields.append([[*(A[i, j] for j in range(4)), b[i]] for i in range(4)])
-        # At rest N may turn as well, but there both limits of friction are reached before.
-        conditions.append(
-            [([side * g for g in row], k - 1 if d else FORCE) for k, (row, side) in enumerate(drive.guards((d, q)))]
-        )
-    unit = [[mpf(i == j) for j in range(4)] + [mpf(0)] for i in range(4)]
+    fields = [affine((lambda x, s=d * q: drive.slip(s, x)) if d else drive.rest) for d, q in modes]
+    conditions = [  # at rest N may turn as well, but there both limits of friction are reached before
+        [([side * g for g in row], k - 1 if d else FORCE) for k, (row, side) in enumerate(drive.guards((d, q)))]
+        for d, q in modes
+    ]
+    unit = affine(lambda x: x)
     still = [unit[0], [mpf(0)] * 4 + [-drive.Omega], unit[2], unit[3]]
     speed = [mpf(0), mpf(1), mpf(0), mpf(0), drive.Omega]
     return _packed(
@@ -178,8 +174,7 @@ def _two_bodies(drive: _Solving) -> dict:
     ties_of = []
     for bits in range(4):
         zero = {k for k in (0, 1) if bits >> k & 1}
-        moved = lambda x, zero=zero: drive.tie(np.array(x, dtype=object), zero)  # noqa: E731
-        ties_of.append(_pairs([drive.row(lambda x, i=i, moved=moved: moved(x)[i]) for i in range(4)]))
+        ties_of.append(_pairs(affine(lambda x, zero=zero: drive.tie(np.array(x, dtype=object), zero))))
     impulse = np.zeros(4)
     if drive.painleve:
         before = np.array([mpf(0), 1 - drive.Omega, mpf(0), mpf(0)], dtype=object)

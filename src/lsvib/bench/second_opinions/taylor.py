@@ -15,15 +15,8 @@ from mpmath import mp
 
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions.endings import (
-    CONTACT_REVERSAL,
-    DIGITS,
-    HALVINGS,
-    RELEASE,
-    REVERSAL,
-    SEIZURE,
-    STICK,
-)
+from lsvib.bench.second_opinions import watch
+from lsvib.bench.second_opinions.endings import CONTACT_REVERSAL, DIGITS, HALVINGS, RELEASE, REVERSAL, SEIZURE, STICK
 
 ORDER = 18  # of the series; a step of 0.25 fastest times leaves 1e-27
 PART = 0.25  # of the fastest time: length of a step, so short that a guard hardly turns twice within it
@@ -34,7 +27,7 @@ class TaylorConstants(NamedTuple):
 
     rates: np.ndarray  # (2, 3): k/Γ, C/Γ, force/Γ
     contact: np.ndarray  # (3,) Q as an affine function of (u, w)
-    input_speed: float
+    speed: float  # Ω
     band: np.ndarray  # (2,) u at the ends of static friction, ascending
     push: float  # u at which slip under law −1 has no acceleration from rest
     released: float  # u at which rest ends
@@ -45,6 +38,7 @@ class TaylorConstants(NamedTuple):
 
 def constants(parameters: dict[str, float]) -> TaylorConstants:
     """Form the constants of a rigid drive [SI units] with 40 digits and round them once."""
+    shared = watch.constants(parameters)
     with mp.workdps(DIGITS):
         d = RigidTrueDrive(parameters, DIGITS)
         rates = np.zeros((2, 3))
@@ -52,21 +46,7 @@ def constants(parameters: dict[str, float]) -> TaylorConstants:
             if d.Gamma(s) != 0:
                 force = d.r * (d.xi(d.s0) - d.xi(s)) * d.R_tilde
                 rates[row] = [float(x / d.Gamma(s)) for x in (d.k, d.C(s), force)]
-        ends = sorted(float(-d.z0 - torque / d.k) for torque in d.band)
-        turning = 1 if d.Omega > 0 else -1
-        push = d.r * (d.xi(d.s0) - d.xi(-1)) * d.R_tilde + d.C(-1) * d.Omega
-        q_u, _, q_0 = d.Q_terms(1, 0)
-        return TaylorConstants(
-            rates=rates,
-            contact=np.array([float(q_u), float(d.Q_terms(0, 1)[1]), float(q_0)]),
-            input_speed=float(d.Omega),
-            band=np.array(ends),
-            push=float(push / d.k),
-            released=ends[0] if turning > 0 else ends[1],
-            force_sign=int(mp.sign(d.R)),
-            paradox=d.painleve,
-            scale=float(max(d.u_scale, abs(d.z0))),
-        )
+    return TaylorConstants(rates, *(getattr(shared, name) for name in TaylorConstants._fields[1:]))
 
 
 @kernel
@@ -137,14 +117,14 @@ def _by_band(c, u):
     if c.band[0] - rounding <= u <= c.band[1] + rounding:
         return 0, 0
     direction = 1 if u < c.band[0] else -1
-    return direction, -direction if c.paradox else _contact_sign(c, u, -c.input_speed)
+    return direction, -direction if c.paradox else _contact_sign(c, u, -c.speed)
 
 
 @kernel
 def _resumed(c, u, sign):
     """After a seizure of the given sign: slip against it under law −1 if Q admits it and the torque drives it."""
     driven = c.push - u
-    if _contact_sign(c, u, -c.input_speed) == sign and _sign(driven) == -sign:
+    if _contact_sign(c, u, -c.speed) == sign and _sign(driven) == -sign:
         return -sign, sign
     return _by_band(c, u)
 
@@ -158,14 +138,14 @@ def run(c, u, w, t_end, times, kinds):
     """
     place, rate, guard = np.zeros(ORDER + 1), np.zeros(ORDER + 1), np.zeros(ORDER + 1)
     t, count = 0.0, 0
-    direction, contact = _sign(w + c.input_speed), _contact_sign(c, u, w)
+    direction, contact = _sign(w + c.speed), _contact_sign(c, u, w)
     kind = -1
     if direction == 0:
         direction, contact = _by_band(c, u)
     elif c.paradox and contact == direction:
         direction, contact = _resumed(c, u, direction)
-        kind, w = SEIZURE, -c.input_speed
-    fresh_speed, fresh_contact = w == -c.input_speed, contact == 0
+        kind, w = SEIZURE, -c.speed
+    fresh_speed, fresh_contact = w == -c.speed, contact == 0
     if contact == 0 and direction != 0:
         rates = c.rates[1]  # Q′ at Q = 0 is the same under both laws
         contact = _sign(c.contact[0] * w + c.contact[1] * (rates[2] - rates[1] * w - rates[0] * u))
@@ -176,11 +156,11 @@ def run(c, u, w, t_end, times, kinds):
             if count == times.size:
                 return False, count, u, w
         if direction == 0:
-            stay = max((u - c.released) / c.input_speed, 0.0)
+            stay = max((u - c.released) / c.speed, 0.0)
             if t + stay > t_end:
-                return True, count, u - c.input_speed * (t_end - t), w
+                return True, count, u - c.speed * (t_end - t), w
             t, u = t + stay, c.released
-            direction = _sign(c.input_speed)
+            direction = _sign(c.speed)
             contact = -direction if c.paradox or c.force_sign == 0 else c.force_sign
             kind, fresh_speed, fresh_contact = RELEASE, True, False
             continue
@@ -189,7 +169,7 @@ def run(c, u, w, t_end, times, kinds):
         _series(rates, u, w, h, place, rate)
         for n in range(ORDER + 1):
             guard[n] = direction * rate[n]
-        guard[0] += direction * c.input_speed
+        guard[0] += direction * c.speed
         stop = _fall(guard, fresh_speed)
         for n in range(ORDER + 1):
             guard[n] = contact * (c.contact[0] * place[n] + c.contact[1] * rate[n])
@@ -214,4 +194,4 @@ def run(c, u, w, t_end, times, kinds):
                 direction, contact = _by_band(c, u)
             if kind < 0:
                 kind = STICK if direction == 0 else REVERSAL
-            w, fresh_speed, fresh_contact = -c.input_speed, True, False
+            w, fresh_speed, fresh_contact = -c.speed, True, False

@@ -180,7 +180,10 @@ def _weigh(
     If the reference's own answer changes as much as the engine's is wrong, the verdict becomes BEYOND_INPUT.
     """
     known, moved = len(path.kinds) + 1, 0.0
-    drawn, shared = [_last_places(case, rng) for _ in range(_PERTURBED)], _shared(path, exact, case)
+    # By how many last places each parameter and each coordinate of the start is moved.
+    numbers = range(len((*case.drive, *case.start)))
+    drawn = [np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in numbers]) for _ in range(_PERTURBED)]
+    shared = _shared(path, exact, case)
     for k, places in enumerate((*drawn, *(-x for x in drawn))):
         # Four moves may all put a start that is on a guard to one side of it; their opposites do not.
         if k == _PERTURBED and (outcome.verdict in _GOOD or known <= shared):
@@ -217,11 +220,6 @@ def _shared(path: Record, exact: Record, case: Case) -> int:
     late = np.flatnonzero(np.abs(path.times[:count] - exact.times[:count]) > TOLERANCE * case.duration)
     same = _common(path.kinds, exact.kinds)
     return int(late[0]) if late.size and same > count else same
-
-
-def _last_places(case: Case, rng: np.random.Generator) -> np.ndarray:
-    """Draw by how many last places each parameter and each coordinate of the start is moved."""
-    return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
 
 
 def _moved(case: Case, places: np.ndarray) -> tuple[RigidParameters, tuple[float, ...]]:

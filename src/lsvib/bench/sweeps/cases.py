@@ -42,14 +42,12 @@ def _scales(drive: RigidParameters) -> tuple[float, float]:
     return time, abs(drive.input_speed) * time
 
 
-def _case(
-    rng, family: CaseFamily, group: Group, level: float, drive: RigidParameters, start=None, turns=(0.3, 4.0)
-) -> Case:
+def _case(rng, family: CaseFamily, group: Group, level: float, drive: RigidParameters, start=None) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
         start = (size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5))
-    duration = 2 * math.pi * time * rng.uniform(*turns)
+    duration = 2 * math.pi * time * rng.uniform(0.3, 4.0)
     return Case(family, group, level, drive, tuple(map(float, start)), min(duration, _MOST_TURNS / _fastest(drive)))
 
 
@@ -79,9 +77,8 @@ def _friction(rng) -> Case:
     elif group == Group.TAN_LEAD:
         value = tan * (1 + sign(rng) * 10.0**level)
     else:
-        level = max(
-            level, -13.0
-        )  # closer, Γ₋ is so large that slip changes θ′ by less than the last digit of w = θ′ − Ω
+        # Closer, Γ₋ is so large that slip changes θ′ by less than the last digit of w = θ′ − Ω.
+        level = max(level, -13.0)
         value = (1 - 10.0**level) / tan
     return _case(rng, CaseFamily.FRICTION, group, level, drive.replace(friction_coefficient=value))
 

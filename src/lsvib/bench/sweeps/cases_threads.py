@@ -86,8 +86,8 @@ def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -
             rate = mp.re(root)
             if abs(mp.im(root)) > mpf(10) ** -15 * abs(root) or not rate < 0:
                 continue
-            value, slope = mp.polyval(h, rate), -mp.polyval(first, rate) / mp.polyval(h, rate) ** 2
-            quotient = -mp.polyval(g, rate) / value
+            value, slope = np.polyval(h, rate), -np.polyval(first, rate) / np.polyval(h, rate) ** 2
+            quotient = -np.polyval(g, rate) / value
             damping = {Group.DOUBLE_BY_STIFFNESS: mpf(other), Group.DOUBLE_BY_DAMPING: (quotient - other) / rate}
             damping = damping.get(group, slope)
             stiffness = mpf(other) if group == Group.DOUBLE_BY_DAMPING else quotient - damping * rate

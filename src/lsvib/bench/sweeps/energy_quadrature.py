@@ -18,9 +18,8 @@ _FIRST = 1.5  # width of the first panel, in units of the fastest time
 _GROWTH = 1.7  # of the next ones
 _TURN = 3.5  # [rad] of a vibration in a panel
 _GONE = 40.0  # e-foldings after which a vibration has died away
-_MOST_PANELS = (
-    100_000  # of a motion; one that needs more, because its rates lie too far apart, is left without a balance
-)
+# Of a motion; one that needs more, because its rates lie too far apart, is left without a balance.
+_MOST_PANELS = 100_000
 _EPS = float(np.finfo(float).eps)
 
 

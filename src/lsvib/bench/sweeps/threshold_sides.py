@@ -7,7 +7,7 @@ import numpy as np
 
 from lsvib.bench.reference.rigid_digits import simulate
 from lsvib.bench.sweeps.cases import Group, threshold
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow
@@ -40,12 +40,8 @@ def attractor_is_right(group: Group, side: int, distance: float) -> bool:
     }
     right = found.label == expected[group, side]
     if group == Group.DETACH_FORCE and right:
-        right = _reverses_contact(found) == (side < 0)
+        right = (found.orbit.kind == EventKind.CONTACT_REVERSAL).any() == (side < 0)
     return bool(right)
-
-
-def _reverses_contact(found: SteadyState) -> bool:
-    return bool((found.orbit.kind == EventKind.CONTACT_REVERSAL).any())
 
 
 class LongRun(NamedTuple):
@@ -69,7 +65,7 @@ def long_run(drive: RigidParameters, periods: int) -> LongRun:
     begun = follow(automaton, start, math.inf, stop=(EventKind.RELEASE, -1))
     # The clock goes on by the sums of whole chunks, so that the events need not all be kept.
     state, mode, elapsed, events = begun.end_state, begun.end_mode, [begun.end_time], begun.time.size
-    per_period = _events_per_period(automaton, state, mode)
+    per_period = follow(automaton, state, math.inf, mode=mode, stop=(EventKind.RELEASE, -1)).time.size
     left = periods * per_period
     while left:
         part = follow(automaton, state, math.inf, mode=mode, max_events=min(left, _CHUNK // per_period * per_period))
@@ -91,7 +87,3 @@ def _releases(drive: RigidParameters, start: tuple[float, float]) -> list:
         if len(found) >= 2:
             return found[:2]
         duration *= 2
-
-
-def _events_per_period(automaton, state, mode) -> int:
-    return follow(automaton, state, math.inf, mode=mode, stop=(EventKind.RELEASE, -1)).time.size

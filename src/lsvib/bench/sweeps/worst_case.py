@@ -10,6 +10,7 @@ the search.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,6 +70,22 @@ class Tried:
             return math.inf
         # The first is nan if the motion was cut off.
         return float(np.fmax(self.outcome.state_error, self.outcome.time_error))
+
+    def description(self) -> dict[str, Any]:
+        """Return everything that is needed to run the case again."""
+        case, outcome = self.case, self.outcome
+        numbers = {key: getattr(outcome, key) for key in ("state_error", "time_error", "sensitivity", "condition")}
+        return {
+            **{key: value if np.isfinite(value) else None for key, value in numbers.items()},
+            "verdict": outcome.verdict.name.lower(),
+            "events": outcome.events,
+            "group": case.group.name.lower(),
+            "level": case.level if np.isfinite(case.level) else None,
+            "drive": dict(case.drive),
+            "physics": list(case.physics),
+            "start": list(case.start),
+            "duration": case.duration,
+        }
 
 
 def attempt(family: CaseFamily, genes, rng: np.random.Generator, **how: bool) -> Tried:

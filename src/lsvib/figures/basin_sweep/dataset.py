@@ -30,10 +30,7 @@ _TURNS = 16  # cells more, for the ends of a boundary and where it turns
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the basins of a few drives, exactly and on grids, and the exact fraction of a window along four sweeps.
-
-    ``settings``: see ``Settings``; parameters of ``drive`` are swept one at a time. Raises ``InputError``.
-    """
+    """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
     drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
     for name in SWEPT:

@@ -44,9 +44,8 @@ _SETTLING = 8.0  # times the decay time for which a motion that ends in the focu
 def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
 
-    ``settings``: ``drive`` (Γ₊ < 0); ``contact_stiffness`` [N/m]; ``contact_dampings`` [N s/m], a panel each; ``force``
-    and ``rate`` [1/(kg m²)] of the grid with ``start``, ``stop``, ``count``; ``starts``, each with ``force`` and
-    ``rate``; ``samples`` of a motion. Raises ``InputError``.
+    ``settings``: see :class:`lsvib.figures.common.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
+    damping. Raises ``InputError``.
     """
     base = ThreadsParameters.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]

@@ -21,10 +21,7 @@ _DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the class map, the node–focus boundary and the place of the chapter's drives.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Compute the class map, the node–focus boundary and the place of the chapter's drives."""
     drive = RigidParameters.of(settings["drive"])
     stiffness = drive.coupling_stiffness
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])

@@ -12,10 +12,7 @@ from lsvib.figures.common.negative_damping import MARGINS, margins_text, plane, 
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the phase plane; ``settings`` as in :func:`lsvib.figures.common.negative_damping.plane`.
-
-    The first start lies inside the limit cycle, the others outside.
-    """
+    """Compute the phase plane; the first start lies inside the limit cycle, the others outside."""
     return plane(settings, "8.4", "contact force along the motion")
 
 

@@ -11,7 +11,7 @@ from lsvib.figures.common.negative_damping import margins_text, plane, radii
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the phase plane; ``settings`` as in :func:`lsvib.figures.common.negative_damping.plane`."""
+    """Compute the phase plane."""
     return plane(settings, "8.5", "contact force against the motion")
 
 

@@ -34,10 +34,7 @@ class Regime(IntEnum):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
     drive = RigidParameters.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]

@@ -21,10 +21,7 @@ _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a st
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the existence map, motions from each sector, and where the flow of law −1 leads.
-
-    ``settings``: see ``Settings``; R > 0, Ω > 0, Γ₊ < 0. Raises ``InputError``.
-    """
+    """Compute the existence map, motions from each sector, and where the flow of law −1 leads; R > 0, Ω > 0, Γ₊ < 0."""
     drive = RigidParameters.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))

@@ -14,6 +14,7 @@ from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
+from lsvib.numbers import bisected
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 
@@ -21,8 +22,7 @@ from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
-    ``settings``: see ``Settings``; c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge. Raises
-    ``InputError``.
+    c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge.
     """
     drive = RigidParameters.of(settings["drive"])
     critical = critical_mass(drive)
@@ -118,15 +118,12 @@ def _inertia(drive: RigidParameters, mass: float) -> float:
 
 def _loss_of_stability(drive: RigidParameters, critical: float) -> float:
     """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
-    stable, unstable = critical / 2, 3 * critical / 2
-    while unstable > np.nextafter(stable, unstable):
-        middle = (stable + unstable) / 2
-        pair = eigenvalues(_inertia(drive, middle), drive.support_damping, drive.coupling_stiffness)
-        if pair.real.max() < 0:
-            stable = middle
-        else:
-            unstable = middle
-    return unstable
+
+    def unstable(mass: float) -> bool:
+        pair = eigenvalues(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness)
+        return pair.real.max() >= 0
+
+    return bisected(unstable, critical / 2, 3 * critical / 2)
 
 
 def _masses(span: Mapping[str, Any], critical: float, marks: list[float]) -> np.ndarray:

@@ -21,10 +21,7 @@ _SWEEP = "of the last case with another axial force, from the first start"
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text does not state.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(**changes) for changes in settings["cases"]]
     critical = critical_mass(drive)

@@ -30,10 +30,7 @@ _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the motion and its cycle with compliant threads, the rigid one beside it, and the effect of R.
-
-    ``settings``: see ``Settings``; the start has a seated contact. Raises ``InputError``.
-    """
+    """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
     automaton, cycle = compliant_cycle(drive, start)
@@ -123,20 +120,15 @@ def _motion(motion: Motion, samples: int) -> phase_plane.Variables:
 
 def _peak(automaton: Automaton, cycle: SteadyState) -> phase_plane.Variables:
     """The contact force around a peak, over time from the start of the sprag."""
-    if cycle.label != Attractor.SPRAG_SLIP_CYCLE:  # nothing to draw; the checks say so
-        return _peak_variables(np.full(_ZOOM, np.nan), np.full(_ZOOM, np.nan), np.nan)
-    period = cycle.orbit.end_time
-    twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
-    stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
-    begin, sprag = twice.time[stick - 1], twice.time[stick] - twice.time[stick - 1]
-    times = begin + sprag * np.linspace(_FROM, _TO, _ZOOM)
-    times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
-    states, modes = twice.at(times)
-    force = automaton.observe("normal_force", states, modes)
-    return _peak_variables(times - begin, force, float(sprag))
-
-
-def _peak_variables(times: np.ndarray, force: np.ndarray, sprag: float) -> phase_plane.Variables:
+    (times, force), sprag = np.full((2, _ZOOM), np.nan), np.nan
+    if cycle.label == Attractor.SPRAG_SLIP_CYCLE:  # else there is nothing to draw; the checks say so
+        period = cycle.orbit.end_time
+        twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
+        stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
+        begin, sprag = twice.time[stick - 1], float(twice.time[stick] - twice.time[stick - 1])
+        times = begin + sprag * np.linspace(_FROM, _TO, _ZOOM)
+        times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
+        force, times = automaton.observe("normal_force", *twice.at(times)), times - begin
     return {
         "close_up_time": variable("close_up_sample", times, "s", "time after the start of a sprag", "$t$"),
         "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),

@@ -16,8 +16,8 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.resumption import RULES
 from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.errors import InputError
+from lsvib.numbers import bisected
 
-_HALVINGS = 60  # of the range of the damping: to the last bit
 _QUANTITIES = {
     "amplitude": ("rad", phase_plane.AMPLITUDE, ""),
     "mean_deflection": ("rad", "mean coupling deflection", r"$\langle z \rangle$"),
@@ -171,10 +171,4 @@ def _resting_damping(drive: RigidParameters, start: list[float], largest: float)
 
     if rests(largest):
         raise InputError(f"support_damping: the screw still rests at the stop, {largest:g}; give a larger one.")
-    low, high = 0.0, largest
-    if not rests(low):
-        return 0.0
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if rests(middle) else (low, middle)
-    return high
+    return bisected(lambda damping: not rests(damping), 0.0, largest) if rests(0.0) else 0.0

@@ -40,10 +40,7 @@ _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
     drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]

@@ -29,8 +29,7 @@ _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cy
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
-    ``settings``: see ``Settings``; seizures of the motion from the last of the ``starts`` accumulate under the
-    chapter's reading of the rule. Raises ``InputError``.
+    Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
     """
     drive = RigidParameters.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
@@ -39,12 +38,16 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     grid = [_basin(d, angle, velocity) for d in drives]
     threshold = global_stability_force(drives[-1])
     bracket = [threshold * (1 - _ASIDE), threshold * (1 + _ASIDE)]
+    released = [[_from_release(drives[-1].replace(axial_force=force), rule) for rule in RULES] for force in bracket]
+    words = "attractor of the motion that leaves rest, beside the threshold"
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
         | accumulation.reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
-        | {"grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor)}
-        | _corners(drives)
-        | _beside_threshold([drives[-1].replace(axial_force=force) for force in bracket]),
+        | {
+            "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
+            "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
+        }
+        | _corners(drives),
         coords={
             **labels("case", drives, _CHANGED),
             **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
@@ -78,33 +81,16 @@ def _corners(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
     }
 
 
-def _beside_threshold(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
-    """The attractor of the motion that leaves rest, of the drives just above and just below the threshold."""
-    ends = [[_from_release(drive, rule) for rule in RULES] for drive in drives]
-    words = "attractor of the motion that leaves rest, beside the threshold"
-    return {"bracket_attractor": flagged(("bracket", "rule"), ends, words, Attractor)}
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
+    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
+    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
     return [
         _inertia_check(dataset),
         _settling_check(dataset, 0, " (as printed)"),
         _settling_check(dataset, 2, ""),
-        _one_attractor_check(
-            dataset,
-            1,
-            " (as printed)",
-            Attractor.STEADY_SLIDING,
-            "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin",
-        ),
-        _one_attractor_check(
-            dataset,
-            3,
-            "",
-            Attractor.SPRAG_SLIP_CYCLE,
-            "every trajectory drawn ends on a limit cycle, the same under either rule of resuming",
-        ),
+        _one_attractor_check(dataset, 1, " (as printed)", Attractor.STEADY_SLIDING, no_cycle),
+        _one_attractor_check(dataset, 3, "", Attractor.SPRAG_SLIP_CYCLE, one_cycle),
         *_corner_checks(dataset),
         *accumulation.checks(dataset),
         *_threshold_checks(dataset),

@@ -24,10 +24,7 @@ _LAW = 1  # R Ω > 0
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the class map by eigenvalues, the flutter boundaries in closed form, and the critical friction both ways.
-
-    ``settings``: see ``Settings``; the damping of ``drive`` plays no part. Raises ``InputError``.
-    """
+    """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
     drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])
     stiffness = spans.logarithmic(settings["support_stiffness"])
@@ -36,8 +33,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     if critical is None:
         raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
     curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
+    dims = ("friction_coefficient", "support_stiffness")
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    kinds = undamped_class(support_model(grid, _LAW))
+    by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
+    passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
     return xr.Dataset(
-        _class_map(drive, friction, stiffness) | _boundaries(drive, curve) | _critical_frictions(drive, critical),
+        {
+            "stability": flagged(dims, kinds, "class of the steady sliding", UndampedClass),
+            **_boundaries(drive, curve),
+            "critical_friction": variable((), critical, "1", "critical friction coefficient, closed form", r"$\mu$"),
+            "critical_friction_by_eigenvalues": variable((), by_eigenvalues, "1", passing, r"$\mu$"),
+        },
         coords={
             **axis("friction_coefficient", friction),
             **axis("support_stiffness", stiffness),
@@ -56,17 +63,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _class_map(drive: SupportParameters, friction: np.ndarray, stiffness: np.ndarray) -> Variables:
-    """The class of the steady sliding at each friction coefficient and support stiffness [N/m]."""
-    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
-    kinds = undamped_class(support_model(grid, _LAW))
-    return {
-        "stability": flagged(
-            ("friction_coefficient", "support_stiffness"), kinds, "class of the steady sliding", UndampedClass
-        )
-    }
-
-
 def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
     """Both boundaries of mode coupling (8.29) at some friction coefficients."""
     branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
@@ -75,16 +71,6 @@ def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
             "boundary_friction_coefficient", branches[:, k], "N m-1", f"{which} boundary of mode coupling", "$k_1$"
         )
         for k, which in enumerate(("lower", "upper"))
-    }
-
-
-def _critical_frictions(drive: SupportParameters, critical: float) -> Variables:
-    """The critical friction coefficient in closed form, and by eigenvalues."""
-    by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
-    passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
-    return {
-        "critical_friction": variable((), critical, "1", "critical friction coefficient, closed form", r"$\mu$"),
-        "critical_friction_by_eigenvalues": variable((), by_eigenvalues, "1", passing, r"$\mu$"),
     }
 
 

@@ -12,6 +12,7 @@ from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
 from lsvib.drives.parameters import NutParameters
 from lsvib.errors import InputError
+from lsvib.numbers import bisected
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_two_coordinates import (
     UndampedClass,
@@ -23,7 +24,6 @@ from lsvib.steady_sliding.linearised import determinant, nut_model, values_of
 from lsvib.steady_sliding.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
 
 _LAW = 1  # R Ω > 0
-_HALVINGS = 60  # of a mass between 0 and that of the rigid drive: to the last bit
 _SAME = 1e-9  # relative distance from (8.33) within which rounding may decide
 _CLOSE = 0.01  # to the rigid drive, with the heaviest nut
 _SAMPLES = 40  # columns, and rows, of the map that are compared with damping
@@ -211,12 +211,12 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> li
 
 def _by_eigenvalues(drive: NutParameters, rigid: float) -> float:
     """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
-    stable, lost = 0.0, rigid
-    for _ in range(_HALVINGS):
-        middle = (stable + lost) / 2
-        squares = reciprocal_squares(nut_model({**dict(drive), "mass": middle}, _LAW))
-        stable, lost = (middle, lost) if np.prod(np.sign(squares.real)) > 0 else (stable, middle)
-    return lost
+
+    def lost(mass: float) -> bool:
+        squares = reciprocal_squares(nut_model({**dict(drive), "mass": mass}, _LAW))
+        return not np.prod(np.sign(squares.real)) > 0
+
+    return bisected(lost, 0.0, rigid)
 
 
 def _boundary(drive: NutParameters, friction: np.ndarray) -> np.ndarray:

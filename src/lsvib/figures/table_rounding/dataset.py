@@ -14,6 +14,7 @@ from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of,
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters, SupportParameters
+from lsvib.numbers import bisected
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
@@ -28,9 +29,8 @@ _PRINTED_HALF_UNITS = {
     "detach_force": 0.05,
 }
 _PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
-_NO_EFFECT = ("axial_force",)  # the thresholds of it do not depend on it
+_VARIED = ("mass", "translation_damping")  # in which they differ; the thresholds of R do not depend on it
 _WORDS = {"critical_friction": "critical friction coefficient"}
-_HALVINGS = 60  # of an interval of doubles of one binary order: to the last bit
 
 _SOLVED = {  # name of each threshold among those that are solved for a parameter, and the parameter
     "critical_mass": ("kinematic", "mass"),
@@ -51,12 +51,19 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
     """
     base = RigidParameters.of(settings["drive"])
-    drives = {name: base.replace(**_own(chapter.THRESHOLDS[name].drive)) for name in _PRINTED_HALF_UNITS}
-    functions = _functions()
+    own = {name: chapter.THRESHOLDS[name].drive for name in _PRINTED_HALF_UNITS}
+    drives = {name: base.replace(**{k: x for k, x in row.items() if k != "screw_mass"}) for name, row in own.items()}
+    screw_mass = own["critical_friction"]["screw_mass"]
+    functions = {
+        "critical_mass": critical_mass,
+        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
+        **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
+    }
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
-    solved = {name: solve_threshold(_with_screw(name, drive), *_SOLVED[name]) for name, drive in drives.items()}
-    changes = np.array([list(propagated(solved[name]).values()) for name in _PRINTED_HALF_UNITS])
-    screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
+    with_screw = SupportParameters.of(drives["critical_friction"], screw_mass=screw_mass)
+    asked = drives | {"critical_friction": with_screw}
+    solved = [solve_threshold(drive, *_SOLVED[name]) for name, drive in asked.items()]
+    changes = np.array([list(propagated(found).values()) for found in solved])
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
@@ -64,11 +71,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
             **_printed_and_computed(computed),
             **drive_parameters(
-                list(drives.values()),
-                "threshold",
-                along=("mass", "translation_damping"),
-                printed=_PLACES,
-                no_effect=_NO_EFFECT,
+                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
             ),
             "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
         },
@@ -83,62 +86,38 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
     """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED_HALF_UNITS])
+    half_units = np.array(list(_PRINTED_HALF_UNITS.values())) / computed
+    half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
+    words = "change of the threshold by half a unit of the parameter's last printed digit"
     return {
         "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
-        "print_half_unit": variable(
-            "threshold",
-            np.array(list(_PRINTED_HALF_UNITS.values())) / computed,
-            "1",
-            "half a unit of the last printed digit of the threshold, relative",
-        ),
-        "relative_change": variable(
-            ("threshold", "parameter"),
-            changes / computed[:, None],
-            "1",
-            "change of the threshold by half a unit of the parameter's last printed digit",
-        ),
+        "print_half_unit": variable("threshold", half_units, "1", half),
+        "relative_change": variable(("threshold", "parameter"), change, "1", words),
     }
 
 
 def _table(drive: RigidParameters) -> Variables:
     """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
+    halves, few = np.array(list(HALF_UNITS.values())), [name in ROUND for name in HALF_UNITS]
+    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
+    units = "SI units, angle in degrees"
     return {
-        "half_unit": variable(
-            "parameter",
-            np.array(list(HALF_UNITS.values())),
-            "1",
-            "half a unit of the last printed digit, SI units, angle in degrees",
-        ),
-        "printed_value": variable(
-            "parameter",
-            [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS],
-            "1",
-            "value of the parameter, SI units, angle in degrees",
-        ),
-        "one_digit": yes_no(
-            "parameter", [name in ROUND for name in HALF_UNITS], "printed without a digit but the leading one"
-        ),
+        "half_unit": variable("parameter", halves, "1", f"half a unit of the last printed digit, {units}"),
+        "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
+        "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
     }
 
 
 def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidParameters], float]]) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
     damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
-    other = drive.replace(support_damping=damping)
+    other, unit = drive.replace(support_damping=damping), "N m s rad-1"
+    force, plus = functions["detach_force"](other), float(coefficients(other).damping[1])
+    words, that = "support damping at which the stick force is the printed one", "with that damping"
     return {
-        "matching_support_damping": variable(
-            (), damping, "N m s rad-1", "support damping at which the stick force is the printed one", "$c$"
-        ),
-        "matching_detach_force": variable(
-            (), functions["detach_force"](other), "N", "detach force with that damping", "$R$"
-        ),
-        "matching_effective_damping_plus": variable(
-            (),
-            float(coefficients(other).damping[1]),
-            "N m s rad-1",
-            "effective damping of law + with that damping",
-            "$C_+$",
-        ),
+        "matching_support_damping": variable((), damping, unit, words, "$c$"),
+        "matching_detach_force": variable((), force, "N", f"detach force {that}", "$R$"),
+        "matching_effective_damping_plus": variable((), plus, unit, f"effective damping of law + {that}", "$C_+$"),
     }
 
 
@@ -155,7 +134,9 @@ def _printed_and_computed(computed: np.ndarray) -> Variables:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check which residuals the rounding explains, and which it does not."""
-    residual, allowed = _residual_and_rounding(dataset)
+    residual, precise = np.abs(dataset.print_residual.values), dataset.one_digit.values == 0
+    # The most that the values with three digits and the threshold's own print explain.
+    allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
     mass, friction, onset, stick, detach = (int(Threshold[name]) for name in _PRINTED_HALF_UNITS)
     damping, half = float(dataset.matching_support_damping), HALF_UNITS["support_damping"]
     force, claim = float(dataset.matching_detach_force), chapter.EFFECTIVE_DAMPING[1]
@@ -201,43 +182,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _residual_and_rounding(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """|Residual| of each threshold, and the largest that the values with three digits and its own print explain."""
-    precise = dataset.one_digit.values == 0
-    allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
-    return np.abs(dataset.print_residual.values), allowed
-
-
-def _with_screw(name: str, drive: RigidParameters) -> RigidParameters:
-    """The drive of a threshold; that of the critical friction has the mass of the screw as well."""
-    if name != "critical_friction":
-        return drive
-    return SupportParameters.of(drive, screw_mass=chapter.THRESHOLDS[name].drive["screw_mass"])
-
-
-def _own(changes: Mapping[str, float]) -> dict[str, float]:
-    return {key: value for key, value in changes.items() if key != "screw_mass"}
-
-
-def _functions() -> dict[str, Callable[[RigidParameters], float]]:
-    """Each threshold as a function of a drive."""
-    screw_mass = chapter.THRESHOLDS["critical_friction"].drive["screw_mass"]
-    return {
-        "critical_mass": critical_mass,
-        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
-        **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
-    }
-
-
 def _damping_of(threshold: Callable[[RigidParameters], float], force: float, drive: RigidParameters) -> float:
     """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
     half = HALF_UNITS["support_damping"]
     low, high = drive.support_damping - half, drive.support_damping + half
     rising = threshold(drive.replace(support_damping=high)) > threshold(drive.replace(support_damping=low))
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        if (threshold(drive.replace(support_damping=middle)) < force) == rising:
-            low = middle
-        else:
-            high = middle
-    return high
+    return bisected(lambda c: (threshold(drive.replace(support_damping=c)) < force) != rising, low, high)

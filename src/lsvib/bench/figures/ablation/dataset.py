@@ -10,6 +10,7 @@ import xarray as xr
 
 from lsvib.bench.ablation import leaving_out
 from lsvib.bench.ablation.cost_of_starting import compilation, imports
+from lsvib.bench.figures.ablation.settings import MODULES
 from lsvib.data.attributes import named_index, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.simulation import simulate
@@ -18,12 +19,6 @@ from lsvib.drives.registry import find_model
 _SOURCE = "docs/stability.md"
 _ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
 _MODELS = ("pared", "general")
-MODULES = {  # what a rule of the workflow imports
-    "figure": "lsvib.figures.fig8_08.picture",
-    "eigenvalues": "lsvib.figures.fig8_08.dataset",
-    "motion": "lsvib.figures.fig8_09.dataset",
-    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.command.app",
-}
 _PACKAGES = ("numba", "matplotlib", "xarray")
 _NUMBERS = {
     "run_time": ("s", "fastest time to follow the motion"),

@@ -1,8 +1,6 @@
 """Maps of the region of attraction by this engine and by other methods: speed and wrong labels."""
 
 import json
-import os
-import platform
 from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
@@ -17,7 +15,7 @@ from lsvib.data import phase_plane, spans
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
-from lsvib.data.provenance import processor
+from lsvib.data.provenance import machine
 from lsvib.drives.parameters import RigidParameters
 
 _SOURCE = "docs/attraction.md"
@@ -27,10 +25,7 @@ _PLACES = ("Fig. 8.14", "Sect. 8.6")  # that state some of their values
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes.
-
-    ``settings``: see ``Settings``. Raises ``InputError``.
-    """
+    """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes."""
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])
     boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
@@ -58,9 +53,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
             "timing": "processor time of one thread for a grid, methods in turn, least of the repeats; without "
             "compilation and the engine's table of intervals",
-            "processor": processor(),
-            "processor_cores": os.cpu_count() or 0,
-            "operating_system": platform.system(),
+            **machine(),
             "rival_versions": json.dumps({"scipy": version("scipy")} if "lsoda" in cells else {}),
         },
     )

@@ -4,14 +4,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import (
-    DriveChanges,
-    FigureSettings,
-    PositiveSpan,
-    Section,
-    Seed,
-    Window,
-)
+from lsvib.figures.common.settings import DriveChanges, FigureSettings, PositiveSpan, Section, Seed, Window
 
 BoxName = Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$")]
 Some = Annotated[int, Field(ge=1, le=10_000)]

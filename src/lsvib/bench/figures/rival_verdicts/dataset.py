@@ -53,10 +53,7 @@ class _Row(NamedTuple):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`.
-
-    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
-    """
+    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``InputError`` if a package is missing."""
     entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
     every = [True] * len(entries)
     fixed = [find_method(name).family == Kind.FIXED_STEP for name, _ in entries]
@@ -67,18 +64,13 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         for k, case in enumerate(cases(family, count + settings["more"].get(name, 0), rng)):
             shared = k < count
             engine, question = pose(case, rng)
-            answers: list[Answer | None] = [None] * len(entries)
-            if question is not None:
-                with quiet():
-                    answers = [
-                        ask(question, *entry) if asked else None
-                        for entry, asked in zip(entries, every if shared else fixed, strict=True)
-                    ]
+            asked = every if shared else fixed
+            with quiet():
+                answers = [ask(question, *e) if question and a else None for e, a in zip(entries, asked, strict=True)]
             wrong = sum(answer is not None and answer.verdict in WRONG for answer in answers)
             disputed = shared and question is not None and 2 * wrong >= len(entries)
-            confirmed = None
-            if disputed:  # with draws of its own, so that the cases that follow do not depend on who disputed
-                confirmed = confirm(question, np.random.default_rng([settings["seed"], family, k]))
+            own = np.random.default_rng([settings["seed"], family, k])  # so that no later case depends on who disputed
+            confirmed = confirm(question, own) if disputed else None
             rows.append(_Row(case, shared, engine, question, answers, confirmed))
     return _dataset(rows, entries, settings["seed"])
 
@@ -103,9 +95,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
             "case_family": flagged("case", family, "family of the case", CaseFamily),
             "group": flagged("case", [row.case.group for row in rows], "edge of the case", Group),
-            "level": variable(
-                "case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]
-            ),
+            "level": variable("case", level, "1", _WORDS["level"]),
             "shared": yes_no("case", shared, "whether every method is asked"),
             "confirmed": yes_no_or("not_asked", "case", [row.confirmed for row in rows], _WORDS["confirmed"]),
             "decay": variable("case", _of_question(rows, "stiffness"), "1", _WORDS["decay"]),

@@ -22,7 +22,6 @@ from lsvib.bench.sweeps.cases import THRESHOLDS
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
-from lsvib.bench.sweeps.worst_case_variables import description, worst_cases
 from lsvib.data.attributes import flagged, named_flags, variable, yes_no, yes_no_or
 from lsvib.data.checks import Check
 from lsvib.drives.parameters import RigidParameters
@@ -43,6 +42,17 @@ _WORDS = {
     "stepper_wrong": "number of cases in which the Taylor stepper has wrong events",
     "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
     "evaluations": "number of cases that the search for the worst one tried in each family",
+}
+_WORST = {  # variable of the worst case of each family: of its outcome, words
+    "worst_state_error": ("state_error", "error of the final state in the worst case of the family"),
+    "worst_time_error": ("time_error", "error of an event time in the worst case of the family"),
+    "worst_sensitivity": ("sensitivity", "change of the worst case when its input is moved in its last places"),
+    "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
+}
+_RUNS = {  # variable of the long runs: of a run, words
+    "run_events": ("events", "number of events of the long run"),
+    "clock_error": ("clock_error", "relative error of the time of the last release from rest"),
+    "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
 }
 _WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.DOUBLE_RATE_OF_THREADS, CaseFamily.SUPPORT, CaseFamily.NUT)
 # Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/stability.md.
@@ -71,6 +81,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         found = search(family, begin, settings["evaluations"], rng)
         worst[family] = replace(found, outcome=judge(found.case, rng, thorough=True))
     families = sorted({case.family for case, _ in rows})
+    found = [worst[f].outcome.verdict for f in families]
     distances = np.array(settings["distances"], dtype=float)
     right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
     by_side = ("force_threshold", "side", "threshold_distance")
@@ -78,9 +89,10 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _cases(rows)
         | _summary(rows, families)
-        | worst_cases([worst[f] for f in families])
+        | _each("edge_family", [worst[f].outcome for f in families], _WORST)
+        | {"worst_verdict": flagged("edge_family", found, "verdict on the worst case", VERDICTS)}
         | {"attractor_is_right": yes_no(by_side, right, "the attractor is the one that the threshold promises")}
-        | _runs(runs),
+        | _each("run", runs, _RUNS),
         coords={
             "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
             "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
@@ -100,7 +112,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "title": "The engine at the edge of the domain",
             "source": "lsvib, exact event-driven motion; judges: Taylor steps, and a reference with 40 digits",
             "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
-            "worst_cases": json.dumps({f.name.lower(): description(worst[f]) for f in families}),
+            "worst_cases": json.dumps({f.name.lower(): worst[f].description() for f in families}),
         },
     )
 
@@ -237,12 +249,6 @@ def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -
     }
 
 
-def _runs(runs: list) -> dict[str, tuple]:
-    words = {
-        "run_events": ("events", "number of events of the long run"),
-        "clock_error": ("clock_error", "relative error of the time of the last release from rest"),
-        "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
-    }
-    return {
-        name: variable("run", [getattr(run, key) for run in runs], "1", text) for name, (key, text) in words.items()
-    }
+def _each(dim: str, things: list, words: Mapping[str, tuple[str, str]]) -> dict[str, tuple]:
+    """Variables of what some things have; ``words``: the name of an attribute, and words, by variable."""
+    return {name: variable(dim, [getattr(x, key) for x in things], "1", text) for name, (key, text) in words.items()}

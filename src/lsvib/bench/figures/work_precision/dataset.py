@@ -1,33 +1,30 @@
 """Error against run time: every method on every scene, against 40 digits, and how much faster the engine is."""
 
 import json
-import os
-import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import PackageNotFoundError, version
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals import race_scenes
-from lsvib.bench.rivals.catalogue import METHODS, MethodFamily, find_method
-from lsvib.bench.rivals.race import Budget, Entry, contest
-from lsvib.bench.rivals.time_at_equal_error import fastest
+from lsvib.bench.rivals.catalogue import METHODS, MethodFamily
+from lsvib.bench.rivals.race import Budget, Entry, contest, fastest
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
-from lsvib.data.provenance import processor
+from lsvib.data.provenance import machine
 
 _CONTROLS = {
     "relative_tolerance": ("1", "relative tolerance of the method"),
     "time_step": ("s", "time step of the method"),
     "smoothing_width": ("rad s-1", "width of the smoothed jump of friction"),
 }
-_NUMBERS = {  # variable: its name here, unit, words
-    "state_error": ("state", "1", "error of the final state, relative to the size of the motion"),
-    "event_time_error": ("times", "s", "largest error of an event's time"),
-    "amplitude_error": ("amplitude", "1", "error of the steady amplitude in sizes of the motion"),
+_NUMBERS = {  # variable: where an entry has it, unit, words
+    "state_error": ("errors.state", "1", "error of the final state, relative to the size of the motion"),
+    "event_time_error": ("errors.times", "s", "largest error of an event's time"),
+    "amplitude_error": ("errors.amplitude", "1", "error of the steady amplitude in sizes of the motion"),
     "run_time": ("fastest", "s", "run time, shortest of the runs"),
     "run_time_median": ("median", "s", "run time, median of the runs"),
 }
@@ -37,127 +34,88 @@ _GENERAL = (MethodFamily.GENERAL, MethodFamily.COMPILED, MethodFamily.TAYLOR)
 _RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
 _SOURCE = "docs/accuracy.md"
 _VERDICTS = (Verdict.NOT_RUN, Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
+_Row = dict[str, list[Entry]]  # of a scene, by method
 _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on the scenes.
-
-    ``settings``: see ``Settings``. Raises ``InputError`` if a name is wrong or a package is missing.
-    """
-    names = [name for name, values in settings["methods"].items() if values]
-    longest = max(len(settings["methods"][name]) for name in names)
+    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on scenes; ``InputError`` without a package."""
+    scenes, methods = settings["scenes"], settings["methods"]
+    names = [name for name, values in methods.items() if values]
     budget = Budget(settings["repeats"], settings["seconds"], settings["limit"])
-    table = _Table(settings["scenes"], names, longest)
-    for row, name in enumerate(settings["scenes"]):
-        this, truth, entries = contest(name, settings["methods"], budget, settings["shorten"])
-        table.fill(row, entries)
-        table.reference_events[row], table.durations[row] = len(truth.kinds), this.duration
+    races = [contest(name, methods, budget, settings["shorten"]) for name in scenes]
+    rows = [{name: [e for e in entries if e.method == name] for name in names} for _, _, entries in races]
     levels = np.array(settings["error_levels"], dtype=float)
-    return table.dataset(
-        settings["methods"], levels, {key: float(settings[key]) for key in ("ratio_floor", "compiled_floor")}
+    families, titles = [METHODS[name].family for name in names], [this.title for this, _, _ in races]
+    labels, asked = [METHODS[name].label for name in names], "ratio that the checks ask for, of"
+    lengths = np.array([this.duration for this, _, _ in races])
+    true = np.array([len(truth.kinds) for _, truth, _ in races], dtype=np.int32)
+    return xr.Dataset(
+        {
+            **_measured(rows, max(len(methods[name]) for name in names)),
+            "reference_events": variable("scene", true, "1", "number of events of the reference"),
+            "duration": variable("scene", lengths, "s", "duration of the motion"),
+            "method_family": flagged("method", families, "family of the method", MethodFamily),
+            "ratio": variable(("scene", "rival", "error_level"), [_ratios(row, levels) for row in rows], "1", _RATIO),
+            **_settings(methods, names),
+        },
+        coords={
+            "scene": named_index("scene", "scene", scenes, labels="; ".join(titles)),
+            "method": named_index("method", "method", names, labels="; ".join(labels)),
+            "rival": flagged("rival", _RIVALS, "family of the rival", MethodFamily),
+            "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
+            "ratio_floor": variable((), float(settings["ratio_floor"]), "1", f"{asked} scipy and CVODE"),
+            "compiled_floor": variable((), float(settings["compiled_floor"]), "1", f"{asked} diffrax and heyoka"),
+        },
+        attrs={
+            "title": "Error against run time of the engine and of other methods",
+            "source": "lsvib; references with mpmath at 40 digits",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
+            "timing": "processor time of one process, methods interleaved, after a discarded run; "
+            "the preparation of a method (tables, compilation) is not in it",
+            **machine(),
+            "rival_versions": json.dumps(_versions()),
+        },
     )
 
 
-class _Table:
-    """Arrays over (scene, method, setting)."""
+def _measured(rows: list[_Row], longest: int) -> dict[str, tuple]:
+    """What was measured, over (scene, method, setting)."""
 
-    def __init__(self, scene_names: list[str], names: list[str], longest: int) -> None:
-        self.scenes, self.names = scene_names, names
-        shape = (len(scene_names), len(names), longest)
-        self.numbers = {key: np.full(shape, np.nan) for key, _, _ in _NUMBERS.values()}
-        self.verdict = np.full(shape, int(Verdict.NOT_RUN), dtype=np.int8)
-        self.events, self.runs = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.int32)
-        self.reference_events = np.zeros(len(scene_names), dtype=np.int32)
-        self.durations, self.first = np.zeros(len(scene_names)), np.full(shape[:2], np.nan)
+    def cube(value: Callable[[Entry], float], missing: float = np.nan, dtype: type = float) -> np.ndarray:
+        padded = [[[*map(value, found), *[missing] * (longest - len(found))] for found in row.values()] for row in rows]
+        return np.array(padded, dtype=dtype)
 
-    def fill(self, row: int, entries: list[Entry]) -> None:
-        """Enter the results of one scene."""
-        seen: dict[str, int] = {}
-        for entry in entries:
-            column = seen.get(entry.method, 0)
-            seen[entry.method] = column + 1
-            place = row, self.names.index(entry.method), column
-            self.verdict[place], self.events[place] = int(entry.errors.verdict), entry.events
-            self.runs[place], self.first[place[:2]] = len(entry.seconds), entry.first
-            for key, array in self.numbers.items():
-                array[place] = getattr(entry if key in ("fastest", "median") else entry.errors, key)
+    dims, events = ("scene", "method", "setting"), cube(lambda e: e.events, -1, np.int32)
+    first = np.array([[found[0].first if found else np.nan for found in row.values()] for row in rows])
+    verdict = cube(lambda e: e.errors.verdict, Verdict.NOT_RUN, np.int8)
+    return {
+        **{name: variable(dims, cube(attrgetter(where)), *about) for name, (where, *about) in _NUMBERS.items()},
+        "runs": variable(dims, cube(lambda e: len(e.seconds), 0, np.int32), "1", "number of runs"),
+        "first_run_time": variable(dims[:2], first, "s", _FIRST_RUN),
+        "motion_verdict": flagged(dims, verdict, "whether the motion is the true one", _VERDICTS),
+        "events": variable(dims, events, "1", "number of events", comment="-1 for a method without"),
+        "setting": variable("setting", np.arange(longest), "1", "index of the method's setting, coarse to fine"),
+    }
 
-    def points(self, row: int, method: str) -> list[tuple[float, float]]:
-        """Pairs (state error, shortest run time) of the right runs of a method on a scene."""
-        k = self.names.index(method)
-        right = self.verdict[row, k] == Verdict.RIGHT
-        state, seconds = self.numbers["state"][row, k], self.numbers["fastest"][row, k]
-        return list(zip(state[right], seconds[right], strict=True))
 
-    def family(self, family: MethodFamily) -> list[str]:
-        """Names of the methods of a family that are in the table."""
-        return [name for name in self.names if METHODS[name].family == family]
+def _ratios(row: _Row, levels: np.ndarray) -> list[list[float]]:
+    """Run time of the best of each rival family on a scene at an error, over the engine's; (family, level)."""
+    points = {
+        name: [(e.errors.state, e.fastest) for e in found if e.errors.verdict == Verdict.RIGHT]
+        for name, found in row.items()
+    }
+    of_family = [[points[name] for name in row if METHODS[name].family == family] for family in _RIVALS]
+    return [[fastest(rivals, x) / fastest([points["exact"]], x) for x in levels] for rivals in of_family]
 
-    def ratios(self, levels: np.ndarray) -> np.ndarray:
-        """Run time of the best of each rival family at an error, over the engine's; (scene, family, level)."""
-        found = np.full((len(self.scenes), len(_RIVALS), levels.size), np.nan)
-        for row in range(len(self.scenes)):
-            for i, family in enumerate(_RIVALS):
-                for j, level in enumerate(levels):
-                    rival = fastest([self.points(row, name) for name in self.family(family)], level)
-                    found[row, i, j] = rival / fastest([self.points(row, "exact")], level)
-        return found
 
-    def dataset(
-        self, controls: Mapping[str, list[float]], levels: np.ndarray, floors: Mapping[str, float]
-    ) -> xr.Dataset:
-        """Put everything into a dataset."""
-        settings = {key: np.full(self.verdict.shape[1:], np.nan) for key in _CONTROLS}
-        for k, name in enumerate(self.names):
-            if METHODS[name].control in _CONTROLS:
-                settings[METHODS[name].control][k, : len(controls[name])] = controls[name]
-        return xr.Dataset(
-            self._variables(settings, levels),
-            coords=self._coordinates(levels, floors),
-            attrs={
-                "title": "Error against run time of the engine and of other methods",
-                "source": "lsvib; references with mpmath at 40 digits",
-                "references": "doi:10.1007/978-1-4419-1752-2_8, Sects. 8.5 to 8.7",
-                "timing": "processor time of one process, methods interleaved, after a discarded run; "
-                "the preparation of a method (tables, compilation) is not in it",
-                "processor": processor(),
-                "processor_cores": os.cpu_count() or 0,
-                "operating_system": platform.system(),
-                "rival_versions": json.dumps(_versions()),
-            },
-        )
-
-    def _variables(self, settings: Mapping[str, np.ndarray], levels: np.ndarray) -> dict[str, tuple]:
-        """Return the variables over scenes, methods and settings, and the ratios."""
-        cube, families = ("scene", "method", "setting"), [METHODS[name].family for name in self.names]
-        return {
-            **{name: variable(cube, self.numbers[key], *about) for name, (key, *about) in _NUMBERS.items()},
-            "runs": variable(cube, self.runs, "1", "number of runs"),
-            "first_run_time": variable(cube[:2], self.first, "s", _FIRST_RUN),
-            "motion_verdict": flagged(cube, self.verdict, "whether the motion is the true one", _VERDICTS),
-            "events": variable(cube, self.events, "1", "number of events", comment="-1 for a method without"),
-            "reference_events": variable("scene", self.reference_events, "1", "number of events of the reference"),
-            "duration": variable("scene", self.durations, "s", "duration of the motion"),
-            "method_family": flagged("method", families, "family of the method", MethodFamily),
-            "ratio": variable(("scene", "rival", "error_level"), self.ratios(levels), "1", _RATIO),
-            **{key: variable(("method", "setting"), settings[key], *_CONTROLS[key]) for key in _CONTROLS},
-        }
-
-    def _coordinates(self, levels: np.ndarray, floors: Mapping[str, float]) -> dict[str, tuple]:
-        """Return the coordinates, and what the checks ask for."""
-        titles = [race_scenes.scene(name).title for name in self.scenes]
-        labels, index = [find_method(name).label for name in self.names], np.arange(self.verdict.shape[2])
-        asked = "ratio that the checks ask for, of"
-        return {
-            "scene": named_index("scene", "scene", self.scenes, labels="; ".join(titles)),
-            "method": named_index("method", "method", self.names, labels="; ".join(labels)),
-            "setting": variable("setting", index, "1", "index of the method's setting, coarse to fine"),
-            "rival": flagged("rival", _RIVALS, "family of the rival", MethodFamily),
-            "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
-            "ratio_floor": variable((), floors["ratio_floor"], "1", f"{asked} scipy and CVODE"),
-            "compiled_floor": variable((), floors["compiled_floor"], "1", f"{asked} diffrax and heyoka"),
-        }
+def _settings(methods: Mapping[str, list[float]], names: list[str]) -> dict[str, tuple]:
+    """The settings of the methods by what they are, over (method, setting)."""
+    found = {key: np.full((len(names), max(len(methods[name]) for name in names)), np.nan) for key in _CONTROLS}
+    for k, name in enumerate(names):
+        if METHODS[name].control in _CONTROLS:
+            found[METHODS[name].control][k, : len(methods[name])] = methods[name]
+    return {key: variable(("method", "setting"), values, *_CONTROLS[key]) for key, values in found.items()}
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
