@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lsvib.bench.random_drives import command, judges, threshold_judge
+from lsvib.bench.random_drives import command, excuses, judges, threshold_judge
 from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
@@ -137,14 +137,14 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
     path = engine_path(follow(rigid_automaton(wide.drive), case.start, case.duration), case)
     other = watched_path(case, constants, path.size)
     assert path.kinds != other.kinds
-    assert judges._at_corner(path, other, case) == judges.CORNER
+    assert excuses.at_corner(path, other, case)
     fewer = replace(path, kinds=path.kinds[:-2] + path.kinds[-1:], times=np.delete(path.times, -2))
     first = replace(path, times=path.times + np.eye(path.times.size)[0] * 1e-6 * case.duration)
     elsewhere = replace(path, end=path.end + 1e-8 * path.size)
     for spoilt in (fewer, first, elsewhere):
-        assert judges._at_corner(spoilt, other, case) == ""
+        assert not excuses.at_corner(spoilt, other, case)
     loaded = case._replace(drive=RigidParameters.of({**dict(case.drive), "axial_force": 1.0}))
-    assert judges._at_corner(path, other, loaded) == ""
+    assert not excuses.at_corner(path, other, loaded)
 
 
 # Drive and start of seed 9601 with R = 0 and Γ₊ < 0: motions that come to the corner θ′ = 0, Q = 0.

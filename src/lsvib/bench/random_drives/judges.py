@@ -6,8 +6,7 @@ next.
 """
 
 import math
-from collections.abc import Callable, Container, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -17,6 +16,15 @@ from mpmath import mp
 from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import Destiny
 from lsvib.bench.random_drives import linear_judge, long_run, threshold_judge
+from lsvib.bench.random_drives.excuses import (
+    at_corner,
+    dies_away,
+    same_after_an_instant,
+    same_first,
+    starts_on_speed,
+    touches_only,
+    without_touches,
+)
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import watch
@@ -28,7 +36,6 @@ from lsvib.bench.sweeps.energy_quadrature import Terms
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import (
     MOST_EVENTS,
-    TOUCHES,
     case_ladders,
     engine_path,
     exact_path,
@@ -63,9 +70,7 @@ _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut"
 # return map and the Taylor stepper (rigid), modes in blocks (the others).
 _COMPILED_FOR = {"rigid": (9001, 2, 4, 10), "threads": (11, 3), "support": (11, 49)}
 _CONFIRMING = 12  # leading events that the reference must confirm
-_INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
 _BESIDE = (1 - 1e-10, 1 + 1e-10)  # factors for starts beside a start; the motions themselves agree to 7e-11
-_AT_ONCE = 1e-6  # relative to the duration; where an undamped contact touches N = 0, N changes its sign twice within it
 
 
 class Finding(NamedTuple):
@@ -146,16 +151,16 @@ def _motion(
         return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
     other = watched_path(case, constants, path.size)
     if other is not None:
-        verdict = RIGHT if case_judge.agree(path, other, case) else _at_corner(path, other, case)
-        if verdict and _balanced(motion, wide, energies):
-            return Finding(verdict, k)
+        same = case_judge.agree(path, other, case)
+        if (same or at_corner(path, other, case)) and _balanced(motion, wide, energies):
+            return Finding(RIGHT if same else CORNER, k)
     exact = exact_path(case, wide.drive, case.start)
     if exact is None:
         return Finding(UNDECIDED, k, "the reference does not decide")
-    if _starts_on_speed(case) and _same_after_an_instant(path, exact, case):
+    if starts_on_speed(case) and same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
     # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
-    if not (path.complete or exact.complete) and _same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+    if not (path.complete or exact.complete) and same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
         return Finding(RIGHT, k)
     # Without a net force rest ends on Q = 0: a corner on every such orbit.
     if constants.net_force == 0 and case_judge.same_end(path, exact):
@@ -167,29 +172,6 @@ def _balanced(motion: Motion, wide: WideDrive, energies: Terms | None) -> bool:
     """Whether the energy of a motion balances."""
     drawn = balance(motion, wide.drive, wide.physics, energies)
     return not drawn.residual > case_judge.allowed_residual(drawn.rounding)
-
-
-def _at_corner(path: Record, other: Record, case: Case) -> str:
-    """Return CORNER if two motions differ only where they may, else nothing; the reference need not be asked then.
-
-    They may differ by events at once after a start on θ′ = 0; with R = 0 by events at the corner θ′ = 0, Q = 0, where
-    all events before the first that differs have the same times; and without damping by touches, which come back in
-    every turn. The final states agree.
-    """
-    if _starts_on_speed(case) and _same_after_an_instant(path, other, case):
-        return CORNER
-    undamped = case.drive.support_damping == 0 == case.drive.translation_damping
-    if undamped and case_judge.agree(*(_without_touches(x, case, TOUCHES) for x in (path, other)), case):
-        return CORNER
-    pairs = zip(path.kinds, other.kinds, strict=False)
-    same = next((k for k, (one, two) in enumerate(pairs) if one != two), min(len(path.kinds), len(other.kinds)))
-    cornered = case.drive.axial_force == 0 and _same_first(path, other, same, case)
-    return CORNER if cornered and case_judge.agree_but_corners(path, other, case) else ""
-
-
-def _starts_on_speed(case: Case) -> bool:
-    """Whether a motion starts on θ′ = 0."""
-    return case.start[1] == -case.drive.input_speed
 
 
 def _four_motion(
@@ -211,44 +193,10 @@ def _four_motion(
         """Ask the strides and the reference once more, and excuse what both sides may tell differently."""
         finding = _by_strides(wide, k, case, path, other)
         exact = exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
-        told_otherwise = exact is not None and (_touches_only(path, exact, case) or _dies_away(path, exact, case))
+        told_otherwise = exact is not None and (touches_only(path, exact, case) or dies_away(path, exact, case))
         return [Finding(CORNER, k) if told_otherwise and _balanced(motion, wide, energies) else finding]
 
     return judged
-
-
-def _touches_only(path: Record, exact: Record, case: Case) -> bool:
-    """Whether motions agree once modes that are left at once, for the mode that they came from, are left out of both.
-
-    An undamped body that was released from rest comes back to rest once in each turn, for no time.
-    """
-    return case_judge.agree(*(_without_instants(x, case) for x in (path, exact)), case)
-
-
-def _without_instants(path: Record, case: Case) -> Record:
-    """Leave out pairs of events that follow each other at once and lead back to the same mode."""
-    kept: list[int] = []
-    for k, kind in enumerate(path.kinds):
-        back = len(kept) > 1 and path.kinds[kept[-2]] == kind
-        if back and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration:
-            kept.pop()
-        else:
-            kept.append(k)
-    return replace(path, kinds=[path.kinds[k] for k in kept], times=path.times[kept])
-
-
-def _dies_away(path: Record, exact: Record, case: Case) -> bool:
-    """Whether motions end alike and the engine has all events of the reference, and rests where a slip has died away.
-
-    A slip whose damping takes it below the last place of its terms is rest to the engine, until both begin to slip.
-    """
-    late, ahead = case_judge.TOLERANCE * case.duration, 0
-    for kind, time in zip(path.kinds, path.times, strict=True):
-        if ahead < len(exact.kinds) and kind == exact.kinds[ahead] and abs(time - exact.times[ahead]) <= late:
-            ahead += 1
-        elif not kind.startswith("rest"):
-            return False
-    return ahead == len(exact.kinds) and case_judge.same_end(path, exact)
 
 
 def _four_label(
@@ -283,25 +231,13 @@ def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record
     """Whether strides excuse a difference, by touches or by the digits of the input; else the reference decides."""
     if other is not None:
         reversals = [("contact_reversal", "contact_reversal")]
-        one, two = (_without_touches(x, case, reversals) for x in (path, other))
+        one, two = (without_touches(x, case, reversals) for x in (path, other))
         if case_judge.same_end(path, other) and one.kinds == two.kinds:
             return Finding(CORNER, k)
         finding = _by_reference(wide, k, case, quick_path)
         if finding.verdict in (CORNER, BEYOND_INPUT):
             return finding
     return _by_reference(wide, k, case)
-
-
-def _without_touches(path: Record, case: Case, touches: Container[tuple[str, str]]) -> Record:
-    """Leave out pairs of events that follow each other at once and only touch a surface."""
-    kept: list[int] = []
-    for k, kind in enumerate(path.kinds):
-        again = kept and (path.kinds[kept[-1]], kind) in touches
-        if again and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration:
-            kept.pop()
-        else:
-            kept.append(k)
-    return replace(path, kinds=[path.kinds[k] for k in kept], times=path.times[kept])
 
 
 def four_case(wide: WideDrive, k: int, fastest: float) -> Case:
@@ -329,16 +265,6 @@ def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth =
         verdict = UNDECIDED
     detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
     return Finding(verdict, k, detail)
-
-
-def _same_after_an_instant(path: Record, other: Record, case: Case) -> bool:
-    """Whether motions that start on θ′ = 0 agree but for events at once, where rounding makes the torque."""
-    later = []
-    for one in (path, other):
-        late = one.times > _INSTANT * case.duration
-        kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
-        later.append(replace(one, kinds=kinds, times=one.times[late]))
-    return case_judge.agree(*later, case)
 
 
 def motion_case(wide: WideDrive, k: int) -> Case:
@@ -396,13 +322,7 @@ def _confirmed(wide: WideDrive, k: int) -> bool:
     count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
     if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
         return False
-    return _same_first(watched, exact, count, case)
-
-
-def _same_first(path: Record, other: Record, count: int, case: Case) -> bool:
-    """Whether the first events of two motions are the same, at the same times."""
-    late = np.abs(path.times[:count] - other.times[:count]).max(initial=0.0)
-    return path.kinds[:count] == other.kinds[:count] and late <= case_judge.TOLERANCE * case.duration
+    return same_first(watched, exact, count, case)
 
 
 def _stability(wide: WideDrive) -> Finding:
