@@ -77,13 +77,17 @@ def imports(module):
 
 
 def source_files(modules):
-    """Return the files of the modules, of the packages around them and of the jobs, relative to the working directory."""
+    """Return the files of the modules, of the packages around them and of the jobs, relative to the working directory.
+
+    The style and the script of a page lie beside the module that writes it.
+    """
     files = {Path("workflow", "jobs.py")}
     for module in modules:
         parts = module.split(".")
         files |= {Path("src", *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path("src", *parts, "__init__.py")
-        files.add(package if package.exists() else Path("src", *parts).with_suffix(".py"))
+        file = package if package.exists() else Path("src", *parts).with_suffix(".py")
+        files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
     return sorted(str(file) for file in files)
 
 

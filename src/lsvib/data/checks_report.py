@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
+from pathlib import Path
 
 from lsvib.data.checks import Check, percent, quantity, verdict
 from lsvib.drives.chapter import PRINTED
@@ -10,49 +11,9 @@ from lsvib.drives.chapter import PRINTED
 Pairs = Sequence[tuple[str, Check]]
 
 _HEADING = "Printed by the chapter"
-_STYLE = """
-:root { --ink: #1c2733; --soft: #5b6875; --line: #d8dee4; --tint: #f3f6f8; }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1rem; max-width: 76rem; color: var(--ink); background: #fff;
-  font: 16px/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.5rem; margin: .5rem 0; } h2 { font-size: 1.2rem; margin: 2rem 0 .5rem; }
-table { border-collapse: collapse; width: 100%; margin: .75rem 0; font-size: .93rem; }
-th, td { text-align: left; vertical-align: top; padding: .4rem .8rem .4rem 0; border-bottom: 1px solid var(--line);
-  white-space: nowrap; }
-th { color: var(--soft); } td small { color: var(--soft); display: block; font-weight: 400; }
-td.words { white-space: normal; overflow-wrap: anywhere; }
-.fail { color: #a33b00; font-weight: 700; } .verdict { padding: .7rem 1rem; background: var(--tint); }
-form { display: flex; flex-wrap: wrap; gap: .5rem 1.5rem; align-items: end; }
-label { display: grid; color: var(--soft); font-size: .9rem; }
-label.box { display: flex; gap: .4rem; align-items: center; min-height: 2.4rem; }
-input[type=search], select { font: inherit; padding: .3rem .5rem; min-width: 12rem; max-width: 100%; }
-@media (max-width: 640px) {
-  thead { display: none; } tr { display: block; border-bottom: 1px solid var(--line); padding: .5rem 0; }
-  tr[hidden] { display: none; }
-  td { display: block; white-space: normal; overflow-wrap: anywhere; border: 0; padding: .1rem 0; }
-  td[data-name]::before { content: attr(data-name) ": "; color: var(--soft); }
-  td:first-child { font-weight: 600; } td:first-child::before { content: ""; }
-}
-"""
+_STYLE = Path(__file__).with_suffix(".css").read_text(encoding="utf-8")
 # Of the page: a row is shown if it holds every word, belongs to the figure, and failed where only those are wanted.
-_FILTER = """
-const rows = [...document.querySelectorAll("#every tbody tr")];
-const [words, figure, failed] = ["words", "figure", "failed"].map(name => document.getElementById(name));
-function filter() {
-  const wanted = words.value.toLowerCase().split(/\\s+/).filter(Boolean);
-  let shown = 0;
-  for (const row of rows) {
-    const text = row.textContent.toLowerCase();
-    row.hidden = !(wanted.every(word => text.includes(word)) && (!figure.value || row.dataset.figure === figure.value)
-      && (!failed.checked || row.dataset.passed === "no"));
-    shown += !row.hidden;
-  }
-  document.getElementById("shown").textContent = `${shown} of ${rows.length} checks are shown.`;
-}
-document.querySelector("form").addEventListener("input", filter);
-document.querySelector("form").addEventListener("submit", event => event.preventDefault());
-filter();
-"""
+_FILTER = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
 def printed(checks: Pairs) -> list[tuple[str, Check]]:

@@ -6,6 +6,7 @@ millisecond, whatever it holds: the fifty pieces of a redraw took longer than th
 
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,18 +17,7 @@ from bokeh.models import ColumnDataSource, CustomJS
 Columns = Mapping[str, Sequence[Any]]
 """The columns of a source by name. A row is a number, words, the numbers of a line, or the pixels of an image."""
 
-_UNPACK = """
-const [text, ...pieces] = content.pieces;
-const row = (value) => {
-  if (value == null || value.piece == null) return value;
-  const piece = pieces[value.piece];
-  return value.size == null ? piece : new Float64Array(piece.buffer, piece.byteOffset + 8 * value.begin, value.size);
-};
-for (const [name, columns] of Object.entries(JSON.parse(text))) {
-  for (const [column, rows] of Object.entries(columns)) sources[name].data[column] = rows.map(row);
-  sources[name].change.emit();  // not sent back to the server, as setting the data would be
-}
-"""
+_UNPACK = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
 class Content(DataModel):
