@@ -8,6 +8,8 @@ import pytest
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
+from reference.chapter_sheet import sheet, values_of
+
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
@@ -16,7 +18,6 @@ from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, drive_of, reserves
 from lsvib.assess.plain_values import as_json
 from lsvib.assess.report import report
-from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
@@ -24,27 +25,7 @@ from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
 from lsvib.steady_sliding.conditions import conditions
 
-CHAPTER = {
-    "name": "Table 8.1",
-    "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
-    "screw": {"inertia": "3.12e-6 kg*m^2"},
-    "coupling": {"stiffness": "1 N*m/rad"},
-    "load": {"mass": "1 kg", "force": "-50 N"},
-    "operation": {"speed": "40 rad/s", "direction": "out"},
-    "friction": {"coefficient": 0.218},
-    "damping": {"rotational": "2e-4 N*m*s/rad"},
-}
 TANGENT = math.tan(math.radians(5.57))
-
-
-def sheet(**changes) -> Sheet:
-    """The chapter's drive with parts replaced."""
-    return Sheet.of({**CHAPTER, **changes})
-
-
-def values_of(given: Sheet) -> dict:
-    """Its quantities at the middle values."""
-    return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
 
 
 def test_a_curve_counts_for_the_efficiency_at_the_running_speed():

@@ -72,6 +72,7 @@ def follow(
             write_dataset(branch_dataset(drive, branch), part)
 
     def text(result: Mapping[str, Any]) -> None:
+        """Print how far the branch goes, and what changes on it."""
         values = [point.value for point in branch.points]
         print(f"{len(values)} cycles, {parameter} from {min(values):.9g} to {max(values):.9g}")
         for change in branch.changes:

@@ -129,6 +129,7 @@ def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> Non
     """Print the checks of a figure and where its picture lies."""
 
     def text(result: Mapping[str, Any]) -> None:
+        """Print a sentence for each check, and last where the picture lies."""
         for check in checks:
             print(check.sentence())
         failed = sum(not check.passed for check in checks)

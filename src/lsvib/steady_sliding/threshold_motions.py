@@ -130,6 +130,7 @@ class Return:
 
     @property
     def h_rate(self) -> Any:
+        """The derivative of ``h`` by the time."""
         slip, (c, s, s_rate) = self.slip, self.responses
         x_rate = -self.speed * (s_rate * (1 - c) - slip.a0 * s * s) / (1 - c) ** 2  # C′ = −a₀ S
         w_rate = self.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)

@@ -74,6 +74,7 @@ def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figur
 
     @wraps(draw)
     def in_style(dataset: xr.Dataset) -> Figure:
+        """Draw, and set plain numbers at the ticks."""
         with matplotlib.rc_context(_STYLE):
             figure = draw(dataset)
             every = [one for axes in figure.axes for one in (axes, *axes.child_axes)]
