@@ -69,7 +69,15 @@ _NO_TREND = 3e-3
 _TREND_NOISE = 3.0
 _LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _BLANKS = 2  # windows without a trend in a row, after which a motion recurs
+_SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
 _QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
+_WHOLE = 4.2  # turns of the slowest oscillation in a window, so that its quarters are whole turns
+_FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
+_PER_EVENT = (
+    0.4  # part of the work of a leap by amplitudes that is its window: it takes two, and more than one unit each
+)
+# Change of the logarithm of an amplitude in an event that is rounding, and change of its trend that is.
+_ROUNDING, _STRAIGHT = 1e-15, 1e-14
 
 
 class Recurrence(NamedTuple):
@@ -91,7 +99,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves, looks = None, 1.0, 0, 0
+    before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[_Trend]()
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -99,8 +107,11 @@ def pursue(
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
-        leap = _by_returns(motion, budget)
-        moves = moves + 1 if leap.moved else 0
+        # Where leaps by amplitudes go farther for their work, those by returns are seldom tried.
+        skipped = rows % _SELDOM > 0
+        leap = _Leap(motion.end_state, motion.end_mode, False, 0.0) if skipped else _by_returns(motion, budget)
+        pays = leap.gain > gain
+        moves = moves + 1 if pays else 0
         leapt |= leap.moved
         if leap.moved:
             motion = follow_patiently(
@@ -108,7 +119,7 @@ def pursue(
             )
             if leap.cycle is not None:
                 return ended(motion) or leap.cycle, leapt
-            if moves % _MOVES:
+            if pays and moves % _MOVES:
                 continue
         # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
         looks += 1
@@ -118,22 +129,33 @@ def pursue(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
         trend = _trend(motion) if motion.time.size == look else None
-        if look == longest and not (trend and trend.consistent):
+        if look == longest:
             found = long_cycle(motion, budget)
             if found is not None:
                 return found, leapt
-        longer = min(2 * window, longest) if conserved or not leap.moved else window
+        wanted = 2 * window
+        if trend is not None and _WHOLE * window <= trend.turns * longest:
+            wanted = max(wanted, math.ceil(_WHOLE * window / trend.turns))
+        longer = min(wanted, longest) if conserved or not pays else window
+        if trend is None or not trend.consistent:
+            rows = 0
         if trend is None:
             window = longer
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
-            state, mode = _extrapolated(automaton, motion, trend, trust)
-            leapt, before = True, trend
-            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
-            blank = 0
-        elif trend.none and window == longest:
-            blank += 1
-            if blank == _BLANKS:
+            quarters, before, blank, seen = _reach(trend, trust), trend, 0, []
+            rows = rows + 1 if quarters > _QUARTERS else 0
+            if rows == 0:
+                window = longer
+                continue
+            leapt, gain = True, max(1.0, _PER_EVENT * quarters / _QUARTERS)
+            state = _extrapolated(motion, trend, quarters, trust)
+            after = max(_BETWEEN, window // _QUARTERS)
+            motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
+        elif window == longest and not trend.moves:
+            seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
+            blank = blank + 1 if trend.none else 0
+            if blank == _BLANKS or _no_trend(seen):
                 return Recurrence(motion.end_state), leapt
         else:
             window, blank = longer, 0
@@ -146,11 +168,15 @@ def _rests(motion: Motion) -> bool:
 
 
 class _Leap(NamedTuple):
-    """The result of leaps by returns: state (n), mode, whether the motion has moved, and the cycle that it is on."""
+    """The result of leaps by returns: state (n), mode, whether the motion has moved, and the cycle that it is on.
+
+    ``gain``: number of events that they have left out, for each unit of work.
+    """
 
     state: np.ndarray
     mode: int
     moved: bool
+    gain: float
     cycle: SteadyState | None = None
 
 
@@ -158,8 +184,9 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
     """Leap along the section of a motion's rarest events as far as that goes."""
     key = section_key(motion)
     here, mode, moved, last, doublings = motion.end_state, motion.end_mode, False, None, _FIRST_DOUBLINGS
+    left, left_out = budget.left, 0
     if key is None:
-        return _Leap(here, mode, moved)
+        return _Leap(here, mode, moved, 0.0)
     seen = (motion.kind == key[0]) & (motion.mode == key[1])
     place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
     size, pattern, steps = np.zeros_like(place), None, list[float]()
@@ -172,6 +199,7 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
                 break
             place = last.after(doublings)
             continue
+        left_out += 0 if last is None else len(patterns[-1]) // motion.mode.itemsize << doublings
         here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
         size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
         scale = np.where(size == 0, 1.0, size)  # a coordinate that is zero at every event may have any scale
@@ -180,9 +208,9 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
         steps.append(last.length(last.step))
         doublings = last.most(doublings + 1)
         if doublings < _LEAST_DOUBLINGS:
-            return _Leap(here, mode, moved, _closed(last, steps))
+            return _Leap(here, mode, moved, left_out / (left - budget.left), _closed(last, steps))
         place = last.after(doublings)
-    return _Leap(here, mode, moved)
+    return _Leap(here, mode, moved, left_out / (left - budget.left))
 
 
 class _Linear(NamedTuple):
@@ -283,13 +311,20 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
 
 
 class _Trend(NamedTuple):
-    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next."""
+    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
+
+    ``quarters`` (4, t) are these logarithms of pairs that turn; ``turns``, how often the slowest of them does in the
+    window; ``moves``, whether a coordinate drifts.
+    """
 
     mode: int
     step: np.ndarray
     bend: np.ndarray
     consistent: bool
     none: bool
+    moves: bool
+    quarters: np.ndarray
+    turns: float
 
     def continues(self, before: "_Trend | None") -> bool:
         """Whether it is that before a leap, in windows of any length."""
@@ -319,18 +354,56 @@ def _trend(motion: Motion) -> _Trend | None:
     squares = place * place + across * across
     if not (squares > 0).all():
         return None
-    quarters = np.array([np.log(part).mean(axis=0) / 2 for part in np.array_split(squares, _QUARTERS)])
+    turn = 2 * math.pi / float(rows[turning, BETA].min())
+    parts = _quarters(motion, turn)
+    quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
-    steady = (step != 0) & (spread <= _STEADY * np.abs(step))
+    steady = (np.abs(step) > _ROUNDING * motion.time.size) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
-    bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
+    bends = (steps[-1] - steps[0]) / (_QUARTERS - 2)
+    bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
+    moves = _moves(motion.after)
+    none = not moves and bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
-    consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
-    return _Trend(home, full, bend, consistent and not none, none)
+    scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
+    consistent = bool(steady.any() and (steady | scatters).all())
+    turns = (motion.end_time - motion.start_time) / turn
+    return _Trend(home, full, bend, consistent and not none, none, moves, quarters, turns)
+
+
+def _no_trend(windows: list[_Trend]) -> bool:
+    """Whether amplitudes that scatter have no trend over many windows that follow each other: a line through all."""
+    if len(windows) < _SCATTERED:
+        return False
+    quarters = np.concatenate([window.quarters for window in windows])
+    place = np.arange(len(quarters)) - 0.5 * (len(quarters) - 1)
+    slope = place @ quarters / (place @ place)
+    rest = quarters - quarters.mean(axis=0) - place[:, None] * slope
+    error = np.sqrt((rest**2).sum(axis=0) / ((len(quarters) - 2) * (place @ place)))
+    return bool((np.abs(slope) <= np.minimum(_NO_TREND, _TREND_NOISE * error)).all())
+
+
+def _quarters(motion: Motion, turn: float) -> list[tuple[slice, np.ndarray]]:
+    """Return the events of each quarter of a motion, and their weights in a mean.
+
+    The quarters are whole turns [s] of the slowest oscillation, if so many are there, and their ends count little:
+    where the motion is within a turn decides how large the forces are, and so how fast the other amplitudes fall.
+    """
+    span = motion.end_time - motion.start_time
+    whole = math.floor(span / (_QUARTERS * turn)) * _QUARTERS * turn
+    ends = motion.end_time - (whole or span) * np.linspace(1.0, 0.0, _QUARTERS + 1)
+    at, place = np.searchsorted(motion.time, ends), motion.time
+    if not (np.diff(at) > _FEWEST).all():
+        place = np.arange(motion.time.size + 0.5)
+        ends = np.linspace(-0.5, motion.time.size - 0.5, _QUARTERS + 1)
+        at = np.searchsorted(place, ends)
+    found = []
+    for one, other, start, end in zip(at[:-1], at[1:], ends[:-1], ends[1:], strict=True):
+        found.append((slice(one, other), np.sin(np.pi * (place[one:other] - start) / (end - start)) ** 2))
+    return found
 
 
 def _moves(states: np.ndarray) -> bool:
@@ -339,22 +412,24 @@ def _moves(states: np.ndarray) -> bool:
     return bool((np.abs(changes.mean(axis=0)) > _TREND_NOISE * np.ptp(changes, axis=0)).any())
 
 
-def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:
-    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short.
+def _reach(trend: _Trend, trust: float) -> float:
+    """Return how far a leap along a trend may go, in quarters of its window.
 
     ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
     """
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
     steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
-    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
-    if leap <= _QUARTERS:
-        return motion.end_state, motion.end_mode
-    flow, home = automaton.tables.flow, trend.mode
+    return min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
+
+
+def _extrapolated(motion: Motion, trend: _Trend, leap: float, trust: float) -> np.ndarray:
+    """Return the state after a leap of so many quarters along a trend."""
+    flow, home = motion.automaton.tables.flow, trend.mode
     modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
     change = leap * trend.step
     if trust == 1.0:
         change = change + 0.5 * leap * (leap + 1) * trend.bend
     factors = np.exp(np.clip(change, _LEAST, _PART))
     modal[: 2 * factors.size] *= np.repeat(factors, 2)
-    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1], None
+    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1]
