@@ -292,17 +292,3 @@ def test_hammering_beside_a_slow_swing_is_told_by_its_trend_over_whole_turns(ind
     """A fast vibration decays while the slide swings slowly, and hardly damped: at 1735 and 0.8 1/s, and alike."""
     automaton, state = scene("support", 83, index, start)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
-
-
-def test_the_quarters_of_a_window_are_whole_turns_of_the_slowest_oscillation():
-    """So the trend of a fast vibration that friction takes is the same in all of them, wherever the slow one is."""
-    automaton, state = scene("support", 83, 71, 0)
-    turn = 2 * math.pi / 0.801047
-    motion = follow(automaton, state, math.inf, max_events=60_000)
-    scatter = []
-    for turns in (3.9, 4.1):
-        window = follow(automaton, motion.end_state, turns * turn, mode=motion.end_mode)
-        steps = np.diff(drifts._trend(window).quarters[:, 0])
-        scatter.append(np.ptp(steps) / abs(steps.mean()))
-    print(scatter)
-    assert scatter[1] < 0.1 * scatter[0]

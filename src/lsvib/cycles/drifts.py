@@ -148,6 +148,9 @@ def pursue(
             if rows == 0:
                 window = longer
                 continue
+            found = ended(motion)  # a leap would throw it off a cycle that it comes to slowly
+            if found is not None:
+                return found, leapt
             leapt, gain = True, max(1.0, _PER_EVENT * quarters / _QUARTERS)
             state = _extrapolated(motion, trend, quarters, trust)
             after = max(_BETWEEN, window // _QUARTERS)
