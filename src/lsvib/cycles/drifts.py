@@ -6,8 +6,9 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
   and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ; this is exact if P is linear. L
   is doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
 * By amplitudes: a second oscillation with a frequency of its own may keep returns from being alike. Then the amplitudes
-  of the oscillators have a trend over many turns, those of the mode in which the motion is longest, of all modes that
-  have oscillators. These amplitudes are extrapolated in the same way, and the phases stay as they are.
+  of the oscillators have a trend over many turns, and are extrapolated (:mod:`lsvib.cycles.trends`).
+
+Those that leave out more events for the same work are preferred.
 
 Leaps by returns whose steps shrink, as foreseen, until nothing moves any more have come to a cycle, however little it
 attracts in one return.
@@ -32,18 +33,15 @@ from lsvib.cycles.recurrences import CORNERS, cycle_through, long_cycle
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
 from lsvib.cycles.steady_states import SteadyState
+from lsvib.cycles.trends import QUARTERS, Trend, extrapolated, no_trend, reach, trend_of
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Budget, Motion
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
 _LONGEST = 4000  # most events in a return
-_CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
-_PART = 0.7  # change of the logarithm of an amplitude that one leap may make
-_OFF = 0.015  # change of the logarithm of an amplitude by which a leap may be wrong, however little it changes
+_CHANGE = 0.2  # part of its way by which a leap may be wrong
 _MORE_TRUST = 4.0  # factor by which leaps may get longer if the trend after a leap is that before it
 _WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
@@ -62,22 +60,10 @@ _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of ampli
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 _LONG_LOOKS = (6, 18, 54)  # windows for trends, counted, in whose place the longest one is followed if there are rests
-_STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
-# A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
-# a multiple of its own spread.
-_NO_TREND = 3e-3
-_TREND_NOISE = 3.0
-_LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _BLANKS = 2  # windows without a trend in a row, after which a motion recurs
-_SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
-_QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
+# Events of the window for each unit of work of a leap by amplitudes: it takes more than one window.
+_PER_EVENT = 0.4
 _WHOLE = 4.2  # turns of the slowest oscillation in a window, so that its quarters are whole turns
-_FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
-_PER_EVENT = (
-    0.4  # part of the work of a leap by amplitudes that is its window: it takes two, and more than one unit each
-)
-# Change of the logarithm of an amplitude in an event that is rounding, and change of its trend that is.
-_ROUNDING, _STRAIGHT = 1e-15, 1e-14
 
 
 class Recurrence(NamedTuple):
@@ -99,7 +85,7 @@ def pursue(
     does.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[_Trend]()
+    before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -128,7 +114,7 @@ def pursue(
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
-        trend = _trend(motion) if motion.time.size == look else None
+        trend = trend_of(motion) if motion.time.size == look else None
         if look == longest:
             found = long_cycle(motion, budget)
             if found is not None:
@@ -143,22 +129,22 @@ def pursue(
             window = longer
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
-            quarters, before, blank, seen = _reach(trend, trust), trend, 0, []
-            rows = rows + 1 if quarters > _QUARTERS else 0
+            quarters, before, blank, seen = reach(trend, trust), trend, 0, []
+            rows = rows + 1 if quarters > QUARTERS else 0
             if rows == 0:
                 window = longer
                 continue
             found = ended(motion)  # a leap would throw it off a cycle that it comes to slowly
             if found is not None:
                 return found, leapt
-            leapt, gain = True, max(1.0, _PER_EVENT * quarters / _QUARTERS)
-            state = _extrapolated(motion, trend, quarters, trust)
-            after = max(_BETWEEN, window // _QUARTERS)
+            leapt, gain = True, max(1.0, _PER_EVENT * quarters / QUARTERS)
+            state = extrapolated(motion, trend, quarters, trust)
+            after = max(_BETWEEN, window // QUARTERS)
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
         elif window == longest and not trend.moves:
             seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
             blank = blank + 1 if trend.none else 0
-            if blank == _BLANKS or _no_trend(seen):
+            if blank == _BLANKS or no_trend(seen):
                 return Recurrence(motion.end_state), leapt
         else:
             window, blank = longer, 0
@@ -311,128 +297,3 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
         patterns.append(motion.mode.tobytes())
         sizes.append(np.abs(motion.after).max(axis=0))
     return states, patterns, sizes
-
-
-class _Trend(NamedTuple):
-    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
-
-    ``quarters`` (4, t) are these logarithms of pairs that turn; ``turns``, how often the slowest of them does in the
-    window; ``moves``, whether a coordinate drifts.
-    """
-
-    mode: int
-    step: np.ndarray
-    bend: np.ndarray
-    consistent: bool
-    none: bool
-    moves: bool
-    quarters: np.ndarray
-    turns: float
-
-    def continues(self, before: "_Trend | None") -> bool:
-        """Whether it is that before a leap, in windows of any length."""
-        if before is None or before.mode != self.mode:
-            return False
-        one, other = (t.step / np.abs(t.step).max() for t in (before, self))
-        return bool(np.abs(one - other).max() <= _STEADY)
-
-
-def _trend(motion: Motion) -> _Trend | None:
-    """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
-    flow = motion.automaton.tables.flow
-    if not isinstance(flow, ModalFlow):
-        return None
-    modes, _, _, durations = motion.arcs()
-    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
-    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
-    home = int(np.argmax(shares))
-    rows = flow.oscillators[home, : flow.pairs[home]]
-    turning = np.flatnonzero(rows[:, BETA] > 0)
-    if turning.size == 0:
-        return None
-    states = np.column_stack([motion.after, np.ones(motion.time.size)])
-    modal = states @ flow.to_modal[home].T
-    place, rate = modal[:, 2 * turning], modal[:, 2 * turning + 1]
-    across = (rate + rows[turning, ALPHA] * place) / rows[turning, BETA]
-    squares = place * place + across * across
-    if not (squares > 0).all():
-        return None
-    turn = 2 * math.pi / float(rows[turning, BETA].min())
-    parts = _quarters(motion, turn)
-    quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
-    steps = np.diff(quarters, axis=0)
-    step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    full = np.zeros(flow.pairs[home])
-    bend = full.copy()
-    steady = (np.abs(step) > _ROUNDING * motion.time.size) & (spread <= _STEADY * np.abs(step))
-    full[turning] = np.where(steady, step, 0.0)
-    bends = (steps[-1] - steps[0]) / (_QUARTERS - 2)
-    bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
-    moves = _moves(motion.after)
-    none = not moves and bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all())
-    # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
-    scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
-    consistent = bool(steady.any() and (steady | scatters).all())
-    turns = (motion.end_time - motion.start_time) / turn
-    return _Trend(home, full, bend, consistent and not none, none, moves, quarters, turns)
-
-
-def _no_trend(windows: list[_Trend]) -> bool:
-    """Whether amplitudes that scatter have no trend over many windows that follow each other: a line through all."""
-    if len(windows) < _SCATTERED:
-        return False
-    quarters = np.concatenate([window.quarters for window in windows])
-    place = np.arange(len(quarters)) - 0.5 * (len(quarters) - 1)
-    slope = place @ quarters / (place @ place)
-    rest = quarters - quarters.mean(axis=0) - place[:, None] * slope
-    error = np.sqrt((rest**2).sum(axis=0) / ((len(quarters) - 2) * (place @ place)))
-    return bool((np.abs(slope) <= np.minimum(_NO_TREND, _TREND_NOISE * error)).all())
-
-
-def _quarters(motion: Motion, turn: float) -> list[tuple[slice, np.ndarray]]:
-    """Return the events of each quarter of a motion, and their weights in a mean.
-
-    The quarters are whole turns [s] of the slowest oscillation, if so many are there, and their ends count little:
-    where the motion is within a turn decides how large the forces are, and so how fast the other amplitudes fall.
-    """
-    span = motion.end_time - motion.start_time
-    whole = math.floor(span / (_QUARTERS * turn)) * _QUARTERS * turn
-    ends = motion.end_time - (whole or span) * np.linspace(1.0, 0.0, _QUARTERS + 1)
-    at, place = np.searchsorted(motion.time, ends), motion.time
-    if not (np.diff(at) > _FEWEST).all():
-        place = np.arange(motion.time.size + 0.5)
-        ends = np.linspace(-0.5, motion.time.size - 0.5, _QUARTERS + 1)
-        at = np.searchsorted(place, ends)
-    found = []
-    for one, other, start, end in zip(at[:-1], at[1:], ends[:-1], ends[1:], strict=True):
-        found.append((slice(one, other), np.sin(np.pi * (place[one:other] - start) / (end - start)) ** 2))
-    return found
-
-
-def _moves(states: np.ndarray) -> bool:
-    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
-    changes = np.diff([part.mean(axis=0) for part in np.array_split(states, _QUARTERS)], axis=0)
-    return bool((np.abs(changes.mean(axis=0)) > _TREND_NOISE * np.ptp(changes, axis=0)).any())
-
-
-def _reach(trend: _Trend, trust: float) -> float:
-    """Return how far a leap along a trend may go, in quarters of its window.
-
-    ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
-    """
-    moving = trend.step != 0
-    sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
-    steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
-    return min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
-
-
-def _extrapolated(motion: Motion, trend: _Trend, leap: float, trust: float) -> np.ndarray:
-    """Return the state after a leap of so many quarters along a trend."""
-    flow, home = motion.automaton.tables.flow, trend.mode
-    modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
-    change = leap * trend.step
-    if trust == 1.0:
-        change = change + 0.5 * leap * (leap + 1) * trend.bend
-    factors = np.exp(np.clip(change, _LEAST, _PART))
-    modal[: 2 * factors.size] *= np.repeat(factors, 2)
-    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1]
