@@ -82,7 +82,7 @@ def pursue(
 
     Arguments: a part of the motion, from whose end it goes on; the work that it may take; ``ended``, which is asked
     about parts of the motion. The end is None if the budget does not suffice. Raises ``EngineError`` where the engine
-    does.
+    does. It is one loop: which leap comes next depends on how far those of both kinds have led.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
