@@ -132,7 +132,7 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
     """With R = 0 seizures accumulate at θ′ = 0, Q = 0 and their number is free; other events and the end are not."""
     wide = wide_drive("rigid", 1, 335, 16)
     constants, case = watch.constants(dict(wide.drive)), judges.motion_case(wide, 10)
-    monkeypatch.setattr(judges, "exact_path", None)  # not called
+    monkeypatch.setattr(judges.paths, "exact_path", None)  # not called
     assert judges._motion(wide, 10, constants, rigid_automaton(wide.drive)).verdict == judges.CORNER
     path = engine_path(follow(rigid_automaton(wide.drive), case.start, case.duration), case)
     other = watched_path(case, constants, path.size)

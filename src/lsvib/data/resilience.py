@@ -116,22 +116,10 @@ def window_of(given: Any) -> Window | None:
     return Window(*ends)
 
 
-def counted(name: str, given: Any, most: int) -> int:
-    """Return a whole number from 0 to ``most``; raises ``InputError`` for anything else."""
-    try:
-        count = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(
-            f"{name} = {numbers.shown(given)} {error}; the allowed range is 0 <= {name} <= {most}."
-        ) from None
-    if not 0 <= count <= most:
-        raise InputError(f"{name} = {count} is outside the allowed range 0 <= {name} <= {most}.")
-    return count
-
-
 def samples_of(samples: Any, seed: Any, window: Window | None) -> tuple[int, int]:
     """Return numbers of samples and seed, checked; raises ``InputError``, also for samples without a window."""
-    count, start = counted("samples", samples, _MOST_SAMPLES), counted("seed", seed, 2**63 - 1)
+    count = numbers.whole_between("samples", samples, 0, _MOST_SAMPLES)
+    start = numbers.whole_between("seed", seed, 0, 2**63 - 1)
     if count and window is None:
         raise InputError("samples need a window, with the ends of u and w, to be drawn from.")
     return count, start

@@ -1,6 +1,6 @@
 """What two tellings of one motion may differ by, so that neither of them is wrong."""
 
-from collections.abc import Container
+from collections.abc import Callable, Container
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,7 @@ def at_corner(path: Record, other: Record, case: Case) -> bool:
     all events before the first that differs have the same times; and without damping by touches, which come back in
     every turn. The final states agree.
     """
-    if starts_on_speed(case) and same_after_an_instant(path, other, case):
+    if same_after_an_instant(path, other, case):
         return True
     undamped = case.drive.support_damping == 0 == case.drive.translation_damping
     if undamped and case_judge.agree(*(without_touches(x, case, TOUCHES) for x in (path, other)), case):
@@ -32,20 +32,17 @@ def at_corner(path: Record, other: Record, case: Case) -> bool:
     return bool(cornered and case_judge.agree_but_corners(path, other, case))
 
 
-def starts_on_speed(case: Case) -> bool:
-    """Whether a motion starts on θ′ = 0."""
-    return case.start[1] == -case.drive.input_speed
-
-
-def touches_only(path: Record, exact: Record, case: Case) -> bool:
+def ends_alike(path: Record, exact: Record, case: Case) -> bool:
     """Whether motions agree once modes that are left at once, for the mode that they came from, are left out of both.
 
-    An undamped body that was released from rest comes back to rest once in each turn, for no time.
+    An undamped body that was released from rest comes back to rest once in each turn, for no time. Or whether a slip
+    dies away.
     """
-    return case_judge.agree(*(_without_instants(x, case) for x in (path, exact)), case)
+    back = [_without_pairs(x, case, lambda kinds, kind: kinds[-2:-1] == [kind]) for x in (path, exact)]
+    return case_judge.agree(*back, case) or _dies_away(path, exact, case)
 
 
-def dies_away(path: Record, exact: Record, case: Case) -> bool:
+def _dies_away(path: Record, exact: Record, case: Case) -> bool:
     """Whether motions end alike and the engine has all events of the reference, and rests where a slip has died away.
 
     A slip whose damping takes it below the last place of its terms is rest to the engine, until both begin to slip.
@@ -60,7 +57,9 @@ def dies_away(path: Record, exact: Record, case: Case) -> bool:
 
 
 def same_after_an_instant(path: Record, other: Record, case: Case) -> bool:
-    """Whether motions that start on θ′ = 0 agree but for events at once, where rounding makes the torque."""
+    """Whether motions start on θ′ = 0 and agree but for events at once, where rounding makes the torque."""
+    if case.start[1] != -case.drive.input_speed:
+        return False
     later = []
     for one in (path, other):
         late = one.times > _INSTANT * case.duration
@@ -77,22 +76,15 @@ def same_first(path: Record, other: Record, count: int, case: Case) -> bool:
 
 def without_touches(path: Record, case: Case, touches: Container[tuple[str, str]]) -> Record:
     """Leave out pairs of events that follow each other at once and only touch a surface."""
-    kept: list[int] = []
-    for k, kind in enumerate(path.kinds):
-        again = kept and (path.kinds[kept[-1]], kind) in touches
-        if again and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration:
-            kept.pop()
-        else:
-            kept.append(k)
-    return replace(path, kinds=[path.kinds[k] for k in kept], times=path.times[kept])
+    return _without_pairs(path, case, lambda kinds, kind: (kinds[-1], kind) in touches)
 
 
-def _without_instants(path: Record, case: Case) -> Record:
-    """Leave out pairs of events that follow each other at once and lead back to the same mode."""
+def _without_pairs(path: Record, case: Case, undoes: Callable[[list[str], str], bool]) -> Record:
+    """Leave out pairs of events at once, of which the second ``undoes`` the first: asked of all kinds before and it."""
     kept: list[int] = []
     for k, kind in enumerate(path.kinds):
-        back = len(kept) > 1 and path.kinds[kept[-2]] == kind
-        if back and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration:
+        at_once = kept and path.times[k] - path.times[kept[-1]] <= _AT_ONCE * case.duration
+        if at_once and undoes([path.kinds[j] for j in kept], kind):
             kept.pop()
         else:
             kept.append(k)

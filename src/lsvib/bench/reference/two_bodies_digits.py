@@ -146,8 +146,8 @@ def _size(row, x):
 class ClosedFormDrive(TwoBodiesTrueDrive):
     """The drive in mpmath numbers, its modes made once."""
 
-    def __init__(self, model, parameters, slide, bearing):
-        super().__init__(model, parameters, slide, bearing, exact=True)
+    def __init__(self, model, parameters, frictions):
+        super().__init__(model, parameters, frictions, exact=True)
         self.known, self.solved = {}, {}
 
     def forces(self, mode, x, along=None):
@@ -182,10 +182,10 @@ class ClosedFormDrive(TwoBodiesTrueDrive):
         return self.mode(mode).lasts(x, zero)
 
 
-def simulate(parameters, model, slide, bearing, start, t_end, *, dps=40, max_events=60):
+def simulate(parameters, model, frictions, start, t_end, *, dps=40, max_events=60):
     """Follow the motion from ``start`` (u, w and the deviation and rate of the second body) at t = 0 to t_end."""
     with mp.workdps(dps + SPARE_DIGITS):
-        drive = ClosedFormDrive(model, parameters, slide, bearing)
+        drive = ClosedFormDrive(model, parameters, frictions)
         x, t, t_end = np.array([mpf(value) for value in start], dtype=object), mpf(0), mpf(t_end)
         events, arcs = [], []
         speeds = drive.speeds(x)

@@ -83,11 +83,8 @@ def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
             f"{found[0]} and {found[1]} of {elastic.grid_outcome.size} starts",
             min(found) > 0 and sum(found) == elastic.grid_outcome.size,
         ),
-        Check.holds(
-            "Motions drawn as unbounded leave the picture towards minus infinity",
-            "Sect. 8.2, Fig. 8.1",
-            f"{int(leaving.sum())} of {leaving.size}",
-            bool(leaving.all() and leaving.size),
+        Check.everywhere(
+            "Motions drawn as unbounded leave the picture towards minus infinity", "Sect. 8.2, Fig. 8.1", leaving
         ),
     ]
 
