@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from lsvib.drives import friction
 from lsvib.drives.parameters import SupportParameters
 from lsvib.engine.exact.precision import PLACES
+from lsvib.numbers import bisected
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, reciprocal_squares
 from lsvib.steady_sliding.linearised import support_model, values_of
 
@@ -101,14 +102,10 @@ def critical_friction_by_eigenvalues(drive: SupportParameters) -> float | None:
     decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of the closed
     form :func:`lsvib.steady_sliding.conditions.critical_friction`.
     """
-    stable, kinematic = 0.0, float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
+    largest = float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
 
     def turned(coefficient: float) -> bool:
         model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)
         return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
 
-    if not turned(kinematic):
-        return None
-    while (middle := (stable + kinematic) / 2) not in (stable, kinematic):
-        stable, kinematic = (stable, middle) if turned(middle) else (middle, kinematic)
-    return kinematic
+    return bisected(turned, 0.0, largest) if turned(largest) else None
