@@ -6,7 +6,6 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.data.spans import evenly_chosen
 from lsvib.figures.drawing import phase_planes, style
 
 # Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
@@ -23,7 +22,6 @@ _REGIONS = {
     ),
 }  # fmt: skip
 _HATCH = "#7F8FA0"
-_COARSE = 250  # columns, and rows, of the map: enough for hatching
 
 
 @style.styled
@@ -37,7 +35,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.pcolormesh(
         friction, stiffness, dataset.stability.T, cmap=colours, vmin=0, vmax=len(codes) - 1, rasterized=True
     )
-    coarse = dataset.isel({name: evenly_chosen(dataset.sizes[name], _COARSE) for name in dataset.stability.dims})
+    coarse = dataset.isel({name: _thinned(dataset.sizes[name]) for name in dataset.stability.dims})
     patches = []
     for name, (colour, hatch, words, name_in, place) in _REGIONS.items():
         inside = (coarse.stability == codes[name]).T.astype(float)
@@ -78,3 +76,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.state_values(figure, dataset)
     phase_planes.legend(figure, [axes], 2, patches)
     return figure
+
+
+def _thinned(count: int) -> np.ndarray:
+    """Indices of at most 250 of ``count`` values, both ends included: enough for hatching."""
+    return np.unique(np.linspace(0, count - 1, 250).astype(int))
