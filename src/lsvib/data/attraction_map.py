@@ -14,7 +14,7 @@ from lsvib import numbers
 from lsvib.basins.cells import NO_DOUBT, Mapper, Progress
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import Basin, basin
-from lsvib.basins.grid import COORDINATES, Axis, Grid
+from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.basins.refinement import RefinedMap, count
@@ -109,7 +109,7 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
 
 def dimensions(grid: Grid) -> tuple[str, str]:
     """Return the names of the dimensions of a map, rows first."""
-    return COORDINATES[grid.y.coordinate], COORDINATES[grid.x.coordinate]
+    return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
 def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, tuple]:
@@ -150,7 +150,7 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
 
 def axis_coordinate(axis: Axis) -> tuple:
     """Return the coordinate variable of an axis: the middles of its cells."""
-    name = COORDINATES[axis.coordinate]
+    name = coordinates()[axis.coordinate]
     return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
 
 
