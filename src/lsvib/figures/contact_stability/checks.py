@@ -179,6 +179,6 @@ def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int
         for i, c in enumerate(dataset.growth_contact_damping.values):
             for j, k in enumerate(dataset.growth_contact_stiffness.values):
                 contact = ThreadsParameters.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
-                stable = routh_hurwitz(threads_model(contact, _LAW, exact=True).polynomial())
+                stable = routh_hurwitz(threads_model(contact.exact(), _LAW).polynomial())
                 wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
     return wrong, dataset.growth_rate.size
