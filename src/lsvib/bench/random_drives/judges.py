@@ -23,7 +23,6 @@ from lsvib.bench.random_drives.excuses import (
     same_first,
     starts_on_speed,
     touches_only,
-    without_touches,
 )
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
@@ -192,7 +191,7 @@ def _four_motion(
 
     def judged() -> list[Finding]:
         """Ask the strides and the reference once more, and excuse what both sides may tell differently."""
-        finding = _by_strides(wide, k, case, path, other)
+        finding = _by_strides(wide, k, case, path, other, _balanced(motion, wide, energies))
         exact = exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
         told_otherwise = exact is not None and (touches_only(path, exact, case) or dies_away(path, exact, case))
         return [Finding(CORNER, k) if told_otherwise and _balanced(motion, wide, energies) else finding]
@@ -228,12 +227,10 @@ def _four_label(
     return judged
 
 
-def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record | None) -> Finding:
+def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record | None, balanced: bool) -> Finding:
     """Whether strides excuse a difference, by touches or by the digits of the input; else the reference decides."""
     if other is not None:
-        reversals = [("contact_reversal", "contact_reversal")]
-        one, two = (without_touches(x, case, reversals) for x in (path, other))
-        if case_judge.same_end(path, other) and one.kinds == two.kinds:
+        if touches_only(path, other, case) and balanced:
             return Finding(CORNER, k)
         finding = _by_reference(wide, k, case, quick_path)
         if finding.verdict in (CORNER, BEYOND_INPUT):

@@ -207,7 +207,6 @@ class ClosedFormDrive(TwoBodiesTrueDrive):
             return False
         return self.mode(mode).lasts(x, zero)
 
-
     def cornered(self, x):
         """The state after a seizure; where the next ones lead to the corner at which N is zero, it is put there.
 
