@@ -160,7 +160,8 @@ def _motion(
     if starts_on_speed(case) and same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
     # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
-    if not (path.complete or exact.complete) and same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+    count = min(len(path.kinds), len(exact.kinds))
+    if not (path.complete or exact.complete) and count >= MOST_EVENTS // 2 and same_first(path, exact, count, case):
         return Finding(RIGHT, k)
     # Without a net force rest ends on Q = 0: a corner on every such orbit.
     if constants.net_force == 0 and case_judge.same_end(path, exact):
