@@ -19,6 +19,7 @@ from lsvib.bench.random_drives import boundary_judge, linear_judge, long_run, th
 from lsvib.bench.random_drives.excuses import (
     at_corner,
     dies_away,
+    moves_as_late,
     same_after_an_instant,
     same_first,
     starts_on_speed,
@@ -194,8 +195,12 @@ def _four_motion(
         """Ask the strides and the reference once more, and excuse what both sides may tell differently."""
         finding = _by_strides(wide, k, case, path, other, _balanced(motion, wide, energies))
         exact = exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
-        told_otherwise = exact is not None and (touches_only(path, exact, case) or dies_away(path, exact, case))
-        return [Finding(CORNER, k) if told_otherwise and _balanced(motion, wide, energies) else finding]
+        if exact is None or not _balanced(motion, wide, energies):
+            return [finding]
+        if touches_only(path, exact, case) or dies_away(path, exact, case):
+            return [Finding(CORNER, k)]
+        rng = np.random.default_rng([wide.seed, wide.index, k])
+        return [Finding(BEYOND_INPUT, k) if moves_as_late(path, exact, case, rng) else finding]
 
     return judged
 

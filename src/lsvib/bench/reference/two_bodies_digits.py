@@ -252,7 +252,7 @@ def simulate(parameters, model, slide, bearing, start, t_end, *, dps=40, max_eve
             if fired is None:
                 return TwoBodiesTruth(t_end, tuple(x), mode, events, arcs, True, drive)
             zero, after = set(here.ties), None
-            if here.kinds[fired] is None:  # what is left of it is the rounding of the clock, which may be fast
+            if stay and here.kinds[fired] is None:  # what is left of it is the rounding of the clock, which may be fast
                 put_on_zero(here.rows[fired], x)
             if here.kinds[fired] is not None:
                 zero.add(here.kinds[fired])

@@ -180,9 +180,7 @@ def _weigh(
     If the reference's own answer changes as much as the engine's is wrong, the verdict becomes BEYOND_INPUT.
     """
     known, moved, like = len(path.kinds) + 1, 0.0, 0
-    # By how many last places each parameter and each coordinate of the start is moved.
-    numbers = range(len((*case.drive, *case.start)))
-    drawn = [np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in numbers]) for _ in range(_PERTURBED)]
+    drawn = [_places(case, rng) for _ in range(_PERTURBED)]
     shared = _shared(path, exact, case)
     # An input that is moved must lead to what the engine has there: that it leads elsewhere excuses nothing.
     wanted = min(shared, len(path.kinds)) + 1 if outcome.verdict is Verdict.WRONG else 0
@@ -223,6 +221,16 @@ def _shared(path: Record, exact: Record, case: Case) -> int:
     late = np.flatnonzero(np.abs(path.times[:count] - exact.times[:count]) > TOLERANCE * case.duration)
     same = _common(path.kinds, exact.kinds)
     return int(late[0]) if late.size and same > count else same
+
+
+def moved(case: Case, rng: np.random.Generator) -> tuple[RigidParameters, tuple[float, ...]]:
+    """Drive and start of a case, moved at random in their last places."""
+    return _moved(case, _places(case, rng))
+
+
+def _places(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """By how many last places each parameter and each coordinate of the start is moved."""
+    return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
 
 
 def _moved(case: Case, places: np.ndarray) -> tuple[RigidParameters, tuple[float, ...]]:
