@@ -51,7 +51,7 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
     if path.complete or exact.complete:
         return case_judge.agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds))
-    return count >= MOST_EVENTS // 2 and same_first(one, two, count, case)
+    return count >= MOST_EVENTS // 4 and same_first(one, two, count, case)
 
 
 def dies_away(path: Record, exact: Record, case: Case) -> bool:
