@@ -21,6 +21,7 @@ from lsvib.bench.random_drives.excuses import (
     dies_away,
     moves_as_late,
     same_after_an_instant,
+    same_corners,
     same_first,
     starts_on_speed,
     touches_only,
@@ -197,7 +198,7 @@ def _four_motion(
         exact = exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
         if exact is None or not _balanced(motion, wide, energies):
             return [finding]
-        if touches_only(path, exact, case) or dies_away(path, exact, case):
+        if any(alike(path, exact, case) for alike in (touches_only, dies_away, same_corners)):
             return [Finding(CORNER, k)]
         rng = np.random.default_rng([wide.seed, wide.index, k])
         return [Finding(BEYOND_INPUT, k) if moves_as_late(path, exact, case, rng) else finding]
