@@ -17,6 +17,7 @@ from lsvib.bench.sweeps.families import Case, CaseFamily, Group
 from lsvib.bench.sweeps.paths import automaton
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch
@@ -217,6 +218,19 @@ def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
     assert motion.time.size == 0
     assert motion.end_state.tolist() == [0.0, 0.0]
     assert not motion.at([0.001, 0.1, 0.2])[0].any()
+
+
+@pytest.mark.parametrize("duration", [20.0, math.inf])
+@pytest.mark.parametrize("index", [637, 28])
+def test_steady_sliding_that_repels_is_stayed_in(index, duration):
+    """With a rotating nut and rates up to 7e5 1/s, for 20 s or for ever: no search for an event that cannot come."""
+    drive = wide_drive("nut", 9901 if index == 637 else 81, index, 1)
+    kind = find_model("nut")
+    motion = follow(kind.build(drive.drive, (*kind.options, *drive.physics), "contact_sign"), [0.0] * 4, duration)
+    assert motion.status == (Status.SETTLED if duration == math.inf else Status.TIME_REACHED)
+    assert motion.time.size == 0
+    assert not motion.end_state.any()
+    assert not motion.at([1e-3, 5.0, 20.0])[0].any()
 
 
 def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():

@@ -245,7 +245,8 @@ def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface
             return _POSITIVE, _LONGEST
         if there[0] <= -rounding:
             return _ROOT, _LONGEST
-        return _POSITIVE if starts_on_surface else _TOUCHES, _LONGEST
+        falls = there[0] >= 0.0 and there[1] <= 0.0  # and may die away without ever touching zero
+        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _LONGEST
     return _UNDECIDED, slack
 
 

@@ -210,7 +210,9 @@ def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface
             return _POSITIVE, _BEYOND_ROUNDING
         if last[0] <= -work.rounding[guard]:
             return _ROOT, _BEYOND_ROUNDING
-        return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
+        # While it still falls it has not touched zero: it may die away without ever coming there.
+        falls = last[0] >= 0.0 and last[1] <= 0.0
+        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _BEYOND_ROUNDING
     return _UNDECIDED, slack
 
 
