@@ -20,12 +20,15 @@ import numpy as np
 
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, TIME_SCALE
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 
-FAR = 2.0**12  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
-ROWS = 5  # of the scratch space of :func:`travel`
+FAR = 2.0**14  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
+_GAIN = 16.0  # by so much the terms must change less than they are: where a pair has turned, it gives them anew
+    16.0  # by so much must the changes of the terms be smaller than they are: a pair that turns once gives them anew
+)
+ROWS = 6  # of the scratch space of :func:`travel`
 
 
 @inlined_kernel
@@ -102,7 +105,7 @@ def change(flow, mode, start, t, out, sizes):
         integral = flow_planar.integrated_response(row, t)
         out[k] = w * s - row[A0] * u * integral
         out[k + 1] = -w * (row[A1] * s + row[A0] * integral) - row[A0] * u * s
-        grown = math.exp(min(max(own_rate(row), 0.0) * t, OVERFLOW))
+        grown = math.exp(min(own_rate(row) * t, OVERFLOW)) if own_rate(row) > 0.0 else 1.0
         a0, a1 = abs(row[A0]), abs(row[A1])
         most = max(abs(s), grown * t / (1.0 + (math.sqrt(a0) + a1) * t))
         area = max(abs(integral), min(most * t, 2.0 * grown / a0))
@@ -126,7 +129,7 @@ def _put_together(flow, mode, coordinates, before, state):
     table, far = flow.from_modal[mode], False
     last = table.shape[1] - 1
     for i in range(state.size):
-        total, size = table[i, last], abs(table[i, last])
+        total, size = table[i, last], 0.0
         for j in range(coordinates.size):
             part = table[i, j] * coordinates[j]
             total += part
@@ -141,19 +144,36 @@ def _displace(flow, mode, before, t, state, scale, room):
     """Form those coordinates of ``state`` anew that are small beside their terms, and their sizes in ``scale`` (n).
 
     ``before`` (n) is the state a time t [s] earlier; ``room`` is that of :func:`travel`, with the modal coordinates of
-    ``state`` in its first row, and ``before`` may be the third.
+    ``state`` in its first row, and ``before`` may be the third. Where the terms have changed by their own size there
+    is nothing to gain.
     """
-    count, table = size_of(flow, mode), flow.from_modal[mode]
-    end, start, moves, sizes = room[0, :count], room[1, :count], room[3, :count], room[4, :count]
+    n, count, table = state.size, size_of(flow, mode), flow.from_modal[mode]
+    end, start, moves, sizes, chosen = room[0, :count], room[1, :count], room[3, :count], room[4, :count], room[5, :n]
+    any_chosen, k = False, 2 * flow.pairs[mode]
+    for pair in range(flow.pairs[mode]):
+        row = flow.oscillators[mode, pair]
+        turned = min(1.0, t / row[TIME_SCALE] + abs(row[A1]) * t)
+        moves[2 * pair], moves[2 * pair + 1] = abs(end[2 * pair]) * turned, abs(end[2 * pair + 1]) * turned
+    for single in range(flow.singles[mode]):
+        moves[k] = min(abs(end[k]), abs(flow.rates[mode, single] * end[k] + flow.pushes[mode, single]) * t)
+        k += 1
+    for i in range(n):
+        terms, changes = 0.0, 0.0
+        for j in range(count):
+            terms += abs(table[i, j] * end[j])
+            changes += abs(table[i, j]) * moves[j]
+        small = terms > FAR * max(abs(before[i]), abs(state[i])) and terms > _GAIN * changes
+        chosen[i], any_chosen = 1.0 if small else 0.0, any_chosen or small
+    if not any_chosen:
+        return
     apply(flow.to_modal[mode], before, start)
     change(flow, mode, start, t, moves, sizes)
-    for i in range(state.size):
-        largest, total, size = abs(table[i, table.shape[1] - 1]), before[i], abs(before[i])
+    for i in range(n):
+        total, size = before[i], abs(before[i])
         for j in range(count):
-            largest += abs(table[i, j] * end[j])
             total += table[i, j] * moves[j]
             size += abs(table[i, j]) * sizes[j]
-        if largest > FAR * max(abs(before[i]), abs(state[i])) and math.isfinite(total):
+        if chosen[i] > 0.0 and math.isfinite(total):
             state[i], scale[i] = total, size
 
 
