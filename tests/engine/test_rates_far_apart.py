@@ -259,7 +259,7 @@ def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(model, seed, ind
     ],
 )
 def test_what_is_small_beside_its_terms_keeps_its_digits(index, start):
-    """Motions of compliant threads that were off by 1e-9 to 1e-5 in one small coordinate, or in the time of an event."""
+    """Motions of compliant threads that were off by 1e-9 to 1e-5 in a small coordinate, or in the time of an event."""
     wide = wide_drive("threads", 9901, index, start + 1)
     case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
     outcome = judge(case, np.random.default_rng(0), by_reference=True, truth=quick_path)

@@ -26,8 +26,6 @@ from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 
 FAR = 2.0**14  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
 _GAIN = 16.0  # by so much the terms must change less than they are: where a pair has turned, it gives them anew
-    16.0  # by so much must the changes of the terms be smaller than they are: a pair that turns once gives them anew
-)
 ROWS = 6  # of the scratch space of :func:`travel`
 
 
