@@ -14,7 +14,7 @@ from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
-from lsvib.bench.sweeps.paths import automaton
+from lsvib.bench.sweeps.paths import automaton, quick_path
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
 from lsvib.drives.registry import find_model
@@ -260,6 +260,25 @@ def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(model, seed, ind
         outcome = judge(case, np.random.default_rng(0), by_reference=True)
         assert outcome.verdict == Verdict.RIGHT
         assert outcome.state_error < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("index", "start"),
+    [
+        *((0, 116), (556, 34)),  # θ′ and N are small beside their parts: the time of the event
+        *((62, 8), (160, 65), (365, 44), (485, 32), (626, 15)),  # a coordinate is small beside its modal terms
+        *((147, 2), (432, 104), (510, 8), (592, 42), (787, 7)),  # v instead of e was put on N = 0 after a whole turn
+        *((12, 0), (217, 6), (305, 6), (755, 3)),  # in blocks: e is small beside a seat far away
+        *((21, 99), (70, 4), (681, 6)),  # in blocks: the same, and N beside its parts
+    ],
+)
+def test_what_is_small_beside_its_terms_keeps_its_digits(index, start):
+    """Motions of compliant threads that were off by 1e-9 to 1e-5 in a small coordinate, or in the time of an event."""
+    wide = wide_drive("threads", 9901, index, start + 1)
+    case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
+    outcome = judge(case, np.random.default_rng(0), by_reference=True, truth=quick_path)
+    assert outcome.verdict == Verdict.RIGHT
+    assert max(outcome.state_error, outcome.time_error) < 1e-10
 
 
 @pytest.mark.parametrize("name", ["pairs", "real rates", "a growing pair", "a single rate", "a slow rate"])
