@@ -19,6 +19,7 @@ from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.cones import shrinking
 from lsvib.cycles.return_map import ReturnSection
+from lsvib.cycles.trends import trend_of
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
@@ -263,7 +264,7 @@ def test_winding_up_is_a_trend():
     rests = np.isin(automaton.codes[motion.mode], automaton.rest_codes)
     assert rests.any()
     assert (np.diff(motion.after[:, 0]) >= 0).all()
-    assert not drifts._trend(motion).none
+    assert not trend_of(motion).none
 
 
 def test_a_cycle_of_thousands_of_events_is_told():
@@ -289,9 +290,16 @@ def test_a_motion_of_which_most_is_spent_in_a_mode_that_does_not_turn():
     automaton, state = scene("threads", 82, 7, 2)
     motion = follow(automaton, state, math.inf, max_events=20_000)
     shares = np.bincount(motion.mode[:-1], weights=np.diff(motion.time))
-    trend = drifts._trend(follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=8000))
+    trend = trend_of(follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=8000))
     pairs = automaton.tables.flow.pairs
     assert pairs[np.argmax(shares)] == 0
     assert trend.step.size == pairs[trend.mode] == 2
     assert trend.consistent
     assert (trend.step < 0).all()
+
+
+@pytest.mark.parametrize(("index", "start"), [(71, 0), (71, 2)])
+def test_hammering_beside_a_slow_swing_is_told_by_its_trend_over_whole_turns(index, start):
+    """A fast vibration decays while the slide swings slowly, and hardly damped: at 1735 and 0.8 1/s, and alike."""
+    automaton, state = scene("support", 83, index, start)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING

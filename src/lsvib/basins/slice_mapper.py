@@ -24,6 +24,7 @@ from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid, coordinates
 from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
 from lsvib.cycles.patience import FEW, follow_patiently
+from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import out_of_range
 from lsvib.drives.parameters import RigidParameters
@@ -125,8 +126,12 @@ class StateMapper(Mapper):
                     self.automaton, state, np.inf, mode=mode, max_events=self._chunk, budget=budget
                 )
             except EngineError as error:
-                diverged = isinstance(error, DivergenceError)
-                end = out_of_range(self.automaton, state) if diverged else SteadyState.unresolved(state, error)
+                if isinstance(error, DivergenceError):
+                    end = out_of_range(self.automaton, state)
+                elif conserves(self.automaton):  # its events may become rare as it comes to the edge of a family
+                    end = self._end(start)
+                else:
+                    end = SteadyState.unresolved(state, error)
                 return Destiny(end.label, np.inf, sprags, -1 if first is None else first, end.doubt)
             if first is None:
                 first = int(motion.kind[0]) if motion.time.size else -1

@@ -6,8 +6,10 @@ import numpy as np
 
 from lsvib.cycles import drifts
 from lsvib.cycles.cones import shrinking
+from lsvib.cycles.family_edges import comes_to_edge
 from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.recurrences import recurrence
+from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import Attractor, Doubt, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
@@ -20,6 +22,7 @@ CHUNK = 64  # events that are looked at first; every further look takes twice as
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
 _FURTHER = 1.6  # of its budget a motion in blocks is followed further at last, which takes three seconds at most
+_EDGE = 0.1  # part of the budget in which a motion that nothing damps may come to the edge of a neutral family
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 
 
@@ -43,6 +46,8 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
         return shrinking(part, budget) or recurrence(automaton, part, budget, apart)
 
     found: SteadyState | drifts.Recurrence | None = None
+    if conserves(automaton):
+        found = comes_to_edge(automaton, state, mode, Budget(_EDGE * all_of_it))
     doubt = Doubt.EVENTS
     used, chunk = 0, FEW if in_blocks else CHUNK
     try:

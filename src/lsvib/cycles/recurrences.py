@@ -19,6 +19,7 @@ SOLVED = 8  # most returns to the section in a cycle that the return map is solv
 REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
 FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
+_POINTS = 1000  # latest returns that show where a motion goes; over more of them a slow approach is lost in rounding
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
@@ -60,7 +61,7 @@ def recurrence(
     seen = watched(motion)
     if seen is None:
         return None
-    key, points, size, longest = seen
+    key, points, size, longest = seen._replace(points=seen.points[-_POINTS:])
     changes = np.abs(points[-1] - points[-2 : -2 - PERIODS : -1]) / size
     repeats = np.flatnonzero((changes <= REPEATS[size.size > 2]).all(axis=1)) + 1
     if len(points) < FEWEST and not repeats.size:
