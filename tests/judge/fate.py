@@ -31,6 +31,7 @@ _LEAPS = 400  # of one motion
 _SLOW = 0.1  # of the size of the motion; a drift that is faster is followed turn by turn
 _FEW = 8  # leaps that are not worth a new watch
 _BEHIND = range(-30, 11)  # powers of two, times the last leap, of the places asked behind a drift of zero
+_CLEAR = 1e-3  # of a drift, by which one the other way is more than rounding: a surface only touched magnifies that
 _PHASES = (0.0, 0.31, 0.57, 0.83)  # of the turn in which a drift ends
 
 
@@ -190,7 +191,9 @@ class _WatchedSection:
         if seen.end != watch.EVENTS_FULL or seen.modes.size != self.pattern.size or (seen.modes != self.pattern).any():
             return None
         places = seen.states[:, int(self.on_contact)]
-        size = max(abs(x), np.abs(places).max(), 0.0 if self.on_contact else self.least)
+        turning = math.sqrt(self.c.flow[1, 1])  # between events u swings as far as w / ω, and w as far as u ω
+        swing = np.abs(seen.states[:, int(not self.on_contact)]).max() * (turning if self.on_contact else 1 / turning)
+        size = max(abs(x), np.abs(places).max(), swing, 0.0 if self.on_contact else self.least)
         change = float(places[-1]) - x
         return change if abs(change) > _SEEN * size else 0.0
 
@@ -203,9 +206,10 @@ class _WatchedSection:
         return None if second is None else (x + first, second)
 
     def turns(self, x: float, step: float, drift: float) -> bool:
-        """Whether the drift has turned back somewhere behind x, where it is rounding."""
+        """Whether the drift has turned back somewhere behind x, as clearly as it was there before."""
         changes = (self.drift(x + step * 2.0**power) for power in _BEHIND)
-        return any(change is not None and change * drift < 0 for change in changes)
+        back = math.copysign(1.0, -drift)
+        return any(change is not None and change * back > _CLEAR * abs(drift) for change in changes)
 
 
 def _drift(c: WatchConstants, seen: _WatchedEvents, period: int, events: int, leaps: int) -> Fate:
@@ -226,9 +230,9 @@ def _drift(c: WatchConstants, seen: _WatchedEvents, period: int, events: int, le
             step, growing = 0.5 * step, False
             continue
         there, ahead = found
-        if ahead == 0 and not section.turns(there, step, drift):
-            return Fate("unknown", "a drift that fades into rounding", events)
         if ahead * drift <= 0:
+            if not section.turns(there, step, drift):
+                return Fate("unknown", "a drift that fades into rounding", events)
             return _between(c, section, x, there, drift, events)
         x, drift = there, ahead
         step = 2 * step if growing else step

@@ -38,6 +38,7 @@ from lsvib.steady_sliding.stability_table import stability_table
 GOOD = RIGHT, CORNER, BEYOND_INPUT = tuple(v.words for v in (Verdict.RIGHT, Verdict.CORNER, Verdict.BEYOND_INPUT))
 BAD = WRONG, CRASHED, LATE = tuple(v.words for v in (Verdict.WRONG, Verdict.CRASHED, Verdict.LATE))
 REFUSED, UNRESOLVED, UNDECIDED = (v.words for v in (Verdict.REFUSED, Verdict.UNRESOLVED, Verdict.UNDECIDED))
+UNNOTED = *GOOD, Verdict.NOT_RUN.words  # findings that are only counted
 QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # all right for the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative error of an eigenvalue that is right
@@ -87,7 +88,7 @@ def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
         )
         for question, answer in asked:
             for k in range(len(wide.starts)):
-                yield question, lambda k=k, answer=answer: _four_label(wide, k, answer, truth)
+                yield question, lambda k=k, answer=answer: _four_label(wide, k, answer, truth, long)
         return
     constants = watch.constants(dict(wide.drive))
     automaton = lru_cache(lambda: rigid_automaton(wide.drive))  # its first use counts its construction
@@ -141,7 +142,7 @@ def _motion(
     if full and excuses.same_first(path, exact, count, case):
         return Finding(RIGHT, k)
     # Without a net force rest ends on Q = 0: a corner on every such orbit.
-    if constants.net_force == 0 and case_judge.same_end(path, exact):
+    if constants.net_force == 0 and case_judge.same_end(path, exact) and _balanced(motion, wide, energies):
         return Finding(CORNER, k)
     return _by_reference(wide, k, case)
 
@@ -186,15 +187,19 @@ def _four_label(
     k: int,
     answer: Callable[[np.ndarray], SteadyState | Destiny],
     truth: Callable[[int], long_run.Fate],
+    long: Callable[[], tuple[Ladders, float]],
 ) -> Callable[[], list[Finding]]:
     """Name where a motion of a drive with four states ends; a long run by strides judges, as far as it decides."""
     found = answer(wide.starts[k])
     name = found.label.name.lower()
 
     def beside() -> str:
-        """Verdict on another name than that of the long run: whether a start beside this one has it."""
-        near = {answer(wide.starts[k] * part).label.name.lower() for part in _BESIDE}
-        return CORNER if truth(k).name in near else WRONG
+        """Verdict on another name than that of the long run: a corner if both change from start to start beside it."""
+        starts = np.array([wide.starts[k] * part for part in _BESIDE])
+        if truth(k).name not in {answer(start).label.name.lower() for start in starts}:
+            return WRONG
+        fates = {long_run.fate(wide._replace(starts=starts), j, *long()).name for j in range(len(starts))}
+        return CORNER if name in fates else UNDECIDED if "unknown" in fates else WRONG
 
     # The long run takes no part of the program's time.
     return lambda: [compared(wide, k, truth(k), name, found.doubt or "", beside)]

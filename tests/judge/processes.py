@@ -19,7 +19,7 @@ from typing import Any
 from numba.core.event import Listener, register
 
 from judge import judges
-from judge.judges import CRASHED, GOOD, LATE, QUESTIONS, Finding
+from judge.judges import CRASHED, LATE, QUESTIONS, UNNOTED, Finding
 from lsvib.bench.sweeps.wide_drives import wide_drive
 
 STARTS = 4  # starts of each drive by default
@@ -91,7 +91,7 @@ def judged(
         longest = max(longest, time.process_time() - _Compiling.spent - begin)
         for finding in findings:
             counts[f"{name} {finding.verdict}"] += 1
-            if finding.verdict not in GOOD:
+            if finding.verdict not in UNNOTED:
                 notable.append({"stage": name, **finding._asdict()})
     return {"index": index, "counts": dict(counts), "longest": round(longest, 3), "notable": notable}
 

@@ -34,7 +34,10 @@ _FORCES = np.logspace(-4, 4, 9)  # forces, relative to the scale of the force, a
 
 
 def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:
-    """Ask every threshold of a drive; yields its name, a verdict (right, wrong, undecided), what it says, the truth."""
+    """Ask every threshold of a drive; yields its name, a verdict, what it says, and the truth.
+
+    The verdict is right, wrong, undecided, or not run, where the program says that there is no such threshold.
+    """
     for name in _SIDES:
         try:
             force = getattr(thresholds, name)(drive)
@@ -156,7 +159,7 @@ def _all_come_to_rest(c: watch.WatchConstants, said: str, rng) -> tuple[str, str
 
 def _absent(drive: RigidParameters, name: str, reason: str, rng) -> tuple[str, str, str]:
     if name != "global_stability_force" or "globally stable" not in reason:
-        return "right", "", ""
+        return "not run", reason, ""
     onset = _onset(drive)
     scale = max(abs(onset), 1e-3)
     for part in _FORCES:

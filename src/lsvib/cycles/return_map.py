@@ -27,6 +27,7 @@ from lsvib.engine.kernels import flow_planar
 SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
 WIDER = 4.0  # factor from one interval tried around a fixed point to the next
 WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
+_FAR = 0.1  # half width of the widest interval whose ends must come nearer: by 2e-14 in a return, beyond rounding
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 _NOISE = 4 * flow_planar.EPS  # rounding of P(y) − y, in scales of the section
@@ -76,7 +77,7 @@ class ReturnSection(Section):
         """
         here = np.zeros(self.dimension)
         if self.origin.size == 2:
-            attracts = self.dimension == 0 or self._attracts(here)
+            attracts = self.dimension == 0 or self._rests() or self._attracts(here)
             return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0) if attracts else None
         leading, (exact, margin) = largest(self.jacobian(here)), self.slopes(here)
         neutral = self._is_neutral(exact, margin)
@@ -84,6 +85,11 @@ class ReturnSection(Section):
         if math.isnan(leading) or (not neutral and abs(largest(exact)) >= 1 - margin):
             leading = largest(exact)
         return FixedPoint(self.origin, leading, math.nan, neutral)
+
+    def _rests(self) -> bool:
+        """Whether a return to a line rests: with two states every rest ends in the same state."""
+        orbit = self.come_back(self.origin)
+        return orbit is not None and bool(np.isin(self.automaton.codes[orbit.mode], self.automaton.rest_codes).any())
 
     def _is_neutral(self, slopes: np.ndarray, margin: float) -> bool:
         """Whether a fixed point with these P′ (d, d) neither attracts nor repels, because nothing damps."""
@@ -120,18 +126,20 @@ class ReturnSection(Section):
         return FixedPoint(self.state(old), slope, width) if self._attracts(old) else None
 
     def _attracts(self, place: np.ndarray) -> bool:
-        """Whether motions from both sides of a place on a line come nearer to it by more than rounding."""
-        clear = CLEAR * self.grain(place)
-        for step in (SLOPE_STEP, WIDEST):
-            left, right = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
-            if left > clear and right < -clear:
-                return True
-        return False
+        """Whether motions from both sides of a place on a line come nearer to it by more than rounding.
 
-    def _inward(self, place: np.ndarray, width: float) -> bool:
+        Or whether all that come back, perhaps from one side only, are there at once, and not by rounding.
+        """
+        clear = CLEAR * self.grain(place)
+        if any(self._inward(place, step, clear) for step in (SLOPE_STEP, WIDEST, _FAR)):
+            return True
+        left = np.array([abs(float(self.excess(place + far)[0]) + far) for far in (-WIDEST, WIDEST)])
+        return bool(clear <= _CONVERGED and np.isfinite(left).any() and not (left > CLEAR).any())
+
+    def _inward(self, place: np.ndarray, width: float, clear: float = 0.0) -> bool:
         """Whether motions from both ends of an interval come back nearer to its middle, by the same events."""
         (left, before), (right, after) = self.outcome(place - width), self.outcome(place + width)
-        return bool(left > 0 > right) and before == after
+        return bool(left > clear and right < -clear) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
         """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution.
