@@ -68,7 +68,8 @@ def follow_patiently(
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
             state, time = there, time + quiet
         fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
-        reach = 2 * reach if quiet == 0 and reach < math.inf else _TURNS / float(fastest)
+        waits = quiet == 0 and not found and reach < math.inf  # an event has led to a mode with times of its own
+        reach = 2 * reach if waits else _TURNS / float(fastest)
 
 
 def _searched(
