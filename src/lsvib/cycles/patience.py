@@ -45,7 +45,7 @@ def follow_patiently(
     time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else max_events
     while True:
         here, most = min(max_events - count, most), 2 * most
-        work = (_FIRST if reach == math.inf else _SEARCH) + _EACH * here
+        work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * (0.2 if in_blocks else 1.0)
         piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, t_end - time <= reach
         pieces.append(_begun_at(piece, time))
