@@ -57,9 +57,9 @@ rule all:
 
 
 onstart:
-    jobs.start()
-    # Here jobs need no limit for each second; keeping one makes Snakemake choose anew up to fifty times a second.
     if workflow.local_exec:
+        jobs.start()
+        # Here jobs need no limit for each second; keeping one makes Snakemake choose anew again and again.
         workflow.scheduler.job_rate_limiter = None
 
 

@@ -1,18 +1,20 @@
 """The jobs of the rules, each in a process of its own that starts with all libraries loaded.
 
 To start Python and to load numba, xarray and matplotlib takes longer than most figures do. So one process, the fork
-server of the standard library, loads them once, and every job is a copy of it. It only imports: no thread of a library
-runs in it, and what a job changes dies with the job.
+server of the standard library, loads them once, and every job is a copy of it. It only imports: no thread runs
+in it, and what a job changes dies with the job.
 """
 
 import importlib
 import multiprocessing
+import os
 import resource
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing import connection, forkserver
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,8 @@ _LIBRARIES = [
     "snakemake.cli",  # the main module, which multiprocessing would load in every process
 ]
 
+# One thread for linear algebra in each job, as Snakemake gives to scripts: matrices are small, and jobs fill the cores.
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 _PROCESSES = multiprocessing.get_context("forkserver")
 _PROCESSES.set_forkserver_preload(_LIBRARIES)
 Texts = list[str]
@@ -47,21 +51,25 @@ def run(job: Callable[..., None], log: str, subject: str, *arguments: Any) -> No
     """
     process = _PROCESSES.Process(target=_run, args=(job, log, subject, arguments))
     with _TURN:
-        process.start()
+        try:
+            process.start()
+        except (OSError, EOFError) as error:  # the fork server has ended; it says why on stderr
+            raise WorkflowError(f"The process of the job did not start: {error}.") from None
     connection.wait([process.sentinel])
     with _TURN:
         process.join()
     if process.exitcode:
-        ended = f"was ended by {signal.Signals(-process.exitcode).name}" if process.exitcode < 0 else "failed"
+        killed = process.exitcode < 0
+        ended = f"was ended by a signal: {signal.strsignal(-process.exitcode)}" if killed else "failed"
         raise WorkflowError(f"The job {ended}.")
 
 
 def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any, ...]) -> None:
+    started = time.perf_counter()
+    sys.stderr = open(log, "w", buffering=1)  # noqa: SIM115 (until the process ends)
     from lsvib.errors import LsvibError
     from lsvib.files import write_text
 
-    started = time.perf_counter()
-    sys.stderr = open(log, "w", buffering=1)  # noqa: SIM115 (until the process ends)
     try:
         job(*arguments)
     except LsvibError as error:
@@ -70,10 +78,11 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
         sys.exit("interrupted")
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     seconds, cpu = time.perf_counter() - started, sum(part.ru_utime + part.ru_stime for part in used)
-    memory = max(part.ru_maxrss for part in used) / 1024
+    memory = max(part.ru_maxrss for part in used) / (2**20 if sys.platform == "darwin" else 2**10)
     benchmark = Path("benchmarks", Path(log).relative_to("logs")).with_suffix(".tsv")
-    benchmark.parent.mkdir(parents=True, exist_ok=True)
-    write_text(f"s\tcpu_time\tmax_rss [MB]\n{seconds:.2f}\t{cpu:.2f}\t{memory:.0f}\n", benchmark)
+    with suppress(OSError, LsvibError):  # what the job has made is good without it
+        benchmark.parent.mkdir(parents=True, exist_ok=True)
+        write_text(f"s\tcpu_time\tmax_rss [MB]\n{seconds:.2f}\t{cpu:.2f}\t{memory:.0f}\n", benchmark)
 
 
 def _tell(what: str) -> Callable[[int, int], None]:
@@ -84,7 +93,7 @@ def _tell(what: str) -> Callable[[int, int], None]:
 
 
 def compile_engine(part: str, sources: Texts, marker: str) -> None:
-    """Compile one part of the engine into numba's cache, and note the digest of its source."""
+    """Compile one part of the engine into numba's cache, and note the digest of its inputs."""
     import hashlib
 
     from lsvib.files import write_text

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lsvib.bench.random_drives import command, excuses, judges, long_run, threshold_judge
+from lsvib.bench.random_drives import boundary_judge, command, excuses, judges, long_run, threshold_judge
 from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
@@ -259,6 +259,31 @@ def test_the_judges_can_say_wrong(monkeypatch):
     monkeypatch.setattr(threshold_judge.thresholds, "onset_force", lambda drive: 1.01 * right(drive))
     found = {name: verdict for name, verdict, *_ in threshold_judge.objections(drive, rng)}
     assert found["onset_force"] == "wrong"
+
+
+@pytest.mark.parametrize("model", MODELS[1:])
+def test_a_boundary_of_stability_that_is_off_by_a_part_in_a_million_is_found_out(model, monkeypatch):
+    """The thresholds of a drive with four states are right, and a table that moves them is called wrong."""
+    right = boundary_judge.threshold_table
+
+    def moved(changes, model):
+        table = right(changes, model)
+        for entry in table.values():
+            for interval in entry["stable_intervals"]:
+                interval["low"] *= 1 + 1e-6
+                interval["high"] = interval["high"] and interval["high"] * (1 + 1e-6)
+            entry["value"] = entry["value"] and entry["value"] * (1 + 1e-6)
+        return table
+
+    wrong = 0
+    for index in range(2):
+        wide = wide_drive(model, SEED, index, 1)
+        asked = [verdict for _, verdict, *_ in boundary_judge.objections(wide, np.random.default_rng(index))]
+        assert asked == ["right"] * 3
+        with monkeypatch.context() as patch:
+            patch.setattr(boundary_judge, "threshold_table", moved)
+            wrong += any(x[1] == "wrong" for x in boundary_judge.objections(wide, np.random.default_rng(index)))
+    assert wrong
 
 
 def test_faults_and_their_drives_are_recorded(monkeypatch):

@@ -44,6 +44,8 @@ rule accuracy_table:
         "results/accuracy/table.md",
     log:
         "logs/accuracy_table.log",
+    params:
+        code=code(jobs.accuracy_table),
     message:
         "Writing the tables of accuracy"
     run:

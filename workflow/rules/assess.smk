@@ -39,6 +39,7 @@ rule sample_drive:
     log:
         "logs/sample_drive/{sheet}_{share}.log",
     params:
+        code=code(jobs.sample),
         samples=config["assessment_samples"],
         shares=SHARES,
     message:
@@ -64,6 +65,7 @@ rule assess_drive:
     log:
         "logs/assess_drive/{sheet}.log",
     params:
+        code=code(jobs.assess),
         samples=config["assessment_samples"],
     message:
         "Assessing {wildcards.sheet}"
@@ -81,6 +83,8 @@ rule compare_drives:
         table="results/assessments/comparison.json",
     log:
         "logs/compare_drives.log",
+    params:
+        code=code(jobs.compare),
     message:
         "Comparing the drives"
     run:

@@ -24,6 +24,7 @@ rule compile_mapper:
     log:
         "logs/compile_mapper.log",
     params:
+        code=code(jobs.first_cell),
         settings=MAP,
     message:
         "Compiling the mapper"
@@ -43,6 +44,7 @@ rule map_tile:
     resources:
         mem_mb=1000,
     params:
+        code=code(jobs.map_tile),
         settings=MAP,
     message:
         "Mapping tile {wildcards.scatteritem}"
@@ -62,6 +64,7 @@ rule gather_map:
     resources:
         mem_mb=1000,
     params:
+        code=code(jobs.whole_map),
         settings=MAP,
     message:
         "Gathering the tiles"
@@ -85,6 +88,8 @@ rule draw_map:
         "logs/draw_map.log",
     resources:
         mem_mb=1000,
+    params:
+        code=code(jobs.overview),
     message:
         "Drawing the region of attraction"
     run:

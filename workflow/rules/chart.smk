@@ -26,6 +26,7 @@ rule chart_tile:
     resources:
         mem_mb=1000,
     params:
+        code=code(jobs.chart_tile),
         settings=CHART,
     message:
         "Charting tile {wildcards.scatteritem}"
@@ -45,6 +46,7 @@ rule gather_chart:
     resources:
         mem_mb=1000,
     params:
+        code=code(jobs.whole_chart),
         settings=CHART,
     message:
         "Gathering the chart"
@@ -68,6 +70,8 @@ rule draw_chart:
         "logs/draw_chart.log",
     resources:
         mem_mb=1000,
+    params:
+        code=code(jobs.overview),
     message:
         "Drawing the chart"
     run:

@@ -18,6 +18,8 @@ rule checks:
         ),
     log:
         "logs/checks.log",
+    params:
+        code=code(jobs.all_checks),
     message:
         "Collecting the checks"
     run:
@@ -42,6 +44,8 @@ rule verdict:
         "results/verdict.txt",
     log:
         "logs/verdict.log",
+    params:
+        code=code(jobs.verdict),
     message:
         "Judging the checks"
     run:

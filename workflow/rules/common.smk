@@ -1,7 +1,9 @@
 """Validation of the configuration, and the source files that a figure depends on."""
 
+import hashlib
 import importlib.metadata
 import importlib.util
+import inspect
 import json
 import os
 import re
@@ -35,19 +37,12 @@ try:
 except LsvibError as error:
     raise WorkflowError(f"Configuration: {error}") from None
 
-if any(letter.isspace() for letter in sys.executable):
-    raise WorkflowError(
-        f"The path of Python, {sys.executable}, holds a space, with which Snakemake cannot start jobs: "
-        "keep the virtual environment, or the whole clone, in a folder without spaces."
-    )
-
-
 # What is built: the figures of the default target and those of the target `accuracy`; the configuration may leave some out.
 FIGURES = selected(config)
 ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
-# What each script imports of ours besides the modules of its figure.
-SCRIPT_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
+# What the jobs import of ours besides the modules of their figure.
+JOB_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
 # configuration file changes the order.
@@ -77,11 +72,11 @@ def imports(module):
 
 
 def source_files(modules):
-    """Return the files of the modules, of the packages around them and of the jobs, relative to the working directory.
+    """Return the files of the modules and of the packages around them, relative to the working directory.
 
     The style and the script of a page lie beside the module that writes it.
     """
-    files = {Path("workflow", "jobs.py")}
+    files = set()
     for module in modules:
         parts = module.split(".")
         files |= {Path("src", *parts[:n], "__init__.py") for n in range(1, len(parts))}
@@ -91,13 +86,18 @@ def source_files(modules):
     return sorted(str(file) for file in files)
 
 
+def code(job):
+    """Return a digest of the source of a function of jobs.py: a parameter of its rule, so that an edit reruns that rule."""
+    return hashlib.sha256(inspect.getsource(job).encode()).hexdigest()[:16]
+
+
 def figure_sources(kind, figure):
     """Return the source files of the figure's dataset or picture."""
     if kind == "datasets":
         own = (dataset_module(figure), settings_module(figure), *settings_of(figure).needs)
     else:
         own = (picture_module(figure),)
-    return source_files(frozenset().union(*map(imports, (*own, SCRIPT_IMPORTS[kind]))))
+    return source_files(frozenset().union(*map(imports, (*own, JOB_IMPORTS[kind]))))
 
 
 def sources(kind):
@@ -178,10 +178,10 @@ def print_results(started, log=None):
 
     ``log``: the logs of Snakemake, in which the jobs that failed are looked up; None if none did.
     """
-    jobs = failed_jobs(log) if log else []
-    words = f"{len(jobs)} job{'s' * (len(jobs) > 1)} FAILED: {', '.join(name for name, _ in jobs)}."
-    summary = [words] if jobs else []
-    for name, reason in jobs:
+    failed = failed_jobs(log) if log else []
+    words = f"{len(failed)} job{'s' * (len(failed) > 1)} FAILED: {', '.join(name for name, _ in failed)}."
+    summary = [words] if failed else []
+    for name, reason in failed:
         print(f"\nFAILED {name}: {reason}")
     for folder in ("results", "results/accuracy"):
         records = Path(folder, "checks.json")
@@ -199,11 +199,12 @@ def failed_jobs(log):
     """Return the name of each job that failed and the last line of its log."""
     logs = [log] if isinstance(log, str) else log
     text = "".join(Path(file).read_text(encoding="utf-8", errors="replace") for file in logs)
-    jobs = {}
+    failed = {}
     for block in re.findall(r"^Error in \w+ .+\n(?: .*\n)*", text, re.MULTILINE):
         file = re.search(r"^    log: (\S+)", block, re.MULTILINE)
-        lines = Path(file[1]).read_text(encoding="utf-8", errors="replace").split("\n") if file else []
+        written = file and Path(file[1]).exists()
+        lines = Path(file[1]).read_text(encoding="utf-8", errors="replace").split("\n") if written else []
         reasons = [line for line in lines if line.strip()]
         name = Path(file[1]).with_suffix("").relative_to("logs").as_posix() if file else block.split()[3].rstrip(":,")
-        jobs[name] = reasons[-1] if reasons else "its log is empty; Snakemake says more above"
-    return list(jobs.items())
+        failed[name] = reasons[-1] if reasons else "its log is empty; Snakemake says more above"
+    return list(failed.items())

@@ -1,4 +1,4 @@
-"""A quick look: several figures in one process, since starting one takes longer than a coarse grid does.
+"""A quick look: several figures in one process, since loading our modules takes longer than a coarse grid does.
 
 These rules make the same files as those of a full run; Snakemake prefers a rule without wildcards.
 """
@@ -14,7 +14,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
             f"draft_{number + 1}"
         input:
             sources=sorted(
-                {file for f in figures for kind in SCRIPT_IMPORTS for file in figure_sources(kind, f)}.union(
+                {file for f in figures for kind in JOB_IMPORTS for file in figure_sources(kind, f)}.union(
                     source_files(imports("lsvib.figures.build"))
                 )
             ),
@@ -28,6 +28,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
         log:
             f"logs/draft_{number + 1}.log",
         params:
+            code=code(jobs.draft),
             settings={figure: config.get(figure, {}) for figure in figures},
         message:
             f"Computing and drawing {', '.join(figures)}"

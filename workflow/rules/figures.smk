@@ -17,6 +17,7 @@ rule compile_engine:
         part="|".join(ENGINE),
     priority: 1  # others wait for it
     params:
+        code=code(jobs.compile_engine),
         numba=importlib.metadata.version("numba"),
     message:
         "Compiling the engine: {wildcards.part}"
@@ -36,6 +37,7 @@ rule dataset:
         "logs/dataset/{figure}.log",
     threads: cores
     params:
+        code=code(jobs.dataset),
         settings=settings,
     message:
         "Computing {wildcards.figure}"
@@ -61,6 +63,8 @@ rule figure:
         caption="results/figures/{figure}.rst",
     log:
         "logs/figure/{figure}.log",
+    params:
+        code=code(jobs.picture),
     message:
         "Drawing {wildcards.figure}"
     run:

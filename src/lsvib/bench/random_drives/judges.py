@@ -15,7 +15,7 @@ from mpmath import mp
 
 from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import Destiny
-from lsvib.bench.random_drives import linear_judge, long_run, threshold_judge
+from lsvib.bench.random_drives import boundary_judge, linear_judge, long_run, threshold_judge
 from lsvib.bench.random_drives.excuses import (
     at_corner,
     dies_away,
@@ -103,6 +103,7 @@ def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
         long = lru_cache(lambda: long_run.constants_of(wide))
         truth = lru_cache(lambda k: long_run.fate(wide, k, *long()))
         mapped = lru_cache(lambda: mapper(wide.drive, wide.model, wide.physics))
+        yield "threshold", lambda: _thresholds(wide)
         asked = (
             ("attractor", lambda state: steady_state(model(), state)),
             ("label", lambda state: mapped().destiny(state)),
@@ -293,8 +294,8 @@ def _labels(wide: WideDrive, truths: list[Fate]) -> list[Finding]:
 
 
 def _thresholds(wide: WideDrive) -> list[Finding]:
-    rng = np.random.default_rng([wide.seed, wide.index])
-    found = threshold_judge.objections(wide.drive, rng)
+    rng, rigid = np.random.default_rng([wide.seed, wide.index]), wide.model == "rigid"
+    found = threshold_judge.objections(wide.drive, rng) if rigid else boundary_judge.objections(wide, rng)
     return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
 
 

@@ -50,6 +50,12 @@ def stable(found: list) -> bool:
         return all(mp.re(x) <= -REAL * abs(x) for x in found)
 
 
+def grows_not(found: list) -> bool:
+    """Whether no rate has a positive real part."""
+    with mp.workdps(_DIGITS):
+        return all(mp.re(x) < _REAL * abs(x) for x in found)
+
+
 def carries_no_force(wide: WideDrive) -> bool:
     """Whether axial force, drag and friction balance exactly, so that no law holds in steady sliding."""
     d = wide.drive

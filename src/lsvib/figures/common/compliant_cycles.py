@@ -13,7 +13,7 @@ from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
 
-# Unit, words and symbol of it as a variable.
+# The critical mass with contact as a variable: unit, words, symbol.
 CRITICAL_MASS_WITH_CONTACT = (
     "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
 )  # fmt: skip

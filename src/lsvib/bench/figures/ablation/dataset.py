@@ -58,7 +58,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "scene": named_index("scene", "scene", list(scenes)),
             "model": named_index("model", "extent of the model", _MODELS),
             "outputs": named_index("outputs", "outputs of the dataset", ("needed", "all")),
-            "workflow_rule": named_index("workflow_rule", "kind of a rule of the workflow", list(MODULES)),
+            "imported_for": named_index("imported_for", "what is imported", list(MODULES)),
             "package": named_index("package", "package", _PACKAGES),
             "compiled": named_index("compiled", "kinds of flow that are compiled", kinds),
         },
@@ -67,18 +67,18 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "source": "lsvib, its own models and general ones of the same motion",
             "references": "docs/stability.md",
             "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
-            "modules": "; ".join(f"{rule}: {module}" for rule, module in MODULES.items()),
+            "modules": "; ".join(f"{name}: {module}" for name, module in MODULES.items()),
             "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
         },
     )
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that both models have one motion, that every scene gains, and what the rules import."""
+    """Check that both models have one motion, that every scene gains, and what is imported."""
     speed_up = (dataset.run_time[:, 1] / dataset.run_time[:, 0]).values
     built = (dataset.build_time[:, 1] / dataset.build_time[:, 0]).values
     loads = dataset.loads.astype(bool).values
-    rule = {name: k for k, name in enumerate(MODULES)}
+    row = {name: k for k, name in enumerate(MODULES)}
     column = {name: k for k, name in enumerate(_PACKAGES)}
     return [
         Check.holds(
@@ -95,13 +95,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool((speed_up > 1).all() and (built > 1).all()),
         ),
         Check.holds(
-            "Eigenvalue rules import no numba, rules of motion no matplotlib, figures no engine",
+            "Datasets of eigenvalues import no numba, datasets of motions no matplotlib, pictures no engine",
             _SOURCE,
             ", ".join(f"{name}: {int(n)} modules" for name, n in zip(MODULES, dataset.imported.values, strict=True)),
             not (
-                loads[rule["eigenvalues"], column["numba"]]
-                or loads[rule["motion"], column["matplotlib"]]
-                or loads[rule["figure"], column["numba"]]
+                loads[row["eigenvalues"], column["numba"]]
+                or loads[row["motion"], column["matplotlib"]]
+                or loads[row["figure"], column["numba"]]
             ),
         ),
     ]
@@ -121,7 +121,7 @@ def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
     found = [imports(module, settings["repeats"]) for module in MODULES.values()]
-    (counts, seconds, packages), dim = zip(*found, strict=True), "workflow_rule"
+    (counts, seconds, packages), dim = zip(*found, strict=True), "imported_for"
     loads = [[package in names for package in _PACKAGES] for names in packages]
     return {
         "imported": variable(dim, list(counts), "1", "number of modules that are imported"),

@@ -26,7 +26,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for row in dataset.loads.values
     ]
     words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
-    _bars(imported, dataset.workflow_rule, dataset.import_time, "(d) importing what a rule needs", "Time [s]", words)
+    _bars(imported, dataset.imported_for, dataset.import_time, "(d) importing what it needs", "Time [s]", words)
     return figure
 
 

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from lsvib.figures.common.settings import Duration, FigureSettings, Repeats, Unique
 
-MODULES = {  # what a rule of the workflow imports; measured in processes of their own
+MODULES = {  # what a dataset or a picture imports; measured in processes of their own
     "figure": "lsvib.figures.fig8_08.picture",
     "eigenvalues": "lsvib.figures.fig8_08.dataset",
     "motion": "lsvib.figures.fig8_09.dataset",
