@@ -53,7 +53,7 @@ def stable(found: list) -> bool:
 def grows_not(found: list) -> bool:
     """Whether no rate has a positive real part."""
     with mp.workdps(_DIGITS):
-        return all(mp.re(x) < _REAL * abs(x) for x in found)
+        return all(mp.re(x) < REAL * abs(x) for x in found)
 
 
 def carries_no_force(wide: WideDrive) -> bool:
