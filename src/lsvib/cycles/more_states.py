@@ -19,7 +19,7 @@ from lsvib.errors import DivergenceError, EngineError
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
-# Of its budget a motion is followed further at last, in blocks and elsewhere: one or two seconds at most.
+# Of its budget a motion is followed further at last, in blocks and elsewhere: one to three seconds at most.
 _FURTHER = (1.2, 0.8)
 _LONGEST = 256_000  # most events that are looked at together then, and ...
 _LONG_LOOK = 64_000  # ... fewest in which a cycle is looked for
