@@ -108,16 +108,33 @@ def test_a_cycle_that_attracts_by_less_than_rounding_shows(index, start):
         (9901, 8711, 0),  # shrinks to a cycle of seizures that attracts by 1e-13 in a turn
         (9901, 750, 8),  # ends in few returns, of which the last one does not come back
         (9701, 657, 3),  # drifts past u = 0 to a cycle of seizures on the other side
+        (9911, 2482, 39),  # beyond u = 0 the line is crossed the other way, where a return seemed to end a cycle
     ],
 )
 def test_slow_drifts_of_random_drives_are_followed_to_their_end(seed, index, start):
     """Each was told as a cycle that is none, or not told, or not within seconds; the judge of fates knows most ends."""
-    wide = wide_drive("rigid", seed, index, 16)
+    wide = wide_drive("rigid", seed, index, start + 1)
     automaton = rigid_automaton(wide.drive)
     found = steady_state(automaton, wide.starts[start])
     assert found.label == (Attractor.SPRAG_SLIP_CYCLE if index in (657, 8711) else Attractor.STEADY_SLIDING)
     seen = fate(watch.constants(dict(wide.drive)), *wide.starts[start])
     assert seen.name in ("unknown" if index == 1410 else found.label.name.lower(), found.label.name.lower())
+
+
+@pytest.mark.parametrize(("part", "start"), [(0.3, 1), (1e-3, 0), (1e-6, 2)])
+def test_what_attracts_from_one_side_only_is_no_cycle(part, start):
+    """Outside the largest orbit that touches θ′ = 0 motions shrink; inside, too, by less than 1e-15 in a turn."""
+    wide = wide_drive("rigid", 9901, 1410, start + 1)
+    drive = wide.drive.replace(translation_damping=part * wide.drive.translation_damping)
+    found = steady_state(rigid_automaton(drive), wide.starts[start])
+    assert found.label in (Attractor.UNRESOLVED, Attractor.STEADY_SLIDING)
+
+
+@pytest.mark.parametrize("damping", [1e-14, 1e-11])
+def test_a_damping_below_rounding_is_damping(damping):
+    drive = UNDAMPED.replace(translation_damping=damping, axial_force=-10.0)
+    assert steady_state(rigid_automaton(drive), (1e-3, 0.0)).label == Attractor.STEADY_SLIDING
+    assert mapper(drive).labels_of([1e-3], [0.0]) == [Attractor.STEADY_SLIDING]
 
 
 def test_a_table_of_slow_drifts_takes_little_work():

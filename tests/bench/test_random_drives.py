@@ -13,7 +13,8 @@ from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import fate
 from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.paths import engine_path, exact_path, quick_path, watched_path
+from lsvib.bench.sweeps.paths import MOST_EVENTS, engine_path, exact_path, quick_path, watched_path
+from lsvib.bench.sweeps.paths import automaton as built
 from lsvib.bench.sweeps.wide_drives import MODELS, wide_drive
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
@@ -132,7 +133,7 @@ def test_events_at_the_corner_need_no_reference(monkeypatch):
     """With R = 0 seizures accumulate at θ′ = 0, Q = 0 and their number is free; other events and the end are not."""
     wide = wide_drive("rigid", 1, 335, 16)
     constants, case = watch.constants(dict(wide.drive)), judges.motion_case(wide, 10)
-    monkeypatch.setattr(judges, "exact_path", None)  # not called
+    monkeypatch.setattr(judges.paths, "exact_path", None)  # not called
     assert judges._motion(wide, 10, constants, rigid_automaton(wide.drive)).verdict == judges.CORNER
     path = engine_path(follow(rigid_automaton(wide.drive), case.start, case.duration), case)
     other = watched_path(case, constants, path.size)
@@ -382,3 +383,31 @@ def test_nothing_is_unbounded_by_energy():
     watch.watch(c, 1e6, -c.speed, watch.ANYWHERE, math.inf, False, times, kinds, modes, states)
     stopped = np.abs(states[kinds != watch.CONTACT_REVERSAL, 0])
     assert (np.diff(stopped) < 0).all()
+
+
+@pytest.mark.parametrize(
+    ("model", "index", "start"),
+    [
+        ("nut", 497, 2),  # without a load: seizures accumulate at the corner where N and the speed of slip are zero
+        ("nut", 753, 9),
+        ("nut", 637, 47),  # a slip that dies away, at 2e6 1/s for a minute
+        ("nut", 646, 14),  # a screw that was released from rest stops for no time once in each turn
+        ("nut", 421, 30),
+        ("support", 737, 29),  # a nut that comes to rest below the last digit
+        ("support", 748, 72),
+        ("support", 678, 88),
+        ("support", 747, 53),
+        ("support", 395, 119),
+        ("support", 472, 4),  # steady sliding that repels
+    ],
+)
+def test_motions_that_were_undecided_or_called_wrong(model, index, start):
+    """The reference decides at corners, at touches and where a slip dies away, and the program is right there."""
+    wide = wide_drive(model, 9901, index, 128)
+    case = judges.four_cases(wide)[start]
+    exact = exact_path(case, wide.drive, case.start)
+    assert exact is not None
+    automaton = built(case)
+    path = engine_path(follow(automaton, case.start, case.duration, max_events=MOST_EVENTS), case)
+    corners = (case_judge.agree_but_corners, excuses.same_corners, excuses.touches_only, excuses.dies_away)
+    assert any(alike(path, exact, case) for alike in (case_judge.agree, *corners)), (path, exact)

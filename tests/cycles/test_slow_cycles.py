@@ -6,6 +6,7 @@ its power where others still count, and a complex pair makes it oscillate.
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,9 +14,10 @@ import pytest
 from lsvib.basins.mapper import mapper
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.family_edges import _beyond
 from lsvib.cycles.return_map import conserves
 from lsvib.drives.registry import find_model
-from lsvib.engine.motion import follow
+from lsvib.engine.motion import Budget, follow
 
 SUPPORT = {
     "mass": 1.6, "friction_coefficient": 0.304, "axial_force": -156.0, "input_speed": -56.5,
@@ -158,3 +160,18 @@ def test_amplitude_is_half_the_width_of_the_cycle_in_every_model():
             near = np.clip(times[place] + np.linspace(-step, step, 20_001), 0, cycle.period)
             ends.append(cycle.orbit.at(near)[0][:, 0])
         assert cycle.amplitude == pytest.approx(0.5 * (ends[1].max() - ends[0].min()), rel=1e-6)
+
+
+@pytest.mark.parametrize(("model", "index", "start"), [("support", 43, 0), ("nut", 13, 0)])
+def test_a_motion_comes_to_the_edge_of_a_neutral_family(model, index, start):
+    """Nothing damps: the second body stops for ever shorter times, after ever longer waits, each time less beyond."""
+    wide = wide_drive(model, 83, index, 4)
+    automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
+    found = steady_state(automaton, wide.starts[start], max_events=700_000)
+    assert found.label == Attractor.NEUTRAL_FAMILY
+    later = follow(automaton, found.state, math.inf, max_events=4, budget=Budget(5_000_000))
+    modes, starts, _, durations = later.arcs()
+    home = modes[np.argmax(durations)]
+    beyond = [_beyond(automaton, home, start) for start in starts[modes == home]]
+    assert len(beyond) >= 2
+    assert all(one > other > 0 for one, other in pairwise(beyond))

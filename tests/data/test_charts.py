@@ -13,7 +13,7 @@ import xarray as xr
 import lsvib
 from lsvib.cycles.behaviour import Behaviour
 from lsvib.data import chart as charts
-from lsvib.data.chart import Plane
+from lsvib.data.chart import ChartAxis, Plane
 from lsvib.data.chart_tiles import chart_tile, gather_chart
 from lsvib.data.writer import write_dataset
 from lsvib.drives.coefficients import coefficients
@@ -83,6 +83,11 @@ def column_by_column(drive, names, columns, rows) -> np.ndarray:
     return np.stack([expected_over_force(drive.replace(**{names[0]: a}), np.array(rows)) for a in columns], axis=1)
 
 
+def edges(axis: ChartAxis) -> np.ndarray:
+    """The edges of the cells of an axis."""
+    return axis.middles(np.arange(axis.count + 1) - 0.5)
+
+
 def compare(plane: Plane, said=cell_by_cell) -> tuple[int, int, set[int]]:
     """Numbers of cells compared and left out because a curve cuts them, and the labels seen.
 
@@ -91,7 +96,7 @@ def compare(plane: Plane, said=cell_by_cell) -> tuple[int, int, set[int]]:
     labels, names = plane.labels(workers=2), (plane.x.name, plane.y.name)
     nodes, middles = (
         said(plane.drive, names, *(places.tolist() for places in axes))
-        for axes in ((plane.x.edges(), plane.y.edges()), (plane.x.centres(), plane.y.centres()))
+        for axes in ((edges(plane.x), edges(plane.y)), (plane.x.centres(), plane.y.centres()))
     )
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
     whole = (corners == middles).all(axis=0) & (middles != -9)
@@ -216,7 +221,7 @@ def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, f
     def stable(columns, rows) -> np.ndarray:
         return np.array([[flutter(k, c) > 0 for k in columns] for c in rows])
 
-    nodes = stable(plane.x.edges().tolist(), plane.y.edges().tolist())
+    nodes = stable(edges(plane.x).tolist(), edges(plane.y).tolist())
     middles = stable(plane.x.centres().tolist(), plane.y.centres().tolist())
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
     whole = (corners == middles).all(axis=0)

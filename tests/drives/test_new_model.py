@@ -83,7 +83,7 @@ import xarray as xr
 
 lsvib.__path__.append(sys.argv[1])
 from lsvib.api import drive_class
-from lsvib.basins.grid import COORDINATES
+from lsvib.basins.grid import coordinates
 from lsvib.command.app import main
 from lsvib.drives.registry import find_model
 from lsvib.figures.configuration import schema
@@ -101,7 +101,7 @@ found["drive"] = [repr(drive), drive.stability().kind]
 drives = [drive_class(model)(contact_damping=5e4) for model in ("slope", "threads")]
 found["flutter"] = [drive.threshold("flutter").value for drive in drives]
 found["schema"] = schema()["properties"]["attraction"]["properties"]["model"]["enum"]
-found["coordinates"] = dict(COORDINATES)
+found["coordinates"] = dict(coordinates())
 try:
     find_model("wood")
 except lsvib.InputError as error:

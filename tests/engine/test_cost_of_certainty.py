@@ -93,9 +93,9 @@ def test_certainty_costs_less_than_twice_a_plain_search():
             if change:
                 return search_modal._earliest(
                     flow, mode, work, count, 1, a, b, off_surface, search_modal._fastest(flow, mode)
-                )
+                )[1]
             a = b
-        return 0, -1, a
+        return a
 
     @numba.njit(error_model="numpy")
     def all_certain(flow, modes, starts, guards, zero, out):
@@ -108,7 +108,7 @@ def test_certainty_costs_less_than_twice_a_plain_search():
     def all_plain(flow, modes, starts, guards, nodes, out):
         work, off_surface = guard_sums.room_for(flow, 2), np.zeros(2, dtype=np.bool_)
         for i in range(modes.size):
-            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], off_surface, work)[2]
+            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], off_surface, work)
 
     certain, simple = np.empty(modes.size), np.empty(modes.size)
     best = [np.inf, np.inf]

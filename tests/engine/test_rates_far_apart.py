@@ -14,9 +14,10 @@ from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group
-from lsvib.bench.sweeps.paths import automaton
+from lsvib.bench.sweeps.paths import automaton, quick_path
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch
@@ -219,6 +220,19 @@ def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
     assert not motion.at([0.001, 0.1, 0.2])[0].any()
 
 
+@pytest.mark.parametrize("duration", [20.0, math.inf])
+@pytest.mark.parametrize("index", [637, 28])
+def test_steady_sliding_that_repels_is_stayed_in(index, duration):
+    """With a rotating nut and rates up to 7e5 1/s, for 20 s or for ever: no search for an event that cannot come."""
+    drive = wide_drive("nut", 9901 if index == 637 else 81, index, 1)
+    kind = find_model("nut")
+    motion = follow(kind.build(drive.drive, (*kind.options, *drive.physics), "contact_sign"), [0.0] * 4, duration)
+    assert motion.status == (Status.SETTLED if duration == math.inf else Status.TIME_REACHED)
+    assert motion.time.size == 0
+    assert not motion.end_state.any()
+    assert not motion.at([1e-3, 5.0, 20.0])[0].any()
+
+
 def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     """The same of a growing pair of a field of four states, beside a pair that decays and swings."""
     rows = [[0, 1, 0, 0, 0], [-1e10, 3e5, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -100, -1, 0]]
@@ -246,6 +260,25 @@ def test_a_small_angle_keeps_its_digits_far_from_an_equilibrium(model, seed, ind
         outcome = judge(case, np.random.default_rng(0), by_reference=True)
         assert outcome.verdict == Verdict.RIGHT
         assert outcome.state_error < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("index", "start"),
+    [
+        *((0, 116), (556, 34)),  # θ′ and N are small beside their parts: the time of the event
+        *((62, 8), (160, 65), (365, 44), (485, 32), (626, 15)),  # a coordinate is small beside its modal terms
+        *((147, 2), (432, 104), (510, 8), (592, 42), (787, 7)),  # v instead of e was put on N = 0 after a whole turn
+        *((12, 0), (217, 6), (305, 6), (755, 3)),  # in blocks: e is small beside a seat far away
+        *((21, 99), (70, 4), (681, 6)),  # in blocks: the same, and N beside its parts
+    ],
+)
+def test_what_is_small_beside_its_terms_keeps_its_digits(index, start):
+    """Motions of compliant threads that were off by 1e-9 to 1e-5 in a small coordinate, or in the time of an event."""
+    wide = wide_drive("threads", 9901, index, start + 1)
+    case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
+    outcome = judge(case, np.random.default_rng(0), by_reference=True, truth=quick_path)
+    assert outcome.verdict == Verdict.RIGHT
+    assert max(outcome.state_error, outcome.time_error) < 1e-10
 
 
 @pytest.mark.parametrize("name", ["pairs", "real rates", "a growing pair", "a single rate", "a slow rate"])

@@ -45,9 +45,7 @@ class _Threads:
 
 class _TwoBodies:
     def __init__(self, drive, physics):
-        self.drive = ClosedFormDrive(
-            drive.model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics
-        )
+        self.drive = ClosedFormDrive(drive.model, dict(drive), physics)
 
     def mode(self, words):
         second = None

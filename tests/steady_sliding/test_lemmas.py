@@ -20,7 +20,7 @@ DAMPINGS = [0.0, 1e3, 1e8]
 
 def exact_growth(drive: ThreadsParameters, law: int) -> mpmath.mpf:
     """Largest real part of the eigenvalues, in 100 digits from exact coefficients."""
-    return max(mpmath.re(root) for root in roots(linearised.threads_model(drive, law, exact=True).polynomial()))
+    return max(mpmath.re(root) for root in roots(linearised.threads_model(drive.exact(), law).polynomial()))
 
 
 def factored(drive: ThreadsParameters, law: int) -> list[Decimal]:
@@ -45,7 +45,7 @@ def factored(drive: ThreadsParameters, law: int) -> list[Decimal]:
 @pytest.mark.parametrize("slide", [0.0, 300.0])
 def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
     drive = ThreadsParameters.of(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
-    polynomial = linearised.threads_model(drive, law, exact=True).polynomial()
+    polynomial = linearised.threads_model(drive.exact(), law).polynomial()
     for ours, expected in zip(polynomial, factored(drive, law), strict=True):
         assert abs(ours - expected) < Decimal(10) ** -20 * abs(expected)  # Decimal sums outside round to 28 digits
 
@@ -61,7 +61,7 @@ def test_lemma_8_1(mass, stiffness, damping):
     assert growth > 0
     assert growth == pytest.approx(float(exact_growth(drive, 1)), rel=1e-10)
     if stiffness > stiff_contact.unstable_contact_stiffness(drive):
-        assert linearised.threads_model(drive, 1, exact=True).polynomial()[2] < 0
+        assert linearised.threads_model(drive.exact(), 1).polynomial()[2] < 0
 
 
 @settings(max_examples=150)
@@ -80,7 +80,7 @@ def test_lemma_8_1_for_any_damping(excess, support_damping, slide, contact_dampi
     assert linearised.steady_law(drive) == 1
     limit = stiff_contact.unstable_contact_stiffness(drive)
     stiff = drive.replace(contact_stiffness=min(max(2 * limit, 1e3), 1e15))
-    assert not eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(stiff, 1, exact=True).polynomial())
+    assert not eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(stiff.exact(), 1).polynomial())
     assert growth_rate(linearised.threads_model(stiff, 1)) > 0
 
 
@@ -97,7 +97,7 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
         assert (growth < 0, exact < 0) == (stable, stable)
         assert growth == pytest.approx(exact, rel=1e-8)
         assert (
-            eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(contact, 1, exact=True).polynomial())
+            eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(contact.exact(), 1).polynomial())
             is stable
         )
 
@@ -108,7 +108,7 @@ def test_least_contact_damping_is_the_limit(slide):
     least = stiff_contact.least_damping_of_stiff_contact(drive)
     verdicts = [
         eigenvalues_two_coordinates.routh_hurwitz(
-            linearised.threads_model(drive.replace(contact_damping=least * f), 1, exact=True).polynomial()
+            linearised.threads_model(drive.replace(contact_damping=least * f).exact(), 1).polynomial()
         )
         for f in (1 - 1e-6, 1 + 1e-6)
     ]

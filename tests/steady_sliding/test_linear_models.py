@@ -57,7 +57,7 @@ def test_matrices_follow_from_newtons_laws(model, law):
 def test_polynomial_in_decimals_and_in_floats(model):
     kind, build = KINDS[model]
     drive = kind.of(mass=7.0, **DAMPED, **OWN[model])
-    exact = build(drive, 1, exact=True).polynomial()
+    exact = build(drive.exact(), 1).polynomial()
     assert all(isinstance(p, Decimal) for p in exact)
     np.testing.assert_allclose([float(p) for p in build(drive, 1).polynomial()], [float(p) for p in exact], rtol=1e-12)
     values = eigenvalues_two_coordinates.eigenvalues(build(drive, 1))
@@ -88,7 +88,7 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
         friction_coefficient=friction, mass=mass, screw_mass=screw_mass, support_stiffness=10.0**power
     )
     squares = eigenvalues_two_coordinates.reciprocal_squares(linearised.support_model(drive, law))
-    model = linearised.support_model(drive, law, exact=True)
+    model = linearised.support_model(drive.exact(), law)
     with mpmath.workdps(40):
         m, k = (mpmath.matrix([[mpmath.mpf(str(x)) for x in row] for row in a]) for a in (model.mass, model.stiffness))
         whole = mpmath.inverse(k) * m
@@ -130,8 +130,8 @@ def test_every_class_occurs_and_is_what_the_eigenvalues_say():
 @pytest.mark.parametrize("law", [1, -1])
 def test_printed_polynomial_is_that_of_the_matrices(law):
     drive = SupportParameters.of(mass=15.0, support_damping=0.0)
-    p_4, _, p_2, _, p_0 = linearised.support_model(drive, law, exact=True).polynomial()
-    printed = support_conditions.characteristic_polynomial(drive, law, exact=True)
+    p_4, _, p_2, _, p_0 = linearised.support_model(drive.exact(), law).polynomial()
+    printed = support_conditions.characteristic_polynomial(drive.exact(), law)
     with localcontext(prec=60):
         assert all(abs(a - b) < Decimal(10) ** -45 * abs(b) for a, b in zip((p_4, -p_2, p_0), printed, strict=True))
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from conftest import ROOT, copy_of_sources
 
-from lsvib.basins.grid import COORDINATES
+from lsvib.basins.grid import coordinates
 from lsvib.data.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
@@ -38,7 +38,7 @@ def mapped(tmp_path_factory):
 
 def test_the_schema_has_the_coordinates_of_all_models():
     schema = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text(encoding="utf-8"))
-    assert schema["properties"]["attraction"]["properties"]["grid"]["propertyNames"]["enum"] == list(COORDINATES)
+    assert schema["properties"]["attraction"]["properties"]["grid"]["propertyNames"]["enum"] == list(coordinates())
 
 
 @pytest.mark.slow

@@ -1,46 +1,48 @@
 """What all mappers of regions of attraction share: their interface, the quantities of a cell, and work in blocks."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Protocol
 
 import numpy as np
 
 from lsvib.basins.grid import Grid
 from lsvib.cycles.attractors import SteadyState
 from lsvib.drives.parameters import RigidParameters
-from lsvib.engine.automaton import Automaton
+from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
-QUANTITIES = ("label", "time", "seizures", "first_event", "doubt")
+QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
 NO_DOUBT = -1  # of a cell whose label is told
 
 Progress = Callable[[int, int], None]
 
 
-class Mapper(Protocol):
-    """What every mapper offers, whatever the number of states of its model.
+class Mapper(ABC):
+    """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
 
-    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``events`` are the codes of the model's
-    events by name; ``attractors`` are the cycles that motions are known to reach.
+    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``kind`` is the model itself; ``events``
+    are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A mapper fills
+    blocks of about ``block`` cells at a time.
     """
 
-    drive: RigidParameters
-    model: str
-    physics: tuple[str, ...]
-    resume: str
-    events: Mapping[str, int]
-    automaton: Automaton
     attractors: Sequence[SteadyState]
+    block: int
+
+    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
+        self.kind = find_model(model)
+        self.events = self.kind.events
+        self.automaton = self.kind.build(drive, physics, resume)
 
     def cells(
         self,
         grid: Grid,
-        rows: slice = ...,
-        columns: slice = ...,
-        quantities: Sequence[str] = ...,
-        workers: int = ...,
-        progress: Progress | None = ...,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        quantities: Sequence[str] = tuple(QUANTITIES),
+        workers: int = 1,
+        progress: Progress | None = None,
     ) -> dict[str, np.ndarray]:
         """Map the cells ``rows`` × ``columns`` of a grid.
 
@@ -49,26 +51,37 @@ class Mapper(Protocol):
         int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
         ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
         """
-        ...
+        for name in quantities:
+            if name not in QUANTITIES:
+                raise InputError(f"quantity {name!r} is not one of {', '.join(QUANTITIES)}.")
+        self.check(grid)
+        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
+        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
+        # An array that nobody fills takes no memory.
+        found = {name: np.empty((y.size, x.size), dtype) for name, dtype in QUANTITIES.items()}
+        height = max(1, self.block // max(1, x.size))
+        parts = [slice(i, min(i + height, y.size)) for i in range(0, y.size, height)]
 
+        def fill(part: slice) -> None:
+            """Fill some rows."""
+            self.fill({name: array[part] for name, array in found.items()}, grid, x, y[part], quantities)
+
+        with ThreadPoolExecutor(workers) as pool:
+            for part, _ in zip(parts, pool.map(fill, parts), strict=True):
+                if progress is not None:
+                    progress(part.stop, y.size)
+        return {name: found[name] for name in quantities}
+
+    @abstractmethod
+    def check(self, grid: Grid) -> None:
+        """Raise ``InputError`` if the coordinates of a grid are not those of the state."""
+
+    @abstractmethod
+    def fill(
+        self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
+    ) -> None:
+        """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
+
+    @abstractmethod
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
-        ...
-
-
-def check_quantities(names: Sequence[str]) -> None:
-    """Raise ``InputError`` if a name is none of a quantity."""
-    for name in names:
-        if name not in QUANTITIES:
-            raise InputError(f"quantity {name!r} is not one of {', '.join(QUANTITIES)}.")
-
-
-def in_blocks(
-    work: Callable[[slice], None], rows: int, height: int, workers: int, progress: Progress | None = None
-) -> None:
-    """Call ``work`` for blocks of ``height`` of so many ``rows``, by ``workers``, and tell ``progress`` of the rows."""
-    parts = [slice(i, min(i + height, rows)) for i in range(0, rows, height)]
-    with ThreadPoolExecutor(workers) as pool:
-        for part, _ in zip(parts, pool.map(work, parts), strict=True):
-            if progress is not None:
-                progress(part.stop, rows)

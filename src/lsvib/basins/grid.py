@@ -2,8 +2,8 @@
 
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -14,28 +14,16 @@ from lsvib.drives.registry import all_models
 from lsvib.errors import InputError
 
 
-class _Coordinates(Mapping[str, str]):
-    """The coordinates of the states of all models; the models are not imported before somebody asks."""
-
-    def __getitem__(self, key: str) -> str:
-        return self._names[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    @cached_property
-    def _names(self) -> dict[str, str]:
-        return {
-            key: state
-            for model in all_models().values()
-            for key, state in zip((*model.required, *model.optional), model.states, strict=True)
-        }
+@cache
+def coordinates() -> dict[str, str]:
+    """Return the names that the coordinates of states have in automata and datasets, of all models, by their keys."""
+    return {
+        key: state
+        for model in all_models().values()
+        for key, state in zip((*model.required, *model.optional), model.states, strict=True)
+    }
 
 
-COORDINATES = _Coordinates()  # key of a state's coordinate: its name in automata and datasets
 _MOST = 1_000_000_000  # cells along an axis
 
 
@@ -63,8 +51,8 @@ class Axis(NamedTuple):
     @classmethod
     def checked(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
         """Make an axis from numbers or text; ``InputError`` if it is none or has cells that coincide."""
-        if coordinate not in COORDINATES:
-            raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(COORDINATES)}.")
+        if coordinate not in coordinates():
+            raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(coordinates())}.")
         return cls.over(coordinate, start, stop, count)
 
     @classmethod
@@ -107,9 +95,9 @@ class Grid(NamedTuple):
         ``InputError``.
         """
         for name in names_and_values("grid", values):
-            if name not in COORDINATES:
-                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(COORDINATES)}.")
-        spans = [name for name in COORDINATES if isinstance(values.get(name), Mapping)]
+            if name not in coordinates():
+                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(coordinates())}.")
+        spans = [name for name in coordinates() if isinstance(values.get(name), Mapping)]
         if len(spans) != 2:
             raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
         for name in spans:
@@ -137,10 +125,10 @@ class Grid(NamedTuple):
                 raise InputError(f"the coordinate {key} is given twice.")
             if len(parts) == 3:
                 axes.append(Axis.checked(key, *parts))
-            elif key in COORDINATES:
+            elif key in coordinates():
                 fixed[key] = numbers.start(f"grid: {key}", text)
             else:
-                raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(COORDINATES)}.")
+                raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(coordinates())}.")
         if len(axes) != 2:
             raise InputError(f"a grid needs two axes KEY=START:STOP:COUNT, not {len(axes)}.")
         return cls(axes[0], axes[1], fixed)

@@ -1,25 +1,23 @@
 """The region of attraction of models with two states: every start is looked up in a table of sections."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
-from lsvib.basins.cells import NO_DOUBT, QUANTITIES, Progress, check_quantities, in_blocks
+from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
 from lsvib.cycles.attractors import Doubt
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
 _FEWER = 300  # the same where the table of sections has gaps, in which many motions may go on and on: 0.1 ms
-_CELLS = 16384  # of a block, about; a thread works on one block at a time
 
 
-class PlanarMapper:
+class PlanarMapper(Mapper):
     """Maps the starts of a drive with two states to what becomes of them.
 
     * ``label``: the attractor (``lsvib.cycles.attractors.Attractor``), by the table of
@@ -35,59 +33,31 @@ class PlanarMapper:
     ready in two thirds of the time, a start on a boundary has the label of one side.
     """
 
+    block = 16384  # a thread works on one block at a time
+
     def __init__(
         self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True
     ) -> None:
-        kind = find_model(model)
-        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
-        self.events = kind.events
-        self.automaton = kind.build(drive, physics, resume)
+        super().__init__(drive, model, physics, resume)
         self.sections = Sections(self.automaton, rounding)
         self.attractors = self.sections.attractors
         self._events = _EVENTS if self.sections.complete else _FEWER
         self.doubt = Doubt.BOUNDARY if self.sections.complete else Doubt.EVENTS  # why a start is unresolved, if it is
         self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
 
-    def cells(
-        self,
-        grid: Grid,
-        rows: slice = slice(None),
-        columns: slice = slice(None),
-        quantities: Sequence[str] = QUANTITIES,
-        workers: int = 1,
-        progress: Progress | None = None,
-    ) -> dict[str, np.ndarray]:
-        """Map the cells ``rows`` × ``columns`` of a grid.
-
-        Arguments and result as of :meth:`lsvib.basins.cells.Mapper.cells`; all cells have the same doubt, if any.
-        """
-        check_quantities(quantities)
-        self._check(grid)
-        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
-        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
-        across = int(grid.x.coordinate == "w")
-        found = {"label": np.empty((y.size, x.size), dtype=np.int8)}
-        found["first_event"] = np.empty((y.size, x.size if "first_event" in quantities else 0), dtype=np.int8)
-        approaches = not {"time", "seizures"}.isdisjoint(quantities)
-        if approaches:
-            found["time"] = np.empty((y.size, x.size))
-            found["seizures"] = np.empty((y.size, x.size), dtype=np.int32)
-
-        def block(part: slice) -> None:
-            """Map some rows; times of unresolved cells are infinite."""
-            tables, known = self.automaton.tables, self.sections.known
-            labels = found["label"][part]
-            labelling.map_labels(tables, known, x, y[part], across, self._events, labels, found["first_event"][part])
-            if approaches:
-                times, counts = found["time"][part], found["seizures"][part]
-                arrival.map_approaches(tables, known, self._sprags, x, y[part], across, _EVENTS, times, counts)
-                times[labels == labelling.UNRESOLVED] = np.inf
-
-        in_blocks(block, y.size, max(1, _CELLS // max(1, x.size)), workers, progress)
+    def fill(
+        self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
+    ) -> None:
+        """Fill arrays; times of unresolved cells are infinite, and all cells have the same doubt, if any."""
+        tables, known, across = self.automaton.tables, self.sections.known, int(grid.x.coordinate == "w")
+        labels, times = found["label"], found["time"]
+        first_events = found["first_event"][:, : x.size if "first_event" in quantities else 0]
+        labelling.map_labels(tables, known, x, y, across, self._events, labels, first_events)
+        if not {"time", "seizures"}.isdisjoint(quantities):
+            arrival.map_approaches(tables, known, self._sprags, x, y, across, _EVENTS, times, found["seizures"])
+            times[labels == labelling.UNRESOLVED] = np.inf
         if "doubt" in quantities:
-            code = list(Doubt).index(self.doubt)
-            found["doubt"] = np.where(found["label"] == labelling.UNRESOLVED, code, NO_DOUBT).astype(np.int8)
-        return {name: found[name] for name in quantities}
+            found["doubt"][:] = np.where(labels == labelling.UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
@@ -105,11 +75,12 @@ class PlanarMapper:
 
     def labels_at(self, grid: Grid, row: np.ndarray, column: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single cells of a grid, given by their indices ``row`` and ``column`` (n)."""
-        self._check(grid)
+        self.check(grid)
         x, y = grid.x.middles(column), grid.y.middles(row)
         return self.labels_of(x, y) if grid.x.coordinate == "u" else self.labels_of(y, x)
 
-    def _check(self, grid: Grid) -> None:
+    def check(self, grid: Grid) -> None:
+        """Raise ``InputError`` unless the axes are u and w and nothing is fixed."""
         if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:
             raise InputError(
                 "the rigid drive has the coordinates u and w: the grid needs them as its axes, none fixed."

@@ -221,7 +221,10 @@ class Sections:
 
     def _absorbing_interval(self, cycle: SteadyState) -> tuple[float, ...] | None:
         """Double an interval around a point of a cycle while the return map takes it into itself; return the last."""
-        orbit, near = cycle.orbit, ON_CYCLE * np.abs(cycle.orbit.after).max(axis=0)
+        orbit = cycle.orbit
+        if not orbit.time.size:  # a neutral oscillation that meets nothing
+            return None
+        near = ON_CYCLE * np.abs(orbit.after).max(axis=0)
         for section in self.sections:
             points = orbit.after[orbit.mode == section.mode]
             points = [x for x in points if (np.abs(self._point(section, x[section.free]) - x) <= near).all()]

@@ -15,19 +15,19 @@ Known cycles are those that a few fixed starts reach, with less work; so the res
 or threads. Modes in blocks, whose rates lie so far apart that an event takes many times as long, have fewer events.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.basins.cells import NO_DOUBT, QUANTITIES, Progress, check_quantities, in_blocks
-from lsvib.basins.grid import COORDINATES, Grid
+from lsvib.basins.cells import NO_DOUBT, Mapper
+from lsvib.basins.grid import Grid, coordinates
 from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
 from lsvib.cycles.patience import FEW, follow_patiently
+from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import out_of_range
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion
@@ -59,19 +59,18 @@ class Destiny(NamedTuple):
     doubt: Doubt | None = None
 
 
-class StateMapper:
-    """Maps planar slices of the starts of a drive to what becomes of them; an interface as ``Mapper`` has it.
+class StateMapper(Mapper):
+    """Maps planar slices of the starts of a drive to what becomes of them.
 
     ``label`` as in the module docstring; ``time`` [s] and ``seizures`` (events or modes that sprag) until the label is
     decided: the last event, or the fourth of the points that show the cycle; ``first_event``: kind of the first event.
     """
 
+    block = 1  # a row at a time
+
     def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
-        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
-        self.kind = find_model(model)
-        self.events = self.kind.events
-        self.automaton = self.kind.build(drive, physics, resume)
-        self.keys = tuple(key for key in COORDINATES if COORDINATES[key] in self.automaton.states)
+        super().__init__(drive, model, physics, resume)
+        self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
         self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
@@ -86,20 +85,8 @@ class StateMapper:
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
 
-    def cells(
-        self,
-        grid: Grid,
-        rows: slice = slice(None),
-        columns: slice = slice(None),
-        quantities: Sequence[str] = QUANTITIES,
-        workers: int = 1,
-        progress: Progress | None = None,
-    ) -> dict[str, np.ndarray]:
-        """Map the cells ``rows`` × ``columns`` of a grid; arguments and result as of ``basins.cells.Mapper.cells``.
-
-        Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
-        """
-        check_quantities(quantities)
+    def check(self, grid: Grid) -> None:
+        """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""
         given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
         for key in given:
             if key not in self.keys:
@@ -107,29 +94,21 @@ class StateMapper:
         for key in self.kind.required:
             if key not in given:
                 raise InputError(f"the grid of the model {self.model} needs the coordinate {key}, as an axis or fixed.")
-        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
-        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
-        found = {
-            "label": np.empty((y.size, x.size), dtype=np.int8),
-            "time": np.empty((y.size, x.size)),
-            "seizures": np.empty((y.size, x.size), dtype=np.int32),
-            "first_event": np.empty((y.size, x.size), dtype=np.int8),
-            "doubt": np.empty((y.size, x.size), dtype=np.int8),
-        }
 
-        def row(part: slice) -> None:
-            """Map some rows, one start after the other."""
-            for i in range(part.start, part.stop):
-                for j in range(x.size):
-                    values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
-                    state = self.kind.initial_state(self.drive, values)
-                    *destiny, doubt = self.destiny(state)
-                    code = NO_DOUBT if doubt is None else _DOUBTS.index(doubt)
-                    for array, value in zip(found.values(), (*destiny, code), strict=True):
-                        array[i, j] = value
+    def fill(
+        self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
+    ) -> None:
+        """Fill all arrays, one start after the other.
 
-        in_blocks(row, y.size, 1, workers, progress)
-        return {name: found[name] for name in quantities}
+        Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
+        """
+        for i in range(y.size):
+            for j in range(x.size):
+                values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
+                *destiny, doubt = self.destiny(self.kind.initial_state(self.drive, values))
+                code = NO_DOUBT if doubt is None else _DOUBTS.index(doubt)
+                for array, value in zip(found.values(), (*destiny, code), strict=True):
+                    array[i, j] = value
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
@@ -147,8 +126,12 @@ class StateMapper:
                     self.automaton, state, np.inf, mode=mode, max_events=self._chunk, budget=budget
                 )
             except EngineError as error:
-                diverged = isinstance(error, DivergenceError)
-                end = out_of_range(self.automaton, state) if diverged else SteadyState.unresolved(state, error)
+                if isinstance(error, DivergenceError):
+                    end = out_of_range(self.automaton, state)
+                elif conserves(self.automaton):  # its events may become rare as it comes to the edge of a family
+                    end = self._end(start)
+                else:
+                    end = SteadyState.unresolved(state, error)
                 return Destiny(end.label, np.inf, sprags, -1 if first is None else first, end.doubt)
             if first is None:
                 first = int(motion.kind[0]) if motion.time.size else -1

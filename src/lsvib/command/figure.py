@@ -84,7 +84,7 @@ def _refuse_results_of_the_workflow(folder: Path) -> None:
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
-    from lsvib.drives.parameters import RigidParameters
+    from lsvib.drives.parameters import RigidParameters, changed
     from lsvib.figures.configuration import settings_of
     from lsvib.numbers import number as number_of
 
@@ -97,10 +97,8 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
                 f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
             )
     given = section.get("drive", {})
-    if changes.keys() & {"lead_angle", "lead_angle_deg"}:
-        given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
-    RigidParameters.of({**given, **changes})  # refuses a key or a value with the words of the other commands
-    return {**given, **{key: number_of(text) for key, text in changes.items()}}
+    RigidParameters.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
+    return changed(given, {key: number_of(text) for key, text in changes.items()})
 
 
 def _label(name: str) -> str:

@@ -58,10 +58,12 @@ def steady_state(
       at the origin is steady sliding. With more than two states a cycle that nothing damps is one of a neutral family.
     * A motion of compliant threads, or of a part of a drive, such as slip without rest, leaves the range of numbers:
       unbounded.
-    * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions without
-      an attracting cycle – chaotic and quasi-periodic ones, above all where nothing damps – and to motions whose cycle
-      attracts slowly, if it has a multiplier within 1e-6 of the unit circle or more than 8 returns, or if the return
-      map has no derivative.
+    * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions that
+      move by less than their last digits from turn to turn, and to motions whose cycle attracts slowly and has more
+      than 8 returns, or a return map without a derivative.
+    * Before that, with more than two states: the motion shrinks turn by turn alike to steady sliding
+      (:mod:`lsvib.cycles.cones`), or it repeats a cycle of thousands of events, or its amplitudes have no trend: then
+      it is recurrent, quasi-periodic or chaotic (:mod:`lsvib.cycles.drifts`).
     * Before that, with two states: the motion has drifted towards a place on a line from both sides of which returns
       come nearer, beyond doubt, although P(y) = y is lost in rounding there. Then there is a cycle, and its numbers are
       known to ``enclosure`` only.

@@ -5,7 +5,8 @@ them. As long as a motion passes only such surfaces, its return map is homogeneo
 returns that lead to a smaller copy, Pⁿ(y) = λⁿ y with λ < 1, are followed by their copies for ever: the motion ends in
 steady sliding, whatever number of returns that takes. Guards that do not pass through the equilibrium are not met,
 because they are met by no state between one where they are positive and the equilibrium, where they are positive, too.
-The direction of y need not be exact: it is attracted if the other multipliers lie well inside the unit circle.
+The direction of y need not be exact if it is attracted. By Euler's theorem P′ y = P(y), so that at an exact direction λ
+is a multiplier of P; the direction is attracted if all others are well below it.
 """
 
 import numpy as np
@@ -16,9 +17,10 @@ from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import Budget, Motion
 
 _CLEAR = 16 * flow_planar.EPS  # rounding of a return, in sizes of the motion, for each event and unit of the condition
-_ALIKE = 0.1  # part of 1 − λⁿ by which n returns may differ from λⁿ y
+_ALIKE = 0.1  # part of 1 − λⁿ and of λⁿ by which n returns may differ from λⁿ y, in sizes of y
 _FEWEST = 8  # returns to the section: the later half of them is compared
-_INSIDE = 0.9  # largest other multiplier: the direction is reached in a few dozen returns
+_INSIDE = 0.9  # largest other multiplier, relative to λ: the direction is reached in a few dozen returns
+_LEADING = 1e-3  # relative difference of the leading multiplier from λ: the direction is exact but for less than that
 
 
 def shrinking(motion: Motion, budget: Budget) -> SteadyState | None:
@@ -45,14 +47,17 @@ def shrinking(motion: Motion, budget: Budget) -> SteadyState | None:
     start, change = states[0] / size, (states[-1] - states[0]) / size
     growth = float(start @ change / (start @ start))  # λⁿ − 1
     rounding = _CLEAR * automaton.condition * modes.size
-    if not (growth < -rounding and np.abs(change - growth * start).max() <= -_ALIKE * growth):
+    unlike = np.abs(change - growth * start).max() / np.abs(start).max()
+    if not (-1 < growth < -rounding and unlike <= _ALIKE * min(-growth, 1 + growth)):
         return None
     section = Section(automaton, key, states[-1], size, 1, float(motion.time[last] - motion.time[first]), budget)
     slopes, _ = section.slopes(np.zeros(section.dimension))
     if not np.isfinite(slopes).all():
         return None
-    multipliers = np.sort(np.abs(np.linalg.eigvals(slopes)))
-    return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(size)) if (multipliers[:-1] < _INSIDE).all() else None
+    *others, leading = np.sort(np.abs(np.linalg.eigvals(slopes)))
+    shrinks = (1 + growth) ** (period / modes.size)  # λ
+    attracted = abs(leading - shrinks) <= _LEADING * shrinks and all(other < _INSIDE * shrinks for other in others)
+    return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(size)) if attracted else None
 
 
 def _through_zero(motion: Motion, mode: int, state: np.ndarray) -> bool:

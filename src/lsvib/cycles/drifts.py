@@ -6,8 +6,9 @@ A drive with little damping may need 10⁹ events before it settles. Two kinds o
   and the step Δ from there, the state L returns later is y + (1 + P′ + … + P′^(L−1)) Δ; this is exact if P is linear. L
   is doubled from leap to leap as long as the steps that are found after a leap are those that were foreseen.
 * By amplitudes: a second oscillation with a frequency of its own may keep returns from being alike. Then the amplitudes
-  of the oscillators have a trend over many turns, those of the mode in which the motion is longest, of all modes that
-  have oscillators. These amplitudes are extrapolated in the same way, and the phases stay as they are.
+  of the oscillators have a trend over many turns, and are extrapolated (:mod:`lsvib.cycles.trends`).
+
+Those that leave out more events for the same work are preferred.
 
 Leaps by returns whose steps shrink, as foreseen, until nothing moves any more have come to a cycle, however little it
 attracts in one return.
@@ -32,18 +33,15 @@ from lsvib.cycles.recurrences import CORNERS, cycle_through, long_cycle
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
 from lsvib.cycles.steady_states import SteadyState
+from lsvib.cycles.trends import QUARTERS, Trend, extrapolated, no_trend, reach, trend_of
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Budget, Motion
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
 _LONGEST = 4000  # most events in a return
-_CHANGE = 0.2  # part of its way by which a leap may be wrong, and part of itself by which a trend may change in a leap
-_PART = 0.7  # change of the logarithm of an amplitude that one leap may make
-_OFF = 0.015  # change of the logarithm of an amplitude by which a leap may be wrong, however little it changes
+_CHANGE = 0.2  # part of its way by which a leap may be wrong
 _MORE_TRUST = 4.0  # factor by which leaps may get longer if the trend after a leap is that before it
 _WAY = 2.0  # longest way of a leap, in sizes of the motion: once across a swing
 _FADING = 0.9  # part of an earlier size that still counts: a coordinate that swings slowly is zero now and then
@@ -65,14 +63,10 @@ _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of ampli
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 _LONG_LOOKS = (6, 18, 54)  # windows for trends, counted, in whose place the longest one is followed if there are rests
-_STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
-# A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
-# a multiple of its own spread.
-_NO_TREND = 3e-3
-_TREND_NOISE = 3.0
-_LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _BLANKS = 2  # windows without a trend in a row, after which a motion recurs
-_QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
+# Events of the window for each unit of work of a leap by amplitudes: it takes more than one window.
+_PER_EVENT = 0.4
+_WHOLE = 4.2  # turns of the slowest oscillation in a window, so that its quarters are whole turns
 
 
 class Recurrence(NamedTuple):
@@ -91,10 +85,10 @@ def pursue(
 
     Arguments: a part of the motion, from whose end it goes on; the work that it may take; ``ended``, which is asked
     about parts of the motion. The end is None if the budget does not suffice. Raises ``EngineError`` where the engine
-    does.
+    does. It is one loop: which leap comes next depends on how far those of both kinds have led.
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
-    before, trust, moves, looks = None, 1.0, 0, 0
+    before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
     conserved = conserves(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
@@ -102,8 +96,11 @@ def pursue(
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
             return found, leapt
-        leap = _by_returns(motion, budget)
-        moves = moves + 1 if leap.moved else 0
+        # Where leaps by amplitudes go farther for their work, those by returns are seldom tried.
+        skipped = rows % _SELDOM > 0
+        leap = _Leap(motion.end_state, motion.end_mode, False, 0.0) if skipped else _by_returns(motion, budget)
+        pays = leap.gain > gain
+        moves = moves + 1 if pays else 0
         leapt |= leap.moved
         if leap.moved:
             motion = follow_patiently(
@@ -111,7 +108,7 @@ def pursue(
             )
             if leap.cycle is not None:
                 return ended(motion) or leap.cycle, leapt
-            if moves % _MOVES:
+            if pays and moves % _MOVES:
                 continue
         # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
         looks += 1
@@ -120,23 +117,37 @@ def pursue(
         motion = follow_patiently(
             automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=look, budget=budget
         )
-        trend = _trend(motion) if motion.time.size == look else None
-        if look == longest and not (trend and trend.consistent):
+        trend = trend_of(motion) if motion.time.size == look else None
+        if look == longest:
             found = long_cycle(motion, budget)
             if found is not None:
                 return found, leapt
-        longer = min(2 * window, longest) if conserved or not leap.moved else window
+        wanted = 2 * window
+        if trend is not None and _WHOLE * window <= trend.turns * longest:
+            wanted = max(wanted, math.ceil(_WHOLE * window / trend.turns))
+        longer = min(wanted, longest) if conserved or not pays else window
+        if trend is None or not trend.consistent:
+            rows = 0
         if trend is None:
             window = longer
         elif trend.consistent:
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
-            state, mode = _extrapolated(automaton, motion, trend, trust)
-            leapt, before = True, trend
-            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=window, budget=budget)
-            blank = 0
-        elif trend.none and window == longest:
-            blank += 1
-            if blank == _BLANKS:
+            quarters, before, blank, seen = reach(trend, trust), trend, 0, []
+            rows = rows + 1 if quarters > QUARTERS else 0
+            if rows == 0:
+                window = longer
+                continue
+            found = ended(motion)  # a leap would throw it off a cycle that it comes to slowly
+            if found is not None:
+                return found, leapt
+            leapt, gain = True, max(1.0, _PER_EVENT * quarters / QUARTERS)
+            state = extrapolated(motion, trend, quarters, trust)
+            after = max(_BETWEEN, window // QUARTERS)
+            motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
+        elif window == longest and not trend.moves:
+            seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
+            blank = blank + 1 if trend.none else 0
+            if blank == _BLANKS or no_trend(seen):
                 return Recurrence(motion.end_state), leapt
         else:
             window, blank = longer, 0
@@ -149,11 +160,15 @@ def _rests(motion: Motion) -> bool:
 
 
 class _Leap(NamedTuple):
-    """The result of leaps by returns: state (n), mode, whether the motion has moved, and the cycle that it is on."""
+    """The result of leaps by returns: state (n), mode, whether the motion has moved, and the cycle that it is on.
+
+    ``gain``: number of events that they have left out, for each unit of work.
+    """
 
     state: np.ndarray
     mode: int
     moved: bool
+    gain: float
     cycle: SteadyState | None = None
 
 
@@ -161,8 +176,9 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
     """Leap along the section of a motion's rarest events as far as that goes."""
     key = section_key(motion)
     here, mode, moved, last, doublings = motion.end_state, motion.end_mode, False, None, _FIRST_DOUBLINGS
+    left, left_out = budget.left, 0
     if key is None:
-        return _Leap(here, mode, moved)
+        return _Leap(here, mode, moved, 0.0)
     seen = (motion.kind == key[0]) & (motion.mode == key[1])
     place, longest = motion.after[seen][-1], np.diff(motion.time[seen]).max(initial=0.0)
     size, pattern, steps = np.zeros_like(place), None, list[float]()
@@ -175,6 +191,7 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
                 break
             place = last.corrected(last.after(doublings), doublings)
             continue
+        left_out += 0 if last is None else len(patterns[-1]) // motion.mode.itemsize << doublings
         here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
         size = np.maximum(np.max(sizes[-_ALIKE:], axis=0), _FADING * size)
         scale = np.where(size == 0, 1.0, size)  # a coordinate that is zero at every event may have any scale
@@ -183,9 +200,9 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
         steps.append(last.length(last.step))
         doublings = last.most(doublings + 1)
         if doublings < _LEAST_DOUBLINGS:
-            return _Leap(here, mode, moved, _closed(last, steps))
+            return _Leap(here, mode, moved, left_out / (left - budget.left), _closed(last, steps))
         place = last.corrected(last.after(doublings), doublings)
-    return _Leap(here, mode, moved)
+    return _Leap(here, mode, moved, left_out / (left - budget.left))
 
 
 class _Linear(NamedTuple):
@@ -306,81 +323,3 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
         patterns.append(motion.mode.tobytes())
         sizes.append(np.abs(motion.after).max(axis=0))
     return states, patterns, sizes
-
-
-class _Trend(NamedTuple):
-    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next."""
-
-    mode: int
-    step: np.ndarray
-    bend: np.ndarray
-    consistent: bool
-    none: bool
-
-    def continues(self, before: "_Trend | None") -> bool:
-        """Whether it is that before a leap, in windows of any length."""
-        if before is None or before.mode != self.mode:
-            return False
-        one, other = (t.step / np.abs(t.step).max() for t in (before, self))
-        return bool(np.abs(one - other).max() <= _STEADY)
-
-
-def _trend(motion: Motion) -> _Trend | None:
-    """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
-    flow = motion.automaton.tables.flow
-    if not isinstance(flow, ModalFlow):
-        return None
-    modes, _, _, durations = motion.arcs()
-    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
-    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
-    home = int(np.argmax(shares))
-    rows = flow.oscillators[home, : flow.pairs[home]]
-    turning = np.flatnonzero(rows[:, BETA] > 0)
-    if turning.size == 0:
-        return None
-    states = np.column_stack([motion.after, np.ones(motion.time.size)])
-    modal = states @ flow.to_modal[home].T
-    place, rate = modal[:, 2 * turning], modal[:, 2 * turning + 1]
-    across = (rate + rows[turning, ALPHA] * place) / rows[turning, BETA]
-    squares = place * place + across * across
-    if not (squares > 0).all():
-        return None
-    quarters = np.array([np.log(part).mean(axis=0) / 2 for part in np.array_split(squares, _QUARTERS)])
-    steps = np.diff(quarters, axis=0)
-    step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    full = np.zeros(flow.pairs[home])
-    bend = full.copy()
-    steady = (step != 0) & (spread <= _STEADY * np.abs(step))
-    full[turning] = np.where(steady, step, 0.0)
-    bend[turning] = np.where(steady, (steps[-1] - steps[0]) / (_QUARTERS - 2), 0.0)
-    none = bool((np.abs(step) <= np.minimum(_NO_TREND, _TREND_NOISE * spread)).all()) and not _moves(motion.after)
-    # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
-    consistent = bool(steady.any() and (steady | (np.abs(step) <= spread)).all())
-    return _Trend(home, full, bend, consistent and not none, none)
-
-
-def _moves(states: np.ndarray) -> bool:
-    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
-    changes = np.diff([part.mean(axis=0) for part in np.array_split(states, _QUARTERS)], axis=0)
-    return bool((np.abs(changes.mean(axis=0)) > _TREND_NOISE * np.ptp(changes, axis=0)).any())
-
-
-def _extrapolated(automaton: Automaton, motion: Motion, trend: _Trend, trust: float) -> tuple[np.ndarray, int | None]:
-    """Return the state after a leap along a trend, or the last state and mode of the motion if it is too short.
-
-    ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
-    """
-    moving = trend.step != 0
-    sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
-    steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
-    leap = min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
-    if leap <= _QUARTERS:
-        return motion.end_state, motion.end_mode
-    flow, home = automaton.tables.flow, trend.mode
-    modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
-    change = leap * trend.step
-    if trust == 1.0:
-        change = change + 0.5 * leap * (leap + 1) * trend.bend
-    factors = np.exp(np.clip(change, _LEAST, _PART))
-    modal[: 2 * factors.size] *= np.repeat(factors, 2)
-    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1], None

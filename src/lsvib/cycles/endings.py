@@ -46,6 +46,7 @@ _SEARCH = Search(
     wider=return_map.WIDER,
     widest=return_map.WIDEST,
     slope_step=return_section.SLOPE_STEP,
+    clear=return_map.CLEAR,
 )
 
 
@@ -158,7 +159,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
         _slides(group, group.safe & damped, found)
         return group.safe & damped, found
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
-    facts = Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL))
+    facts = Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL), int(EventKind.RELEASE))
     outcomes, numbers = np.zeros(size, dtype=np.int8), np.full((size, kernels.NUMBERS), np.nan)
     kernels.endings(
         automaton.tables,

@@ -166,11 +166,11 @@ def enclosure(section: ReturnSection, place: float) -> tuple[float, float] | Non
 
     P is monotone, so every motion from it tends to a cycle in it: however faint the damping is, that is a proof.
     """
-    widest = _WIDEST * section.distance(place)
+    widest, grain = _WIDEST * section.distance(place), section.grain(np.array([place]))
     width = min(np.finfo(float).eps * max(1.0, abs(place)), widest)
     while True:
         left, right = (section.return_from(place + side * width) for side in (-1, 1))
-        clear = _SAFE * _rounding(section, place)
+        clear = _SAFE * grain * _rounding(section, place)
         if left.events is not None and left.events == right.events and left.excess > clear and right.excess < -clear:
             return place - width, place + width
         if width >= widest:

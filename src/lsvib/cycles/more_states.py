@@ -6,8 +6,10 @@ import numpy as np
 
 from lsvib.cycles import drifts
 from lsvib.cycles.cones import shrinking
+from lsvib.cycles.family_edges import comes_to_edge
 from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.recurrences import long_cycle, recurrence
+from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import Attractor, Doubt, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
@@ -23,6 +25,7 @@ _LATER = 37  # events after which leaps begin again; no multiple of the number o
 _FURTHER = (1.2, 0.8)
 _LONGEST = 256_000  # most events that are looked at together then, and ...
 _LONG_LOOK = 64_000  # ... fewest in which a cycle is looked for
+_EDGE = 0.1  # part of the budget in which a motion that nothing damps may come to the edge of a neutral family
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 
 
@@ -46,6 +49,8 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
         return shrinking(part, budget) or recurrence(automaton, part, budget, apart)
 
     found: SteadyState | drifts.Recurrence | None = None
+    if conserves(automaton):
+        found = comes_to_edge(automaton, state, mode, Budget(_EDGE * all_of_it))
     doubt = Doubt.EVENTS
     used, chunk = 0, FEW if in_blocks else CHUNK
     try:

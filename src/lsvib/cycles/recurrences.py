@@ -7,7 +7,7 @@ import numpy as np
 
 from lsvib.cycles import leaps
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves
+from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
@@ -19,13 +19,14 @@ SOLVED = 8  # most returns to the section in a cycle that the return map is solv
 REPEATS = (4 * flow_planar.EPS, 1e-10)  # relative change that is rounding: with two states, with more (modal form)
 FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
+_POINTS = 1000  # latest returns that show where a motion goes; over more of them a slow approach is lost in rounding
 _STEPS = 8  # returns in a row that tell a drift from rounding
 # A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 CORNERS = (1e-9, 1e-5)
 _ROUNDS = 3  # periods with thousands of events after which a motion must have come back
-_BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle, which must come nearer by ...
-_NEARER = 0.5  # ... this factor within a period: rounding, or a faint damping, does not bring them so near
+_BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle
+_NEARER = 0.5  # their largest multiplier: rounding, or a faint damping, does not bring them so near within a period
 _TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
@@ -60,7 +61,7 @@ def recurrence(
     seen = watched(motion)
     if seen is None:
         return None
-    key, points, size, longest = seen
+    key, points, size, longest = seen._replace(points=seen.points[-_POINTS:])
     changes = np.abs(points[-1] - points[-2 : -2 - PERIODS : -1]) / size
     repeats = np.flatnonzero((changes <= REPEATS[size.size > 2]).all(axis=1)) + 1
     if len(points) < FEWEST and not repeats.size:
@@ -70,7 +71,8 @@ def recurrence(
         return None
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
-        return cycle_through(section, section.repeated())
+        found = section.repeated()
+        return found and cycle_through(section, found)
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
     for returns in divisors:  # a slow cycle may seem to have a multiple of its returns
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
@@ -103,9 +105,11 @@ def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
     """Return the cycle that a motion with more than two states repeats, if a period has thousands of events.
 
     Where a contact rattles, every kind of event is frequent; but two of them in a row may be rare. After the rarest two
-    the motion has come back to one state, to rounding, and motions beside it come much nearer within a period. None if
-    it has not, or if they do not.
+    the motion has come back to one state, to rounding, and the multipliers of motions on both sides of it are far below
+    one. None if it has not, or if they are not.
     """
+    if motion.time.size < 2:
+        return None
     seen = watched(motion)
     if seen is None:
         return None
@@ -123,15 +127,19 @@ def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
     same = (motion.kind == key[0]) & (motion.mode == key[1])
     returns = int(same[at[-1 - apart] + 1 : at[-1] + 1].sum())
     section = ReturnSection(motion.automaton, key, states[-1], seen.size, returns, seen.longest, budget)
-    multiplier = 0.0
-    for direction in section.directions.T:
-        beside, most = section.origin + _BESIDE * direction, length + length // 2
-        later = follow_patiently(motion.automaton, beside, math.inf, mode=key[1], max_events=most, budget=budget)
-        back = np.flatnonzero(_in_a_row(later) == rows[at[-1] - 1]) + 1
-        if back.size < apart:
-            return None
-        multiplier = max(multiplier, np.abs(section.place(later.after[back[apart - 1]])).max() / _BESIDE)
-    return cycle_through(section, FixedPoint(section.origin, multiplier, math.nan)) if multiplier < _NEARER else None
+    most, multipliers = length + length // 2, []
+    for side in (_BESIDE, -_BESIDE):
+        columns = []
+        for direction in section.directions.T:
+            start = section.origin + side * direction
+            later = follow_patiently(motion.automaton, start, math.inf, mode=key[1], max_events=most, budget=budget)
+            back = np.flatnonzero(_in_a_row(later) == rows[at[-1] - 1]) + 1
+            if back.size < apart:
+                return None
+            columns.append(section.place(later.after[back[apart - 1]]) / side)
+        multipliers.append(largest(np.reshape(columns, (-1, section.dimension)).T))
+    slowest = max(multipliers, key=abs)
+    return cycle_through(section, FixedPoint(section.origin, slowest, math.nan)) if abs(slowest) < _NEARER else None
 
 
 def _in_a_row(motion: Motion) -> np.ndarray:

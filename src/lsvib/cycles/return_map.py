@@ -4,7 +4,7 @@ The events of one kind that enter one mode lie on one surface, or on the interse
 rest. The states there form an affine *section* (:mod:`lsvib.cycles.return_section`); d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
-  its right, so a fixed point lies between.
+  its right, so a fixed point lies between. It attracts if that holds beyond rounding, too, a little further away.
 * d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section, and where
   that fails with the exact product of :mod:`lsvib.cycles.variational`. So slow multipliers, real, negative or complex,
   do not make the search long. The evidence is the residual P(y) − y, and that the motion comes closer with each of its
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.cycles.return_section import MARGIN, ROUNDING, Section
+from lsvib.cycles.return_section import MARGIN, ROUNDING, SLOPE_STEP, Section
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 
@@ -30,6 +30,7 @@ WIDEST = 1e-3  # half width of the last such interval, in scales of the section:
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 _NOISE = 4 * flow_planar.EPS  # rounding of P(y) − y, in scales of the section
+CLEAR = 2 * _NOISE  # a larger P(y) − y on a line is more than the rounding of both ends of a return
 _WATCHED = 10  # fewest states of the motion on the section that show whether it comes closer with each return
 _NEUTRAL = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
 _THERE = 1e-6  # distance within which a motion has reached the point, well above rounding even in a stiff contact
@@ -68,11 +69,15 @@ class ReturnSection(Section):
         slope = largest(self.slopes(middle)[0])
         return FixedPoint(self.state(middle), slope, 0.5 * (right - left)) if abs(slope) < 1 else None
 
-    def repeated(self) -> FixedPoint:
-        """Return the origin as a fixed point, for a motion that has come back to it."""
+    def repeated(self) -> FixedPoint | None:
+        """Return the origin as a fixed point, for a motion that has come back to it; None if a line does not attract.
+
+        A motion that drifts by less than its last digit comes back, too.
+        """
         here = np.zeros(self.dimension)
         if self.origin.size == 2:
-            return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0)
+            attracts = self.dimension == 0 or self._attracts(here)
+            return FixedPoint(self.origin, largest(self.jacobian(here)), 0.0) if attracts else None
         leading, (exact, margin) = largest(self.jacobian(here)), self.slopes(here)
         neutral = self._is_neutral(exact, margin)
         # A motion beside may not come back, or a surface that is only touched attracts from one side.
@@ -110,9 +115,18 @@ class ReturnSection(Section):
             # Over so short a step it is rounding whether P′ is below one; the mean over a longer one shows it.
             left, right = (float(self.excess(old + side * WIDEST)[0]) for side in (-1, 1))
             slope = 1 + (right - left) / (2 * WIDEST)
-        if not abs(slope) < 1:
-            return None
-        return FixedPoint(self.state(old), slope, width)
+        if not abs(slope) < 1 or (self.origin.size == 2 and slope < -CLEAR / SLOPE_STEP):
+            return None  # no map of a plane: returns begin on the wrong side of the surface
+        return FixedPoint(self.state(old), slope, width) if self._attracts(old) else None
+
+    def _attracts(self, place: np.ndarray) -> bool:
+        """Whether motions from both sides of a place on a line come nearer to it by more than rounding."""
+        clear = CLEAR * self.grain(place)
+        for step in (SLOPE_STEP, WIDEST):
+            left, right = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
+            if left > clear and right < -clear:
+                return True
+        return False
 
     def _inward(self, place: np.ndarray, width: float) -> bool:
         """Whether motions from both ends of an interval come back nearer to its middle, by the same events."""

@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.variational import derivative, eigenvalues
+from lsvib.cycles.variational import derivative, eigenvalues, rounding
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
@@ -199,6 +199,20 @@ class Section:
             return follow(self.automaton, state, t_end, mode=self.key[1], stop=stop, max_events=events)
         mode, budget = self.key[1], self.budget
         return follow_patiently(self.automaton, state, t_end, mode=mode, stop=stop, max_events=events, budget=budget)
+
+    def grain(self, place: np.ndarray) -> float:
+        """Return the rounding of y in a return from y = ``place`` on a line, in roundings of one.
+
+        Between events a motion with two states may swing much further than its states at events show, and a surface
+        that it hardly crosses moves what follows by much more than a rounding. It is infinite if there is no return.
+        """
+        orbit = self.come_back(self.state(place))
+        if orbit is None:
+            return math.inf
+        if self.origin.size > 2:
+            return 1.0
+        lost = rounding(orbit) / flow_planar.EPS
+        return max(1.0, float(np.abs(self._axes[0]) @ lost)) if np.isfinite(lost).all() else math.inf
 
     def excess(self, place: np.ndarray) -> np.ndarray:
         """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back."""

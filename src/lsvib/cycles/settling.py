@@ -11,7 +11,9 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, follow
 
-_UNDAMPED = 1e-30  # damping over frequency that is zero: a mode is made from 60 digits, which leave less than that
+# Damping over frequency that is zero: modes of two states are rounded once, others are made from 60 digits, which leave
+# less than the second number.
+_UNDAMPED = (0.0, 1e-30)
 
 
 def settled(automaton: Automaton, motion: Motion) -> SteadyState:
@@ -41,7 +43,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
             return SteadyState(Attractor.UNBOUNDED, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
     damping = rows[:, columns.ALPHA]
-    undamped = np.abs(damping) <= (ROUNDING if state.size == 2 else _UNDAMPED) * rows[:, columns.BETA]
+    undamped = np.abs(damping) <= _UNDAMPED[state.size > 2] * rows[:, columns.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return SteadyState(Attractor.UNBOUNDED, state)
     lasting = np.flatnonzero(excited & undamped & (rows[:, columns.BETA] > 0))

@@ -14,7 +14,7 @@ from lsvib import numbers
 from lsvib.basins.cells import NO_DOUBT, Mapper, Progress
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import Basin, basin
-from lsvib.basins.grid import COORDINATES, Axis, Grid
+from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.basins.refinement import RefinedMap, count
@@ -93,19 +93,35 @@ def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) 
     The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
     ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
     """
-    dims = tuple(COORDINATES[axis.coordinate] for axis in (grid.y, grid.x))
-    data = {
-        variable_name(name): (dims, _values(name, array), variable_attributes(mapper, name))
-        for name, array in found.items()
-    }
-    return xr.Dataset(
-        data
+    return frame(mapper, grid).assign(
+        cells(mapper, grid, found)
         | fractions("attractor", "attractor", count(found["label"]))
         | parameters(mapper)
-        | surroundings(mapper, grid),
-        coords={dim: axis_coordinate(axis) for dim, axis in zip(dims, (grid.y, grid.x), strict=True)},
-        attrs=global_attributes(mapper, grid),
+        | surroundings(mapper, grid)
     )
+
+
+def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
+    """Return a map without its cells: coordinates and global attributes."""
+    coordinates = zip(dimensions(grid), map(axis_coordinate, (grid.y, grid.x)), strict=True)
+    return xr.Dataset(coords=dict(coordinates), attrs=global_attributes(mapper, grid))
+
+
+def dimensions(grid: Grid) -> tuple[str, str]:
+    """Return the names of the dimensions of a map, rows first."""
+    return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
+
+
+def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+    """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
+    return {
+        "settling_time" if name == "time" else name: (
+            dimensions(grid),
+            np.where(np.isfinite(array), array, np.nan) if name == "time" else array,
+            variable_attributes(mapper, name),
+        )
+        for name, array in found.items()
+    }
 
 
 def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
@@ -134,13 +150,8 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
 
 def axis_coordinate(axis: Axis) -> tuple:
     """Return the coordinate variable of an axis: the middles of its cells."""
-    name = COORDINATES[axis.coordinate]
+    name = coordinates()[axis.coordinate]
     return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
-
-
-def variable_name(quantity: str) -> str:
-    """Return the name of a quantity of a map in its file, where ``time`` is that of a motion."""
-    return {"time": "settling_time"}.get(quantity, quantity)
 
 
 def parameters(mapper: Mapper) -> dict[str, tuple]:
@@ -238,10 +249,6 @@ def summary(
         "exact_basin_area": exact_basin_area,
         "cells_per_second": cells / seconds,
     }
-
-
-def _values(name: str, array: np.ndarray) -> np.ndarray:
-    return np.where(np.isfinite(array), array, np.nan) if name == "time" else array
 
 
 def _grid(given: Grid | Mapping[str, Any]) -> Grid:

@@ -33,11 +33,8 @@ _WORTH = 20_000  # cells that make it worth while to start processes, which take
 _BLOCK = {"rigid": 8192, "threads": 1024}  # cells that a process takes at a time: half a second, and some seconds
 
 
-@dataclass(frozen=True)
-class ChartAxis:
+class ChartAxis(Axis):
     """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
-
-    axis: Axis
 
     @classmethod
     def of(cls, drive: RigidParameters, where: str, given: Any) -> Self:
@@ -55,36 +52,28 @@ class ChartAxis:
         if name not in type(drive).model_fields:
             known = ", ".join(type(drive).model_fields)
             raise InputError(f"{where}: {numbers.shown(name)} is not a known key; the known keys are {known}.")
-        axis = Axis.over(*parts)
-        for end in (axis.start, axis.stop):
+        axis = cls.over(*parts)
+        for end in axis.ends:
             drive.replace(**{name: end})
         if name in LOGARITHMIC and axis.start <= 0:
             raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
-        return cls(axis)
+        return axis
 
     @property
     def name(self) -> str:
         """Name of the parameter."""
-        return self.axis.coordinate
+        return self.coordinate
 
     @property
     def ends(self) -> tuple[float, float]:
         """First and last value [SI unit]."""
-        return self.axis.start, self.axis.stop
+        return self.start, self.stop
 
-    def edges(self) -> np.ndarray:
-        """Return the edges of the cells (count + 1)."""
-        return self._at(np.arange(self.axis.count + 1))
-
-    def centres(self, part: slice = slice(None)) -> np.ndarray:
-        """Return the middles of some cells, each from its own index alone."""
-        return self._at(np.arange(self.axis.count)[part] + 0.5)
-
-    def _at(self, index: np.ndarray) -> np.ndarray:
-        low, high, count = self.axis.start, self.axis.stop, self.axis.count
+    def middles(self, index: np.ndarray) -> np.ndarray:
+        """Return the middles of the cells of these indices."""
         if self.name in LOGARITHMIC:
-            return low * (high / low) ** (index / count)
-        return low + index * ((high - low) / count)
+            return self.start * (self.stop / self.start) ** ((index + 0.5) / self.count)
+        return super().middles(index)
 
 
 @dataclass(frozen=True)
@@ -103,7 +92,7 @@ class Plane:
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
-        if plane.x.axis.count * plane.y.axis.count > _MOST:
+        if plane.x.count * plane.y.count > _MOST:
             raise InputError(f"the chart has more than {_MOST} cells; take fewer.")
         return plane
 
@@ -121,7 +110,8 @@ class Plane:
         progress: Progress | None = None,
     ) -> np.ndarray:
         """Return what the drives of some cells do (rows, columns), a ``Behaviour`` each, int8."""
-        axes = {self.y.name: self.y.centres(rows).tolist(), self.x.name: self.x.centres(columns).tolist()}
+        parts = ((self.y, rows), (self.x, columns))
+        axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
         shape = tuple(map(len, axes.values()))
         of_drives = compliant_behaviours if isinstance(self.drive, ThreadsParameters) else behaviours
         return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
@@ -213,7 +203,7 @@ def chart(
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
     plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers("workers", workers)
-    if processes > 1 and plane.x.axis.count * plane.y.axis.count >= _WORTH:
+    if processes > 1 and plane.x.count * plane.y.count >= _WORTH:
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
@@ -228,10 +218,10 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     The curves are a good part of the work, and Python alone, so that threads would wait for each other: processes take
     them one by one, and then blocks of rows.
     """
-    count, cells = plane.y.axis.count, plane.x.axis.count * plane.y.axis.count
-    size = max(1, _BLOCK[plane.drive.model] // plane.x.axis.count)
+    count, cells = plane.y.count, plane.x.count * plane.y.count
+    size = max(1, _BLOCK[plane.drive.model] // plane.x.count)
     blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
-    labels, curves, done = np.empty((count, plane.x.axis.count), dtype=np.int8), Curves(), 0
+    labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
     with get_context("spawn").Pool(workers) as pool:
         work = partial(_part, plane, resume)
         for part, found in pool.imap_unordered(work, [*reversed(curves_of(plane.drive)), *blocks]):
@@ -266,9 +256,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def _coordinate(axis: ChartAxis) -> dict[str, Any]:
-    more = (
-        {"cell_ratio": float(axis.edges()[1] / axis.edges()[0])}
-        if axis.name in LOGARITHMIC
-        else {"cell_width": axis.axis.width}
-    )
-    return parameter(axis.name, VARIED, **more)
+    if axis.name not in LOGARITHMIC:
+        return parameter(axis.name, VARIED, cell_width=axis.width)
+    first, second = axis.middles(np.array([-0.5, 0.5]))  # edges
+    return parameter(axis.name, VARIED, cell_ratio=float(second / first))

@@ -34,7 +34,7 @@ def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[s
     Raises ``InputError`` and ``EngineError``.
     """
     plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
-    place = window(item, plane.y.axis.count, plane.x.axis.count)
+    place = window(item, plane.y.count, plane.x.count)
     labels = plane.labels(place.rows, place.columns, resume, workers)
     tile = plane.axes(resume).isel(dict(zip(plane.dims, (place.rows, place.columns), strict=True)))
     write_tile(tile.assign(label=(plane.dims, labels, LABEL)), place, settings, path)
@@ -52,5 +52,5 @@ def gather_chart(
     if a tile is missing, damaged or of another chart.
     """
     plane = plane_of(settings)
-    places = {Path(tile): window(Path(tile).stem, plane.y.axis.count, plane.x.axis.count) for tile in tiles}
+    places = {Path(tile): window(Path(tile).stem, plane.y.count, plane.x.count) for tile in tiles}
     gather(plane.frame(settings.get("resume", "contact_sign")), settings, places, path, progress, "behaviour")

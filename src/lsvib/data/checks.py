@@ -71,6 +71,18 @@ class Check:
         """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
         return cls(claim, source, "true", computed, None, None, "", None, bool(truth))
 
+    @classmethod
+    def everywhere(cls, claim: str, source: str, where: Any, of: str = "") -> Self:
+        """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
+        words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
+        return cls.holds(claim, source, words, where.size > 0 and where.all())
+
+    @classmethod
+    def without_exception(cls, claim: str, source: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
+        """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
+        words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
+        return cls.holds(claim, source, words, exceptions == 0 and compared > 0)
+
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
         return {key: str(v) if isinstance(v, float) and not math.isfinite(v) else v for key, v in asdict(self).items()}

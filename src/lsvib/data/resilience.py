@@ -15,7 +15,7 @@ from lsvib.basins.clipping import Window
 from lsvib.basins.resilience import Resilience
 from lsvib.basins.sampling import resilience_beside_samples
 from lsvib.data.attributes import variable
-from lsvib.data.sweep import coordinate, parameter_values
+from lsvib.data.sweep import axes_of, coordinate
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.errors import EngineError, InputError
 
@@ -50,10 +50,7 @@ def resilience_sweep(
     in all. Numbers are infinite where every push is survived, zero where none is, nan where the basin is not covered,
     for the reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
-    axes = {name: parameter_values(name, values) for name, values in names_and_values("over", over).items()}
-    total = math.prod(map(len, axes.values())) if axes else 0
-    if not 1 <= total <= _MOST_POINTS:
-        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST_POINTS}.")
+    axes = axes_of(over, RigidParameters, _MOST_POINTS)
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
     found: list[Resilience | None] = []
     refused: list[str] = []
@@ -64,7 +61,7 @@ def resilience_sweep(
             found.append(None)
             refused.append(str(error))
         if progress is not None:
-            progress(len(found), total)
+            progress(len(found), len(drives))
     sizes = tuple(map(len, axes.values()))
 
     def column(where: str) -> np.ndarray[Any, Any]:
@@ -116,22 +113,10 @@ def window_of(given: Any) -> Window | None:
     return Window(*ends)
 
 
-def counted(name: str, given: Any, most: int) -> int:
-    """Return a whole number from 0 to ``most``; raises ``InputError`` for anything else."""
-    try:
-        count = numbers.whole(given)
-    except numbers.NotNumber as error:
-        raise InputError(
-            f"{name} = {numbers.shown(given)} {error}; the allowed range is 0 <= {name} <= {most}."
-        ) from None
-    if not 0 <= count <= most:
-        raise InputError(f"{name} = {count} is outside the allowed range 0 <= {name} <= {most}.")
-    return count
-
-
 def samples_of(samples: Any, seed: Any, window: Window | None) -> tuple[int, int]:
     """Return numbers of samples and seed, checked; raises ``InputError``, also for samples without a window."""
-    count, start = counted("samples", samples, _MOST_SAMPLES), counted("seed", seed, 2**63 - 1)
+    count = numbers.whole_between("samples", samples, 0, _MOST_SAMPLES)
+    start = numbers.whole_between("seed", seed, 0, 2**63 - 1)
     if count and window is None:
         raise InputError("samples need a window, with the ends of u and w, to be drawn from.")
     return count, start

@@ -13,7 +13,7 @@ from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
 from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
-from lsvib.drives.parameters import RigidParameters, names_and_values, parameters_of
+from lsvib.drives.parameters import RigidParameters, changed, names_and_values, parameters_of
 from lsvib.drives.scene import Scene, in_present_words, read_yaml
 from lsvib.engine.motion import Motion, follow
 
@@ -62,9 +62,7 @@ def as_scene(
     values = {**in_present_words(values), **changes}
     if drive:
         given = parameters_of(values.get("drive"))
-        if drive.keys() & {"lead_angle", "lead_angle_deg"}:
-            given = {key: value for key, value in given.items() if key not in ("lead_angle", "lead_angle_deg")}
-        values["drive"] = {**given, **drive}
+        values["drive"] = changed(given, drive)
     return Scene.of(values)
 
 

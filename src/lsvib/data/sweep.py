@@ -24,6 +24,8 @@ from lsvib.errors import InputError
 
 Progress = Callable[[int, int], None]
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
+# To each parameter whose range depends on another one: that one, and which of its values goes with all of them.
+_COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
 _MOST = 10_000_000  # points, of which each has some hundred bytes
 
 
@@ -54,12 +56,7 @@ def sweep(
     :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
     """
     kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers("workers", workers)
-    axes = {name: parameter_values(name, values, kind.drive) for name, values in names_and_values("over", over).items()}
-    if not axes:
-        raise InputError("over names no parameter; give the values of one, such as axial_force.")
-    total = math.prod(map(len, axes.values()))
-    if not 1 <= total <= _MOST:
-        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {_MOST}.")
+    axes = axes_of(over, kind.drive, _MOST)
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     kind.initial_state(drive, begin)  # refuses other keys
@@ -82,21 +79,26 @@ def sweep(
     )
 
 
+def axes_of(over: Any, kind: type[RigidParameters], most: int) -> dict[str, list[float]]:
+    """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
+    axes = {name: parameter_values(name, values, kind) for name, values in names_and_values("over", over).items()}
+    if not axes:
+        raise InputError("over names no parameter; give the values of one, such as axial_force.")
+    total = math.prod(map(len, axes.values()))
+    if not 1 <= total <= most:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
+    return axes
+
+
 def product_of(drive: RigidParameters, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     """Return the drives over the product of values of some parameters, the last one fastest.
 
     Raises ``InputError`` if one of them is not acceptable. Only the friction coefficient and the lead angle have ranges
     that depend on each other: μ < cot λ holds for all pairs if it holds for the largest μ and the largest λ.
     """
-    lead = axes.get("lead_angle", ())
     for name, values in axes.items():
-        if name == "friction_coefficient":
-            beside = {"lead_angle": max(lead)} if lead else {}
-        elif name == "lead_angle":
-            friction = axes.get("friction_coefficient", ())
-            beside = {"friction_coefficient": min(friction)} if friction else {}
-        else:
-            beside = {}
+        other, extreme = _COUPLED.get(name, ("", max))
+        beside = {other: extreme(axes[other])} if other in axes else {}
         for value in values:
             drive.replace(**{name: value, **beside})
     grids = np.meshgrid(*axes.values(), indexing="ij")

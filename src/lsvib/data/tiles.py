@@ -6,21 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import xarray as xr
-
 from lsvib.basins.cells import Mapper
-from lsvib.basins.grid import COORDINATES, Grid
+from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
 from lsvib.data.assembly import TileWindow, gather, write_tile
-from lsvib.data.attraction_map import (
-    axis_coordinate,
-    global_attributes,
-    parameters,
-    surroundings,
-    variable_attributes,
-    variable_name,
-)
+from lsvib.data.attraction_map import cells, dimensions, frame, parameters, surroundings
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
@@ -60,15 +50,9 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     place = window(item, grid.y.count, grid.x.count)
-    cells = mapped.cells(grid, place.rows, place.columns, settings["quantities"], workers)
-    if "time" in cells:
-        cells["time"][~np.isfinite(cells["time"])] = np.nan
-    dims = _dimensions(grid)
-    tile = _frame(mapped, grid).isel(dict(zip(dims, (place.rows, place.columns), strict=True)))
-    variables = {
-        variable_name(name): (dims, values, variable_attributes(mapped, name)) for name, values in cells.items()
-    }
-    write_tile(tile.assign(variables), place, settings, path)
+    found = mapped.cells(grid, place.rows, place.columns, settings["quantities"], workers)
+    tile = frame(mapped, grid).isel(dict(zip(dimensions(grid), (place.rows, place.columns), strict=True)))
+    write_tile(tile.assign(cells(mapped, grid, found)), place, settings, path)
 
 
 def gather_map(
@@ -84,15 +68,5 @@ def gather_map(
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
-    frame = _frame(mapped, grid).assign(parameters(mapped) | surroundings(mapped, grid))
-    gather(frame, settings, places, path, progress)
-
-
-def _dimensions(grid: Grid) -> tuple[str, str]:
-    return COORDINATES[grid.y.coordinate], COORDINATES[grid.x.coordinate]
-
-
-def _frame(mapped: Mapper, grid: Grid) -> xr.Dataset:
-    """Return the map without its cells: coordinates and global attributes."""
-    coordinates = zip(_dimensions(grid), map(axis_coordinate, (grid.y, grid.x)), strict=True)
-    return xr.Dataset(coords=dict(coordinates), attrs=global_attributes(mapped, grid))
+    around = frame(mapped, grid).assign(parameters(mapped) | surroundings(mapped, grid))
+    gather(around, settings, places, path, progress)

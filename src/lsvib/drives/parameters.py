@@ -216,6 +216,13 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
     return dict(given)
 
 
+def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return names and values of a drive with changes; a lead angle replaces the given one, whatever its unit."""
+    angles = {"lead_angle", "lead_angle_deg"}
+    dropped = angles if changes.keys() & angles else set()
+    return {**{key: value for key, value in given.items() if key not in dropped}, **changes}
+
+
 def parameters_of(drive: RigidParameters | Mapping[str, Any] | None) -> dict[str, Any]:
     """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
     return drive.model_dump() if isinstance(drive, RigidParameters) else names_and_values("drive", drive)

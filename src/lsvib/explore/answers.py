@@ -12,7 +12,6 @@ from lsvib.basins.cells import Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.basins.slice_mapper import StateMapper
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.data.phase_plane import lines, sample
 from lsvib.data.simulation import run
@@ -174,7 +173,7 @@ def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: RigidParameters, rounding: bool = True) -> Mapper | StateMapper:
+def _mapper(drive: RigidParameters, rounding: bool = True) -> Mapper:
     return mapper(drive, drive.model, rounding=rounding)
 
 

@@ -81,7 +81,7 @@ def check(configuration: Mapping[str, Any]) -> None:
 
 def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
     """Return the section of one figure, empty if there is none; raises ``InputError`` about anything but sections."""
-    known = (*_configuration_keys(), *default_figures(), *accuracy_figures())
+    known = (*Assessments.model_fields, "attraction", "chart", *default_figures(), *accuracy_figures())
     for key in configuration:
         if key not in known:
             raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(known)}.")
@@ -141,10 +141,6 @@ def _configuration() -> type[Section]:
         chart=(settings_of("chart"), ...),
         **sections,
     )
-
-
-def _configuration_keys() -> tuple[str, ...]:
-    return (*Assessments.model_fields, "attraction", "chart")
 
 
 def _checked(model: type[Section], values: Any, place: Sequence[str] = ()) -> Any:

@@ -23,11 +23,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import ExactParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 
 Matrix = tuple[tuple[Any, Any], tuple[Any, Any]]
+Values = RigidParameters | ExactParameters | Mapping[str, ArrayLike]
+"""A drive, the same in 50-digit decimals (``drive.exact()``), or its keys with arrays that broadcast."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def steady_law(drive: RigidParameters) -> int:
     return sense if force > 0 else -sense
 
 
-def threads_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def threads_model(drive: Values, law: int) -> LinearModel:
     """Linearised drive with compliant threads (Sect. 5.5, eqs 8.6, 8.7), coordinates q = (z, e).
 
     x = r_m tan λ θ + e; the contact is compressed by δ = e cos λ and carries N = k_c δ + c_c δ′. Hence
@@ -87,11 +89,10 @@ def threads_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, ex
     and det(M s² + C s + K) = (I s² + c s + k)(m s² + c_x s) + b cos λ (k_c + c_c s)(Γ_s s² + C_s s + k): the last
     factor is the rigid drive (8.13). The state matrix is that of [z, θ′, e, e′].
 
-    Arguments: drive with ``contact_stiffness`` k_c [N/m] and ``contact_damping`` c_c [N s/m], or a mapping of its keys
-    to arrays that broadcast; law s = ±1; ``exact``: entries in 50-digit decimals (of a drive). Units of the first
-    equation [N m], of the second [N].
+    Arguments: drive with ``contact_stiffness`` k_c [N/m] and ``contact_damping`` c_c [N s/m]; law s = ±1. Units of the
+    first equation [N m], of the second [N].
     """
-    p = values_of(drive, law, exact)
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
         lead = p.pitch_radius * p.tan_lead
         b = p.cos_lead * (1 + law * p.friction_coefficient * p.tan_lead)
@@ -107,7 +108,7 @@ def threads_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, ex
         )
 
 
-def support_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def support_model(drive: Values, law: int) -> LinearModel:
     """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
 
     The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
@@ -119,7 +120,7 @@ def support_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, ex
     Arguments as :func:`threads_model`, with ``screw_mass`` m_1 [kg], ``support_stiffness`` k_1 [N/m] and
     ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
     """
-    p = values_of(drive, law, exact)
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
         lead, lever = p.pitch_radius * p.tan_lead, p.factor * p.pitch_radius
         return LinearModel(
@@ -132,7 +133,7 @@ def support_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, ex
         )
 
 
-def nut_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> LinearModel:
+def nut_model(drive: Values, law: int) -> LinearModel:
     """Linearised drive whose nut can rotate (Sect. 5.8, matrices above eq. 8.33), coordinates q = (θ, θ_2).
 
     x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
@@ -142,7 +143,7 @@ def nut_model(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact:
     Arguments as :func:`threads_model`, with ``nut_inertia`` I_2 [kg m²], ``nut_stiffness`` k_2 [N m/rad] and
     ``nut_damping`` c_2 [N m s/rad].
     """
-    p = values_of(drive, law, exact)
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         mass, damping = lever * p.mass, lever * p.translation_damping
@@ -171,13 +172,10 @@ def _solved(a: Matrix, b: Matrix) -> Matrix:
     return first, second
 
 
-def values_of(drive: RigidParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> SimpleNamespace:
-    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
-
-    Arrays of floats, or with ``exact`` decimals of 50 digits, for which ``drive`` must be a drive.
-    """
-    if exact:
-        p = SimpleNamespace(**vars(drive.exact()))
+def values_of(drive: Values, law: int) -> SimpleNamespace:
+    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1."""
+    if isinstance(drive, ExactParameters):
+        p = SimpleNamespace(**vars(drive))
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))

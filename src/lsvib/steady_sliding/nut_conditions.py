@@ -1,33 +1,30 @@
 """Rotating nut: the kinematic condition (8.33) and what it does to the critical mass (Remarks 8.5 and 8.6)."""
 
-from collections.abc import Mapping
 from decimal import localcontext
 from typing import Any
-
-from numpy.typing import ArrayLike
 
 from lsvib.drives import friction
 from lsvib.drives.parameters import NutParameters
 from lsvib.engine.exact.precision import PLACES
-from lsvib.steady_sliding.linearised import values_of
+from lsvib.steady_sliding.linearised import Values, values_of
 
 
-def effective_screw_inertia(drive: NutParameters | Mapping[str, ArrayLike], exact: bool = False) -> Any:
+def effective_screw_inertia(drive: Values) -> Any:
     """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
-    p = values_of(drive, 1, exact)
+    p = values_of(drive, 1)
     with localcontext(prec=PLACES):
         return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
 
 
-def kinematic_inertia(drive: NutParameters | Mapping[str, ArrayLike], law: int, exact: bool = False) -> Any:
+def kinematic_inertia(drive: Values, law: int) -> Any:
     """Return I_eff − ξ_s tan λ m r_m² [kg m²]; steady sliding under law s = ±1 is unstable where it is negative (8.33).
 
     It equals det M_0 / (I + I_2). M_0 and K are symmetric and K is positive, so without it steady sliding can be lost
     neither by flutter nor – as det K > 0 – by divergence.
     """
-    p = values_of(drive, law, exact)
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
-        inertia = effective_screw_inertia(drive, exact)
+        inertia = effective_screw_inertia(drive)
         return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
@@ -37,8 +34,8 @@ def kinematic_mass(drive: NutParameters) -> float | None:
     It is smaller than the critical mass of the rigid drive by the factor I_2 / (I + I_2). With translation damping
     steady sliding can be lost at a smaller mass already (:mod:`lsvib.steady_sliding.boundaries`).
     """
-    p = values_of(drive, 1, exact=True)
+    p = values_of(drive.exact(), 1)
     with localcontext(prec=PLACES):
         if p.factor <= 0:
             return None
-        return float(effective_screw_inertia(drive, exact=True) / (p.factor * p.tan_lead * p.pitch_radius**2))
+        return float(effective_screw_inertia(drive.exact()) / (p.factor * p.tan_lead * p.pitch_radius**2))

@@ -1,31 +1,26 @@
 """Axial support: the printed polynomial (8.23), conditions (8.24)–(8.28), and boundaries (8.29)–(8.32) in closed form.
 
-Functions take a :class:`SupportParameters`, or a mapping of its keys to arrays that broadcast, and the law s = ±1. With
+Functions take the ``Values`` of a drive (:mod:`lsvib.steady_sliding.linearised`) and the law s = ±1. With
 χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
 """
 
-from collections.abc import Mapping
 from decimal import localcontext
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from lsvib.drives import friction
 from lsvib.drives.parameters import SupportParameters
 from lsvib.engine.exact.precision import PLACES
+from lsvib.numbers import bisected
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, reciprocal_squares
-from lsvib.steady_sliding.linearised import support_model, values_of
-
-Grid = SupportParameters | Mapping[str, ArrayLike]
+from lsvib.steady_sliding.linearised import Values, support_model, values_of
 
 
-def characteristic_polynomial(drive: Grid, law: int, exact: bool = False) -> tuple[Any, Any, Any]:
-    """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units).
-
-    With ``exact`` in 50-digit decimals, for which ``drive`` must be a drive.
-    """
-    p = values_of(drive, law, exact)
+def characteristic_polynomial(drive: Values, law: int) -> tuple[Any, Any, Any]:
+    """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units)."""
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         total = p.mass + p.screw_mass
@@ -36,7 +31,7 @@ def characteristic_polynomial(drive: Grid, law: int, exact: bool = False) -> tup
         )
 
 
-def printed_class(drive: Grid, law: int) -> NDArray[np.int8]:
+def printed_class(drive: Values, law: int) -> NDArray[np.int8]:
     """Class (:class:`UndampedClass`) by the printed conditions (8.24) to (8.26).
 
     a_4 < 0 is kinematic, a_2² < 4 a_0 a_4 flutter, a_4 > 0 with a_2 > 0 divergence; flutter where the last two hold.
@@ -47,21 +42,21 @@ def printed_class(drive: Grid, law: int) -> NDArray[np.int8]:
     return np.select(np.broadcast_arrays(*conditions), kinds, UndampedClass.STABLE).astype(np.int8)
 
 
-def reduced_inertia(drive: Grid, law: int, exact: bool = False) -> Any:
+def reduced_inertia(drive: Values, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²], m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)."""
-    p = values_of(drive, law, exact)
+    p = values_of(drive, law)
     with localcontext(prec=PLACES):
         mass = p.mass * p.screw_mass / (p.mass + p.screw_mass)
         return friction.effective_inertia(p.screw_inertia, mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
-def rigid_inertia(drive: Grid, law: int) -> Any:
+def rigid_inertia(drive: Values, law: int) -> Any:
     """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
     p = values_of(drive, law)
     return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
-def boundary_coefficients(drive: Grid, law: int) -> tuple[Any, Any, Any]:
+def boundary_coefficients(drive: Values, law: int) -> tuple[Any, Any, Any]:
     """Return b_1, b_2, b_3 of the flutter boundary b_1 k_1² + b_2 k k_1 + b_3 k² = 0 as printed (eq. 8.29)."""
     p = values_of(drive, law)
     turned = p.factor * p.mass * p.pitch_radius**2 * p.tan_lead
@@ -72,7 +67,7 @@ def boundary_coefficients(drive: Grid, law: int) -> tuple[Any, Any, Any]:
     )
 
 
-def flutter_boundaries(drive: Grid, law: int) -> NDArray[np.float64]:
+def flutter_boundaries(drive: Values, law: int) -> NDArray[np.float64]:
     """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
 
     With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and
@@ -101,14 +96,10 @@ def critical_friction_by_eigenvalues(drive: SupportParameters) -> float | None:
     decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of the closed
     form :func:`lsvib.steady_sliding.conditions.critical_friction`.
     """
-    stable, kinematic = 0.0, float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
+    largest = float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
 
     def turned(coefficient: float) -> bool:
         model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)
         return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
 
-    if not turned(kinematic):
-        return None
-    while (middle := (stable + kinematic) / 2) not in (stable, kinematic):
-        stable, kinematic = (stable, middle) if turned(middle) else (middle, kinematic)
-    return kinematic
+    return bisected(turned, 0.0, largest) if turned(largest) else None

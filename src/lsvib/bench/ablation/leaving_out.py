@@ -7,6 +7,7 @@ friction of the slide as well, so small (1e-300 N) that no digit of the motion f
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -100,15 +101,12 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
         condition_row=_wider(tables.condition_row),
         guard_parts=np.zeros((len(tables.guard_sign), 0)),
     )
-    return Automaton(
+    return replace(
+        automaton,
         tables=tables,
-        codes=automaton.codes,
         states=(*automaton.states, "thread_mismatch", "mismatch_rate"),
         observables={name: _wider(rows) for name, rows in automaton.observables.items()},
         condition=max(mode.condition for mode in modes),
-        rest_codes=automaton.rest_codes,
-        sprag_codes=automaton.sprag_codes,
-        sprag_kinds=automaton.sprag_kinds,
     )
 
 

@@ -17,7 +17,7 @@ import re
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 from lsvib.bench.random_drives.judges import BAD, QUESTIONS, REFUSED, UNRESOLVED
@@ -131,7 +131,9 @@ def main(arguments: list[str] | None = None) -> int:
     with path.open("a", encoding="utf-8") as file:
         if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
             file.write("\n")
-        for done, record in enumerate(_asked(options, missing), 1):
+        questions = tuple(options.questions)
+        asked = run(options.model, options.seed, missing, options.jobs, options.limit, questions, options.starts)
+        for done, record in enumerate(asked, 1):
             records.append(record)
             file.write(json.dumps(record) + "\n")
             file.flush()
@@ -154,8 +156,3 @@ def _summed(parser: argparse.ArgumentParser, paths: list[Path]) -> int:
     records = list(found.values())
     print(_report(records))
     return 0 if passed(summary(records)) else 1
-
-
-def _asked(options: argparse.Namespace, missing: list[int]) -> Iterator[Line]:
-    questions = tuple(options.questions)
-    return run(options.model, options.seed, missing, options.jobs, options.limit, questions, options.starts)

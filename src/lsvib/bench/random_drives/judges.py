@@ -15,35 +15,16 @@ from mpmath import mp
 
 from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import Destiny
-from lsvib.bench.random_drives import boundary_judge, linear_judge, long_run, threshold_judge
-from lsvib.bench.random_drives.excuses import (
-    at_corner,
-    dies_away,
-    same_after_an_instant,
-    same_first,
-    starts_on_speed,
-    touches_only,
-    without_touches,
-)
+from lsvib.bench.random_drives import boundary_judge, excuses, linear_judge, long_run, threshold_judge
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.bench.second_opinions.stride_constants import Ladders
-from lsvib.bench.sweeps import case_judge
+from lsvib.bench.sweeps import case_judge, paths
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import Terms
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group
-from lsvib.bench.sweeps.paths import (
-    MOST_EVENTS,
-    case_ladders,
-    engine_path,
-    exact_path,
-    quick_path,
-    strides_path,
-    watched_path,
-)
-from lsvib.bench.sweeps.paths import automaton as built
 from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
@@ -58,13 +39,9 @@ GOOD = RIGHT, CORNER, BEYOND_INPUT = tuple(v.words for v in (Verdict.RIGHT, Verd
 BAD = WRONG, CRASHED, LATE = tuple(v.words for v in (Verdict.WRONG, Verdict.CRASHED, Verdict.LATE))
 REFUSED, UNRESOLVED, UNDECIDED = (v.words for v in (Verdict.REFUSED, Verdict.UNRESOLVED, Verdict.UNDECIDED))
 QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
-_EDGE = (
-    "neutral_family",
-    "stick_slip_cycle",
-    "other_cycle",
-)  # names that are all right for the orbit that touches θ′ = 0
+_EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # all right for the orbit that touches θ′ = 0
 _EIGENVALUES = 1e-12  # relative error of an eigenvalue that is right
-_TURNS = (0.3, 3.0)  # shortest and longest motion, in turns of the slow oscillation
+_SHORTEST = 0.3  # motion, in turns of the slow oscillation
 _FAMILIES = {"threads": CaseFamily.CONTACT, "support": CaseFamily.SUPPORT, "nut": CaseFamily.NUT}
 # Seed and indices of drives for which kernels are compiled ahead that a harmless drive does not need: leaps along a
 # return map and the Taylor stepper (rigid), modes in blocks (the others).
@@ -95,8 +72,8 @@ def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
     yield "stability", lambda: [_stability(wide)]
     if wide.model != "rigid":
         cases = lru_cache(lambda: four_cases(wide))
-        constants = lru_cache(lambda: case_ladders(cases()[0], max(case.duration for case in cases())))
-        model = lru_cache(lambda: built(cases()[0]))
+        constants = lru_cache(lambda: paths.case_ladders(cases()[0], max(case.duration for case in cases())))
+        model = lru_cache(lambda: paths.automaton(cases()[0]))
         energies = lru_cache(lambda: terms(model(), wide.drive, wide.physics))
         for k in range(len(wide.starts)):
             yield "motion", lambda k=k: _four_motion(wide, k, cases()[k], constants(), model(), energies())
@@ -129,13 +106,11 @@ def warm_up(model: str, questions: Iterable[str] = QUESTIONS) -> None:
     kind = find_model(model)
     drive = kind.drive.of({"mass": 5.0, "support_damping": 1e-3})
     start = kind.initial_state(drive, {key: 0.1 for key in kind.required})
-    for _, ask in stages(WideDrive(model, 0, 0, drive, (), np.array([start])), questions):
-        ask()
-    if model in _COMPILED_FOR:
-        seed, *indices = _COMPILED_FOR[model]
-        for index in indices:
-            for _, ask in stages(wide_drive(model, seed, index, 4 if model == "rigid" else 1), questions):
-                ask()
+    seed, *indices = _COMPILED_FOR.get(model, (0,))
+    others = [wide_drive(model, seed, index, 4 if model == "rigid" else 1) for index in indices]
+    for wide in (WideDrive(model, 0, 0, drive, (), np.array([start])), *others):
+        for _, ask in stages(wide, questions):
+            ask()
 
 
 def _motion(
@@ -144,24 +119,26 @@ def _motion(
     """Follow a motion for some turns; the closed form judges, and where it disagrees all others do."""
     case = motion_case(wide, k)
     try:
-        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+        motion = follow(automaton, case.start, case.duration, max_events=paths.MOST_EVENTS)
     except LsvibError as error:
         return Finding(REFUSED, k, str(error))
-    path = engine_path(motion, case)
+    path = paths.engine_path(motion, case)
     if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
         return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
-    other = watched_path(case, constants, path.size)
+    other = paths.watched_path(case, constants, path.size)
     if other is not None:
         same = case_judge.agree(path, other, case)
-        if (same or at_corner(path, other, case)) and _balanced(motion, wide, energies):
+        if (same or excuses.at_corner(path, other, case)) and _balanced(motion, wide, energies):
             return Finding(RIGHT if same else CORNER, k)
-    exact = exact_path(case, wide.drive, case.start)
+    exact = paths.exact_path(case, wide.drive, case.start)
     if exact is None:
         return Finding(UNDECIDED, k, "the reference does not decide")
-    if starts_on_speed(case) and same_after_an_instant(path, exact, case):
+    if excuses.same_after_an_instant(path, exact, case):
         return Finding(CORNER, k)
     # Touches of θ′ = 0, which are left out, fill the list of events that ends a motion.
-    if not (path.complete or exact.complete) and same_first(path, exact, min(len(path.kinds), len(exact.kinds)), case):
+    count = min(len(path.kinds), len(exact.kinds))
+    full = not (path.complete or exact.complete) and count >= paths.MOST_EVENTS // 2
+    if full and excuses.same_first(path, exact, count, case):
         return Finding(RIGHT, k)
     # Without a net force rest ends on Q = 0: a corner on every such orbit.
     if constants.net_force == 0 and case_judge.same_end(path, exact):
@@ -180,22 +157,26 @@ def _four_motion(
 ) -> list[Finding] | Callable[[], list[Finding]]:
     """Follow a motion of a drive with four states; strides judge, and where they disagree the reference does."""
     try:
-        motion = follow(automaton, case.start, case.duration, max_events=MOST_EVENTS)
+        motion = follow(automaton, case.start, case.duration, max_events=paths.MOST_EVENTS)
     except LsvibError as error:
         return [Finding(REFUSED, k, str(error))]
-    path = engine_path(motion, case)
+    path = paths.engine_path(motion, case)
     if not any(case.start) and linear_judge.carries_no_force(wide):  # the equilibrium, on N = 0
         return [Finding(WRONG if path.kinds or path.end.any() else RIGHT, k)]
-    other = strides_path(case, constants)
+    other = paths.strides_path(case, constants)
     if other is not None and case_judge.agree(path, other, case) and _balanced(motion, wide, energies):
         return [Finding(RIGHT, k)]
 
     def judged() -> list[Finding]:
         """Ask the strides and the reference once more, and excuse what both sides may tell differently."""
-        finding = _by_strides(wide, k, case, path, other)
-        exact = exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
-        told_otherwise = exact is not None and (touches_only(path, exact, case) or dies_away(path, exact, case))
-        return [Finding(CORNER, k) if told_otherwise and _balanced(motion, wide, energies) else finding]
+        finding = _by_strides(wide, k, case, path, other, _balanced(motion, wide, energies))
+        exact = paths.exact_path(case, case.drive, case.start) if finding.verdict == WRONG else None
+        if exact is None or not _balanced(motion, wide, energies):
+            return [finding]
+        if any(alike(path, exact, case) for alike in (excuses.touches_only, excuses.dies_away, excuses.same_corners)):
+            return [Finding(CORNER, k)]
+        rng = np.random.default_rng([wide.seed, wide.index, k])
+        return [Finding(BEYOND_INPUT, k) if excuses.moves_as_late(path, exact, case, rng) else finding]
 
     return judged
 
@@ -210,32 +191,21 @@ def _four_label(
     found = answer(wide.starts[k])
     name = found.label.name.lower()
 
-    def judged() -> list[Finding]:
-        """Compare the name with the long run, which takes no part of the program's time."""
-        fate = truth(k)
-        told = f"{fate.name} ({fate.reason})"
-        if name == "unbounded" and wide.model != "threads":
-            return [Finding(WRONG, k, name, told)]
-        if found.doubt is not None:
-            return [Finding(UNRESOLVED, k, found.doubt, told)]
-        if fate.name == "unknown":
-            return [Finding(UNDECIDED, k, name, told)]
-        if name == fate.name:
-            return [Finding(RIGHT, k)]
+    def beside() -> str:
+        """Verdict on another name than that of the long run: whether a start beside this one has it."""
         near = {answer(wide.starts[k] * part).label.name.lower() for part in _BESIDE}
-        return [Finding(CORNER if fate.name in near else WRONG, k, name, told)]
+        return CORNER if truth(k).name in near else WRONG
 
-    return judged
+    # The long run takes no part of the program's time.
+    return lambda: [compared(wide, k, truth(k), name, found.doubt or "", beside)]
 
 
-def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record | None) -> Finding:
+def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record | None, balanced: bool) -> Finding:
     """Whether strides excuse a difference, by touches or by the digits of the input; else the reference decides."""
     if other is not None:
-        reversals = [("contact_reversal", "contact_reversal")]
-        one, two = (without_touches(x, case, reversals) for x in (path, other))
-        if case_judge.same_end(path, other) and one.kinds == two.kinds:
+        if excuses.touches_only(path, other, case) and balanced:
             return Finding(CORNER, k)
-        finding = _by_reference(wide, k, case, quick_path)
+        finding = _by_reference(wide, k, case, paths.quick_path)
         if finding.verdict in (CORNER, BEYOND_INPUT):
             return finding
     return _by_reference(wide, k, case)
@@ -246,11 +216,8 @@ def four_case(wide: WideDrive, k: int, fastest: float) -> Case:
 
     ``fastest`` [rad/s]: imaginary part of a rate near steady sliding.
     """
-    rng = np.random.default_rng([wide.seed, wide.index, k])
-    drive, start = wide.drive, tuple(map(float, wide.starts[k]))
-    turn = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    duration = min(turn * rng.uniform(*_TURNS), MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
-    return Case(_FAMILIES[wide.model], Group.ONLY, 0.0, drive, start, duration, wide.physics)
+    turn = 2 * math.pi * math.sqrt(wide.drive.screw_inertia / wide.drive.coupling_stiffness)
+    return _case(wide, k, _FAMILIES[wide.model], turn, 3.0, MOST_TURNS * 2 * math.pi / (fastest or 1e-9))
 
 
 def four_cases(wide: WideDrive) -> list[Case]:
@@ -259,10 +226,10 @@ def four_cases(wide: WideDrive) -> list[Case]:
     return [four_case(wide, k, fastest) for k in range(len(wide.starts))]
 
 
-def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth = exact_path) -> Finding:
+def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth = paths.exact_path) -> Finding:
     outcome = case_judge.judge(case, np.random.default_rng([wide.seed, wide.index, k]), by_reference=True, truth=truth)
     verdict = outcome.verdict.words if outcome.verdict.words in (*GOOD, REFUSED) else WRONG
-    if verdict == WRONG and math.isnan(outcome.state_error) and exact_path(case, case.drive, case.start) is None:
+    if verdict == WRONG and math.isnan(outcome.state_error) and paths.exact_path(case, case.drive, case.start) is None:
         verdict = UNDECIDED
     detail = f"{outcome.verdict.name.lower()}, state {outcome.state_error:.1e}, time {outcome.time_error:.1e}"
     return Finding(verdict, k, detail)
@@ -270,10 +237,14 @@ def _by_reference(wide: WideDrive, k: int, case: Case, truth: case_judge.Truth =
 
 def motion_case(wide: WideDrive, k: int) -> Case:
     """Motion ``k`` of a rigid drive: its start, and up to four turns of the slow oscillation."""
+    return _case(wide, k, CaseFamily.RANDOM, _slow_turn(wide.drive), 4.0)
+
+
+def _case(wide: WideDrive, k: int, family: CaseFamily, turn: float, turns: float, longest: float = math.inf) -> Case:
+    """Motion ``k`` of a drive for up to so many ``turns`` [s], but not longer than ``longest`` [s]."""
     rng = np.random.default_rng([wide.seed, wide.index, k])
-    drive = wide.drive
-    start = tuple(map(float, wide.starts[k]))
-    return Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, start, _slow_turn(drive) * rng.uniform(0.3, 4.0))
+    duration = min(turn * rng.uniform(_SHORTEST, turns), longest)
+    return Case(family, Group.ONLY, 0.0, wide.drive, tuple(map(float, wide.starts[k])), duration, wide.physics)
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
@@ -299,10 +270,15 @@ def _thresholds(wide: WideDrive) -> list[Finding]:
     return [Finding(verdict, None, f"{name}: {said}", truth) for name, verdict, said, truth in found]
 
 
-def compared(wide: WideDrive, k: int, truth: Fate, name: str, doubt: str = "") -> Finding:
-    """Verdict on the name of an attractor, by the fate of the motion; ``doubt``: why it is unresolved."""
+def compared(
+    wide: WideDrive, k: int, truth: Fate, name: str, doubt: str = "", otherwise: Callable[[], str] | None = None
+) -> Finding:
+    """Verdict on the name of an attractor, by the fate of the motion; ``doubt``: why it is unresolved.
+
+    ``otherwise``: called for the verdict on another name than the judge's, if the reference need not confirm the judge.
+    """
     told = f"{truth.name} ({truth.reason})"
-    if name == "unbounded":  # see lsvib.bench.second_opinions.fate
+    if name == "unbounded" and wide.model != "threads":  # see lsvib.bench.second_opinions.fate
         return Finding(WRONG, k, name, told)
     if name == "unresolved":
         return Finding(UNRESOLVED, k, doubt or name, told)
@@ -310,20 +286,21 @@ def compared(wide: WideDrive, k: int, truth: Fate, name: str, doubt: str = "") -
         return Finding(RIGHT, k)
     if truth.name == "unknown":
         return Finding(UNDECIDED, k, name, told)
-    return Finding(WRONG if _confirmed(wide, k) else UNDECIDED, k, name, told)
+    verdict = otherwise() if otherwise else WRONG if _confirmed(wide, k) else UNDECIDED
+    return Finding(verdict, k, name, told)
 
 
 def _confirmed(wide: WideDrive, k: int) -> bool:
     """Whether the reference has the first events that the watcher has, at the same times."""
     case = motion_case(wide, k)
-    exact = exact_path(case, wide.drive, case.start)
-    watched = None if exact is None else watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+    exact = paths.exact_path(case, wide.drive, case.start)
+    watched = None if exact is None else paths.watched_path(case, watch.constants(dict(wide.drive)), exact.size)
     if watched is None:
         return False
     count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)
     if count < _CONFIRMING and len(exact.kinds) != len(watched.kinds):
         return False
-    return same_first(watched, exact, count, case)
+    return excuses.same_first(watched, exact, count, case)
 
 
 def _stability(wide: WideDrive) -> Finding:

@@ -36,7 +36,7 @@ def _rates(model: str, drive: RigidParameters, physics: tuple[str, ...]) -> list
             law = 1 if (d.R - d.r * d.tan * d.cx * d.Omega) * turning >= 0 else -1
             matrix, _ = d.matrix(lambda x: d.slip(law, x))
         else:
-            d = ClosedFormDrive(model, parameters, "slide_friction" in physics, "bearing_friction" in physics)
+            d = ClosedFormDrive(model, parameters, physics)
             axial = d.p["axial_force"] - d.p["translation_damping"] * d.reach * d.Omega - d.F0 * turning
             sign = 1 if axial >= 0 else -1
             rows = d.row_of_field((turning, sign, turning if d.second else None))

@@ -47,8 +47,7 @@ def constants_of(wide: WideDrive) -> tuple[Ladders, float]:
     sizes = [max(abs(float(mp.re(x))), 1e-300) for x in rates] + [abs(float(mp.im(x))) for x in rates if mp.im(x)]
     fastest = max(abs(complex(x)) for x in rates)
     longest = min(_LONG / min(sizes), _LONGEST / fastest)
-    slide, bearing = ("slide_friction" in wide.physics, "bearing_friction" in wide.physics)
-    return ladders(wide.model, dict(wide.drive), slide, bearing, longest), longest
+    return ladders(wide.model, dict(wide.drive), wide.physics, longest), longest
 
 
 def fate(wide: WideDrive, k: int, c: Ladders, longest: float) -> Fate:

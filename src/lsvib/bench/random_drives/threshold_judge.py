@@ -19,11 +19,12 @@ import numpy as np
 
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.endings import KINDS
-from lsvib.bench.second_opinions.fate import fate
+from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 
-NAMES = ("onset_force", "stick_force", "detach_force", "global_stability_force")
+# The thresholds, and on which side of the onset each one lies: +1 beyond it, -1 short of it.
+_SIDES = {"onset_force": 0, "stick_force": 1, "detach_force": 1, "global_stability_force": -1}
 _NEAR = 1e-6  # distance from the equilibrium, relative to the motion, at which motions start that leave or reach it
 _ASIDE = 1e-3  # distance from the threshold on both sides, relative to |R̃| or, at the onset, to |R|
 _STARTS = 24  # starts that must all come to steady sliding where it is globally stable
@@ -34,7 +35,7 @@ _FORCES = np.logspace(-4, 4, 9)  # forces, relative to the scale of the force, a
 
 def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tuple[str, str, str, str]]:
     """Ask every threshold of a drive; yields its name, a verdict (right, wrong, undecided), what it says, the truth."""
-    for name in NAMES:
+    for name in _SIDES:
         try:
             force = getattr(thresholds, name)(drive)
         except thresholds.NoThreshold as absent:
@@ -43,7 +44,14 @@ def objections(drive: RigidParameters, rng: np.random.Generator) -> Iterator[tup
         if not math.isfinite(force):
             yield name, "wrong", f"{force} N", "a finite force"
             continue
-        yield name, *_JUDGES[name](drive, float(force), rng)
+        ahead = (force - _onset(drive)) * math.copysign(1.0, drive.input_speed)
+        side = _SIDES[name]
+        if side and not ahead * side > 0:
+            yield name, "wrong", f"{force} N", f"{'beyond' if side > 0 else 'short of'} the onset, {_onset(drive)} N"
+            continue
+        size = abs(ahead) if side else abs(force) or 1.0
+        beyond, before = (_at(drive, force, aside, size) for aside in (_ASIDE, -_ASIDE))
+        yield name, *_JUDGES[name](beyond, before, f"{force} N", rng)
 
 
 def _onset(drive: RigidParameters) -> float:
@@ -61,55 +69,39 @@ def _size_of(c: watch.WatchConstants) -> float:
     return abs(c.speed) / math.sqrt(c.flow[1, 1])
 
 
-def _judge_onset(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
-    size = abs(force) or 1.0
-    beyond, before = (_at(drive, force, aside, size) for aside in (_ASIDE, -_ASIDE))
+def _judge_onset(beyond: watch.WatchConstants, before: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
     verdicts = []
     for c, stable in ((beyond, False), (before, True)):
         near = _NEAR * min(_size_of(c), abs(c.contact[2] / c.contact[0]))
         found = fate(c, near, 0.0)
         if found.name == "unknown":
-            return "undecided", f"{force} N", found.reason
+            return "undecided", said, found.reason
         verdicts.append((found.name == "steady_sliding") == stable)
-    return "right" if all(verdicts) else "wrong", f"{force} N", f"beyond, before as it should be: {verdicts}"
+    return "right" if all(verdicts) else "wrong", said, f"beyond, before as it should be: {verdicts}"
 
 
-def _sides(drive: RigidParameters, force: float) -> tuple[watch.WatchConstants, watch.WatchConstants] | None:
-    """The drive a little beyond and a little before a force that lies beyond the onset; None if it does not."""
-    ahead = force - _onset(drive)
-    if not ahead * drive.input_speed > 0:
-        return None
-    return _at(drive, force, _ASIDE, abs(ahead)), _at(drive, force, -_ASIDE, abs(ahead))
-
-
-def _judge_stick(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
-    sides = _sides(drive, force)
-    if sides is None:
-        return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
-    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+def _judge_stick(beyond: watch.WatchConstants, before: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
+    for c, aside in ((beyond, _ASIDE), (before, -_ASIDE)):
         if np.all(np.abs(c.flow[:, 0]) < _FAINT * np.sqrt(c.flow[:, 1])):
-            return "undecided", f"{force} N", "a damping too faint for the return map of a watched motion"
+            return "undecided", said, "a damping too faint for the return map of a watched motion"
         stops = aside > 0
         found = fate(c, _NEAR * abs(c.contact[2] / c.contact[0]), 0.0)
         if found.name == "unknown":
-            return "undecided", f"{force} N", found.reason
+            return "undecided", said, found.reason
         if found.name not in ("stick_slip_cycle", "other_cycle") or found.stops != stops:
             told = f"{found.name}, which {'touches' if found.stops else 'does not touch'} it ({found.reason})"
-            return "wrong", f"{force} N: the cycle touches θ′ = 0 is {stops} at {aside:+g}", told
+            return "wrong", f"{said}: the cycle touches θ′ = 0 is {stops} at {aside:+g}", told
     return "right", "", ""
 
 
-def _judge_detach(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
-    sides = _sides(drive, force)
-    if sides is None:
-        return "wrong", f"{force} N", f"beyond the onset, {_onset(drive)} N"
-    for c, aside in zip(sides, (_ASIDE, -_ASIDE), strict=True):
+def _judge_detach(beyond: watch.WatchConstants, before: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
+    for c, aside in ((beyond, _ASIDE), (before, -_ASIDE)):
         reverses = aside < 0
         kinds = _first_slip(c)
         if kinds is None:
-            return "undecided", f"{force} N", "a guard that cannot be told in double precision"
+            return "undecided", said, "a guard that cannot be told in double precision"
         if (watch.CONTACT_REVERSAL in kinds) != reverses:
-            return "wrong", f"{force} N: reverses {reverses} at {aside:+g}", f"{[KINDS[k] for k in kinds[:4]]}"
+            return "wrong", f"{said}: reverses {reverses} at {aside:+g}", f"{[KINDS[k] for k in kinds[:4]]}"
     return "right", "", ""
 
 
@@ -127,42 +119,35 @@ def _first_slip(c: watch.WatchConstants) -> list[int] | None:
     return found[: found.index(watch.STICK)] if watch.STICK in found else found
 
 
-def _judge_global(drive: RigidParameters, force: float, rng) -> tuple[str, str, str]:
-    size = abs(force - _onset(drive))
-    before = _at(drive, force, _ASIDE, size)  # less force against the motion
-    beyond = _at(drive, force, -_ASIDE, size)
-    if not (force - _onset(drive)) * drive.input_speed < 0:
-        return "wrong", f"{force} N", "a force short of the onset"
-    starts = _drawn(before, rng)
-    if all(
-        fate(before, u, w).name == "steady_sliding" for u, w in starts[~watch.come_to_rest(before, starts)].tolist()
-    ):
-        # Next to the threshold the starts of motions that go on may be few: these need not be among them.
-        return "undecided", f"{force} N: some motion goes on at {_ASIDE:+g}", "none of the starts does"
-    return _all_come_to_rest(beyond, f"{force} N at {-_ASIDE:+g}", rng)
+def _judge_global(beyond: watch.WatchConstants, before: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
+    """Some motion goes on beyond the threshold, where less force acts against it, and none does before it.
+
+    Next to the threshold the starts of such motions may be few: they need not be among those that are drawn.
+    """
+    if all(found.name == "steady_sliding" for _, found in _fates(beyond, rng)):
+        return "undecided", f"{said}: some motion goes on at {_ASIDE:+g}", "none of the starts does"
+    return _all_come_to_rest(before, f"{said} at {-_ASIDE:+g}", rng)
 
 
-def _widest(c: watch.WatchConstants) -> list[tuple[float, float]]:
-    """Starts on θ′ = 0: the end of rest, and points on both sides of it over ten decades."""
+def _fates(c: watch.WatchConstants, rng) -> Iterator[tuple[tuple[float, float], Fate]]:
+    """Draw starts and tell the fates of those that do not settle at once, as most of them do.
+
+    They are on θ′ = 0 the end of rest, and points on both sides of it over ten decades; others anywhere.
+    """
     parts = np.logspace(-6, 4, _POINTS)
-    return [(c.released + part * _size_of(c), -c.speed) for part in (0.0, *parts, *-parts)]
-
-
-def _starts(c: watch.WatchConstants, rng) -> list[tuple[float, float]]:
+    widest = [(c.released + part * _size_of(c), -c.speed) for part in (0.0, *parts, *-parts)]
     size = _size_of(c) * 10 ** rng.uniform(-1, 2, _STARTS)
     angle = rng.uniform(0, 2 * math.pi, _STARTS)
-    return [(x * math.cos(a), x * math.sin(a) * abs(c.speed) / _size_of(c)) for x, a in zip(size, angle, strict=True)]
-
-
-def _drawn(c: watch.WatchConstants, rng) -> np.ndarray:
-    return np.array([*_widest(c), *_starts(c, rng)])
+    drawn = zip(size, angle, strict=True)
+    anywhere = [(x * math.cos(a), x * math.sin(a) * abs(c.speed) / _size_of(c)) for x, a in drawn]
+    starts = np.array([*widest, *anywhere])
+    for start in map(tuple, starts[~watch.come_to_rest(c, starts)].tolist()):
+        yield start, fate(c, *start)
 
 
 def _all_come_to_rest(c: watch.WatchConstants, said: str, rng) -> tuple[str, str, str]:
     unknown = 0
-    starts = _drawn(c, rng)
-    for u, w in starts[~watch.come_to_rest(c, starts)].tolist():  # most of them settle at once
-        found = fate(c, u, w)
+    for (u, w), found in _fates(c, rng):
         unknown += found.name == "unknown"
         if found.name not in ("steady_sliding", "unknown"):
             return "wrong", said, f"{found.name} from u = {u!r}, w = {w!r} ({found.reason})"

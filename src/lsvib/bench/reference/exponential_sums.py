@@ -4,39 +4,70 @@ Search: an interval of half-width d around t is dismissed if Taylor's theorem sa
 
     |f(t)| > |f'(t)| d + M2 d^2/2,      M_k = sum_j |c_j| |l_j|^k max(exp(Re l_j t)) over the interval >= |f^(k)|;
 
-if it says |f'| > 0 in the same way, the signs at the ends decide on the one root; otherwise it is halved.  Nothing is
-sampled, so nothing is missed.  A function that is zero at the start, because an event has just put it there, is
-followed by its first non-zero derivative until M of the next order lets that derivative change its sign.
+if it says |f'| > 0 in the same way, the signs at the ends decide on the one root; if it says |f''| > 0, so does the
+sign at the extremum; otherwise it is halved.  Nothing is sampled, so nothing is missed.  A function that is zero at the
+start, because an event has just put it there, is followed by its first non-zero derivative until M of the next order
+lets that derivative change its sign.
+
+A sum that is the rounding of its terms is zero exactly (:func:`summed`): what dies away has all of its digits then, and
+what nothing excites does not grow.
 """
+
+from itertools import pairwise
 
 from mpmath import mp, mpf
 
 UNIT = [[mpf(i == j) for j in range(4)] for i in range(4)]  # states, one coordinate 1 and the others 0
+_MOST_WORK = 20_000  # intervals that are looked at on an arc: some seconds; 500 are many
 CLOSE = mpf(1) / 10  # of a rate: rates so close together have coefficients that cancel, and one bound
+
+
+def summed(*terms):
+    """Sum of some terms; zero where it is less than 20 digits above the rounding of them."""
+    total = sum(terms, mpf(0))
+    return total if abs(total) > mpf(10) ** (20 - mp.dps) * sum(map(abs, terms)) else mpf(0)
 
 
 def affine(functions):
     """Affine functions of the state as rows; ``functions(x)`` returns their values."""
     constant, *slopes = [functions(x) for x in ([mpf(0)] * 4, *UNIT)]
-    return [[*(slope[i] - c for slope in slopes), c] for i, c in enumerate(constant)]
+    return [[*(summed(slope[i], -c) for slope in slopes), c] for i, c in enumerate(constant)]
 
 
 class Function:
-    """f(t) = c0 + c1 t + sum Re(c_j exp(l_j t)) with its derivatives, and bounds of them."""
+    """f(t) = c0 + c1 t + sum Re(c_j exp(l_j t)) with its derivatives, and bounds of them.
 
-    def __init__(self, arc, row):
+    ``may_touch`` says that f touches zero without any effect: then that is no root, else nobody can decide.
+    ``may_fall`` says that f may begin with less than its rounding, and fall from there at once.
+    """
+
+    def __init__(self, arc, row, may_touch=False, may_fall=False):
         *weights, constant = row  # over (u, w, e, v, 1)
-        self.arc = arc
-        self.c0 = constant + sum(g * x for g, x in zip(weights, arc.c0, strict=True))
-        self.c1 = sum(g * x for g, x in zip(weights, arc.c1, strict=True))
-        coefficients = [sum(g * x for g, x in zip(weights, column, strict=True)) for column in arc.columns]
-        self.powers = [[c * rate**k for c, rate in zip(coefficients, arc.rates, strict=True)] for k in range(7)]
+        self.arc, self.may_touch, self.may_fall = arc, may_touch, may_fall
+        self.c0 = summed(constant, *(g * x for g, x in zip(weights, arc.c0, strict=True)))
+        self.c1 = summed(*(g * x for g, x in zip(weights, arc.c1, strict=True)))
+        self._fill([summed(*(g * x for g, x in zip(weights, column, strict=True))) for column in arc.columns])
+
+    def _fill(self, coefficients):
+        self.powers = [[c * rate**k for c, rate in zip(coefficients, self.arc.rates, strict=True)] for k in range(7)]
         self.sizes = [[abs(c) for c in power] for power in self.powers]
         self.differences = {}
 
     def __call__(self, t, k=0):
         smooth = (self.c0 + self.c1 * t, self.c1)[k] if k < 2 else mpf(0)
         return smooth + sum((c * x).real for c, x in zip(self.powers[k], self.arc.exponentials(t), strict=True))
+
+    def undying(self):
+        """A function with the same roots: this one over its slowest exponential, where nothing else is left of it.
+
+        Else each step would be as short as the time in which it dies away, and its roots are looked for much longer.
+        """
+        alive = [mp.re(rate) for rate, c in zip(self.arc.rates, self.powers[0], strict=True) if c != 0]
+        if self.c0 != 0 or self.c1 != 0 or not alive or max(alive) >= 0:
+            return self
+        same = Function(self.arc.over(max(alive)), [mpf(0)] * 5, self.may_touch)
+        same._fill(self.powers[0])
+        return same
 
     def derivative(self):
         """The derivative in time, a function of the same kind."""
@@ -81,19 +112,43 @@ class Function:
 
     def roots(self, left, right):
         """Yield every root in [left, right] in order; both ends must not be roots."""
+        self.arc.work += 1
+        if self.arc.work > _MOST_WORK:
+            raise ArithmeticError("the search for a root takes too long")
         if self.keeps_sign(0, left, right):
             return
-        if self.keeps_sign(1, left, right):
-            if self(left) * self(right) < 0:
-                sign = mp.sign(self(left))
-                finest = right * mpf(10) ** -(mp.dps - 10)
-                yield solve(lambda t: sign * self(t), lambda t: sign * self(t, 1), left, right, finest)
-            return
-        middle = (left + right) / 2
-        if right - left < mpf(10) ** -35 * (1 / self.arc.fastest + left):
+        edges = [left, right]
+        if not self.keeps_sign(1, left, right):
+            if not self.keeps_sign(2, left, right):
+                middle = (left + right) / 2
+                if right - left < mpf(10) ** -35 * (1 / self.arc.fastest + left):
+                    raise ArithmeticError("a guard is zero together with its first two derivatives")
+                yield from self.roots(left, middle)
+                yield from self.roots(middle, right)
+                return
+            if self(left, 1) * self(right, 1) < 0:
+                extreme = self._root(left, right, 1)
+                if self._touches(extreme):
+                    return
+                edges = [left, extreme, right]
+        for low, high in pairwise(edges):
+            if self(low) * self(high) < 0:
+                yield self._root(low, high, 0)
+
+    def _root(self, left, right, k):
+        """Root of f^(k), which is monotone and changes its sign on [left, right]."""
+        sign = mp.sign(self(left, k))
+        finest = right * mpf(10) ** -(mp.dps - 10)
+        return solve(lambda t: sign * self(t, k), lambda t: sign * self(t, k + 1), left, right, finest)
+
+    def _touches(self, extreme):
+        """Whether f has no digits left at an extreme between equal signs."""
+        size = sum(s * m for s, m in zip(self.sizes[0], self.arc.magnitudes(extreme), strict=True))
+        if abs(self(extreme)) > mpf(10) ** (25 - mp.dps) * (size + abs(self.c0) + abs(self.c1) * extreme):
+            return False
+        if not self.may_touch:
             raise ArithmeticError("a guard grazes zero: no digit of this reference can decide")
-        yield from self.roots(left, middle)
-        yield from self.roots(middle, right)
+        return True
 
     def sign_after_zero(self, sizes):
         """(order, sign) of the first derivative that is not zero, for a function that is zero at t = 0."""
@@ -103,11 +158,15 @@ class Function:
         raise ArithmeticError("a guard rests on zero")
 
     def clear_start(self, side):
-        """Time up to which side*f, positive or zero and rising at t = 0, has no root after t = 0."""
-        if abs(self(mpf(0))) > mpf(10) ** -(mp.dps // 2 + 5) * (sum(self.sizes[0]) + abs(self.c0)):
+        """Time up to which side*f, positive or zero and rising at t = 0, has no root after t = 0; None if it falls."""
+        if not any((self.c0, self.c1, *self.sizes[0])):
+            return mp.inf  # it rests on zero
+        if abs(self(mpf(0))) > mpf(10) ** -(mp.dps // 2) * (sum(self.sizes[0]) + abs(self.c0)):
             assert side * self(mpf(0)) > 0, "a guard is negative at the start"
             return mpf(0)
         k, sign = self.sign_after_zero([sum(power) + abs(self.c1) for power in self.sizes])
+        if sign != side and self.may_fall:
+            return None
         assert sign == side, "a guard leaves zero on the wrong side"
         t = 1 / self.arc.fastest
         while not abs(self(mpf(0), k)) > self.bound(k + 1, mpf(0), t) * t:
@@ -118,7 +177,9 @@ class Function:
 def first_root(functions, sides, end):
     """(time, index) of the first root in (0, end] of any of several functions, or (end, None); in growing windows."""
     starts = [f.clear_start(side) for f, side in zip(functions, sides, strict=True)]
-    left, right = mpf(0), 1 / functions[0].arc.fastest
+    if None in starts:
+        return mpf(0), starts.index(None)
+    left, right, functions = mpf(0), 1 / functions[0].arc.fastest, [f.undying() for f in functions]
     while left < end:
         right = min(right, end)
         roots = [
@@ -138,7 +199,14 @@ class ThreadsTrueArc:
         self.rates, self.columns, self.c0, self.c1 = rates, columns, c0, c1
         self.fastest = max(abs(rate) for rate in rates)
         self.clusters = _clusters(rates)
-        self._exponentials, self._magnitudes = {}, {}
+        self._exponentials, self._magnitudes, self._over, self.work = {}, {}, {}, 0
+
+    def over(self, rate):
+        """The exponentials of this arc, each divided by e^(rate t)."""
+        if rate not in self._over:
+            columns = [[mpf(0)] * 4] * len(self.rates)
+            self._over[rate] = ThreadsTrueArc([x - rate for x in self.rates], columns, [mpf(0)] * 4, [mpf(0)] * 4)
+        return self._over[rate]
 
     def exponentials(self, t):
         """All e^(rate t), kept for each t."""

@@ -26,12 +26,12 @@ from mpmath import mp, mpf
 
 
 class TwoBodiesTrueDrive:
-    """Parameters p (SI units, keys of the library); ``slide`` and ``bearing`` say whether F_0 and T_0 are there.
+    """Parameters p (SI units, keys of the library); ``frictions`` names those of F_0 and T_0 that are there.
 
     A reference derives from it, and says by ``lasts(mode, x, zero)`` whether a mode lasts from a state on.
     """
 
-    def __init__(self, model, parameters, slide=False, bearing=False, exact=False):
+    def __init__(self, model, parameters, frictions=(), exact=False):
         number = mpf if exact else float
         self.exact, self.model = exact, model
         self.p = p = {key: number(value) for key, value in parameters.items()}
@@ -40,7 +40,7 @@ class TwoBodiesTrueDrive:
             if exact
             else [f(p["lead_angle"]) for f in (cos, sin, tan)]
         )
-        self.F0, self.T0 = p["slide_friction"] * slide, p["bearing_friction"] * bearing
+        self.F0, self.T0 = (p[name] * (name in frictions) for name in ("slide_friction", "bearing_friction"))
         self.along, self.second = (self.T0, self.F0) if model == "support" else (self.F0, self.T0)
         self.reach, self.Omega = p["pitch_radius"] * self.tan, p["input_speed"]
         turning = 1 if self.Omega > 0 else -1

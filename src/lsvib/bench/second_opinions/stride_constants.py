@@ -7,6 +7,7 @@ The references form A, b and conditions with 40 digits; from there on numbers ar
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -82,11 +83,11 @@ def _inverse(rows):
     return [row[n:] for row in work]
 
 
-def ladders(model: str, parameters: dict[str, float], slide: bool, bearing: bool, longest: float) -> Ladders:
-    """Form the constants of a drive [SI units] for motions up to ``longest`` [s]; ``slide``, ``bearing``: frictions."""
+def ladders(model: str, parameters: dict[str, float], frictions: Sequence[str], longest: float) -> Ladders:
+    """Form the constants of a drive [SI units] with some ``frictions`` for motions up to ``longest`` [s]."""
     with mp.workdps(DIGITS + threads_digits.SPARE_DIGITS):
         two = model != "threads"
-        found = _two_bodies(_Solving(model, parameters, slide, bearing)) if two else _threads(parameters)
+        found = _two_bodies(_Solving(model, parameters, frictions)) if two else _threads(parameters)
     count = len(found["direction"])
     fields = found["fields"]
     fastest = [np.abs(np.linalg.eigvals(field[:, :4, 0])).max() for field in fields]

@@ -338,16 +338,12 @@ _ROOM = 256  # events within which a motion that settles mostly has done so
 
 
 @allocating_kernel
-def _come_to_rest(c, starts, found):
+def come_to_rest(c: WatchConstants, starts: np.ndarray) -> np.ndarray:
+    """Tell of starts (n, 2) whether they soon settle in damped slip (n); of those that do not, nothing is known."""
+    found = np.zeros(len(starts), dtype=np.bool_)
     times, kinds, modes = np.empty(_ROOM), np.empty(_ROOM, dtype=np.int64), np.empty(_ROOM, dtype=np.int64)
     states = np.empty((_ROOM, 2))
     for k in range(starts.shape[0]):
         end, _, _, _, law = watch(c, starts[k, 0], starts[k, 1], ANYWHERE, math.inf, True, times, kinds, modes, states)
         found[k] = end == SETTLED and c.flow[0 if law > 0 else 1, _A] > 0
-
-
-def come_to_rest(c: WatchConstants, starts: np.ndarray) -> np.ndarray:
-    """Tell of starts (n, 2) whether they soon settle in damped slip (n); of those that do not, nothing is known."""
-    found = np.zeros(len(starts), dtype=np.bool_)
-    _come_to_rest(c, starts, found)
     return found

@@ -179,14 +179,14 @@ def _weigh(
 
     If the reference's own answer changes as much as the engine's is wrong, the verdict becomes BEYOND_INPUT.
     """
-    known, moved = len(path.kinds) + 1, 0.0
-    # By how many last places each parameter and each coordinate of the start is moved.
-    numbers = range(len((*case.drive, *case.start)))
-    drawn = [np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in numbers]) for _ in range(_PERTURBED)]
+    known, moved, like = len(path.kinds) + 1, 0.0, 0
+    drawn = [_places(case, rng) for _ in range(_PERTURBED)]
     shared = _shared(path, exact, case)
+    # An input that is moved must lead to what the engine has there: that it leads elsewhere excuses nothing.
+    wanted = min(shared, len(path.kinds)) + 1 if outcome.verdict is Verdict.WRONG else 0
     for k, places in enumerate((*drawn, *(-x for x in drawn))):
         # Four moves may all put a start that is on a guard to one side of it; their opposites do not.
-        if k == _PERTURBED and (outcome.verdict in _GOOD or known <= shared):
+        if k == _PERTURBED and (outcome.verdict in _GOOD or (known <= shared and like >= wanted)):
             break
         try:
             other = truth(case, *_moved(case, places))
@@ -195,12 +195,13 @@ def _weigh(
         if other is None:
             continue
         known = min(known, _common(exact.kinds, other.kinds))
+        like = max(like, _common(path.kinds, other.kinds))
         if exact.complete == other.complete and exact.kinds == other.kinds:
             moved = max(moved, float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration)
             moved = max(moved, distance(other.end, exact)) if exact.complete else moved
     outcome.sensitivity = moved
     late = outcome.verdict is Verdict.INACCURATE and shared < len(path.kinds)
-    undecided = (outcome.verdict is Verdict.WRONG or late) and known <= shared
+    undecided = (outcome.verdict is Verdict.WRONG or late) and known <= shared and like >= wanted
     error = np.fmax(outcome.state_error, outcome.time_error)  # the first is nan if the motion was cut off
     if undecided or (outcome.verdict is Verdict.INACCURATE and error <= 4 * moved):
         outcome.verdict = Verdict.BEYOND_INPUT
@@ -220,6 +221,16 @@ def _shared(path: Record, exact: Record, case: Case) -> int:
     late = np.flatnonzero(np.abs(path.times[:count] - exact.times[:count]) > TOLERANCE * case.duration)
     same = _common(path.kinds, exact.kinds)
     return int(late[0]) if late.size and same > count else same
+
+
+def moved(case: Case, rng: np.random.Generator) -> tuple[RigidParameters, tuple[float, ...]]:
+    """Drive and start of a case, moved at random in their last places."""
+    return _moved(case, _places(case, rng))
+
+
+def _places(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """By how many last places each parameter and each coordinate of the start is moved."""
+    return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
 
 
 def _moved(case: Case, places: np.ndarray) -> tuple[RigidParameters, tuple[float, ...]]:

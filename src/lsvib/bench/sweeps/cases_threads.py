@@ -74,13 +74,13 @@ def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -
     """
     with mp.workdps(DIGITS):
         g, h = _polynomials(drive, law)
-        first = _minus(multiplied(_slope(g), h), multiplied(g, _slope(h)))  # −q′ h²
+        first = np.polysub(multiplied(np.polyder(g), h), multiplied(g, np.polyder(h)))  # −q′ h²
         if group == Group.TRIPLE:
-            condition = _minus(multiplied(_slope(first), h), multiplied([2 * x for x in _slope(h)], first))
+            condition = np.polysub(multiplied(np.polyder(first), h), multiplied(2 * np.polyder(h), first))
         elif group == Group.DOUBLE_BY_DAMPING:  # q − k_c = σ q′
-            condition = _minus([*first, mpf(0)], multiplied(h, _minus(g, [-mpf(other) * x for x in h])))
+            condition = np.polysub([*first, mpf(0)], multiplied(h, np.polysub(g, [-mpf(other) * x for x in h])))
         else:
-            condition = _minus(first, [-mpf(other) * x for x in multiplied(h, h)])
+            condition = np.polysub(first, [-mpf(other) * x for x in multiplied(h, h)])
         found = []
         for root in _roots(condition):
             rate = mp.re(root)
@@ -108,12 +108,9 @@ def _polynomials(drive: ThreadsParameters, law: int) -> tuple[list, list]:
     return multiplied(screw, [p["mass"], p["translation_damping"], mpf(0)]), [nu * x for x in rigid]
 
 
-def _roots(polynomial: list) -> list:
+def _roots(polynomial: np.ndarray) -> list:
     """Roots other than zero, in units in which the outermost coefficients are of one size."""
-    while polynomial[-1] == 0:
-        polynomial = polynomial[:-1]
-    while polynomial[0] == 0:
-        polynomial = polynomial[1:]
+    polynomial = np.trim_zeros(polynomial)
     degree = len(polynomial) - 1
     unit = abs(polynomial[-1] / polynomial[0]) ** (mpf(1) / degree)
     companion = mp.zeros(degree)
@@ -122,13 +119,3 @@ def _roots(polynomial: list) -> list:
         if k:
             companion[k, k - 1] = mpf(1)
     return [unit * root for root in mp.eig(companion, left=False, right=False)]
-
-
-def _minus(a: list, b: list) -> list:
-    size = max(len(a), len(b))
-    a, b = ([mpf(0)] * (size - len(x)) + x for x in (a, b))
-    return [x - y for x, y in zip(a, b, strict=True)]
-
-
-def _slope(a: list) -> list:
-    return [x * (len(a) - 1 - k) for k, x in enumerate(a[:-1])]

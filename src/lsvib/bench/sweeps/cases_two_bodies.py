@@ -106,7 +106,7 @@ def _on_a_guard(where: str, model: str, drive, physics: tuple[str, ...], state: 
         reach = drive.pitch_radius * math.tan(drive.lead_angle)
         return [u, w, place, -reach * (drive.input_speed + w)] if model == "support" else [u, rest, place, rate]
     if where == "contact":
-        reference = TwoBodiesTrueDrive(model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics)
+        reference = TwoBodiesTrueDrive(model, dict(drive), physics)
         second = side if reference.second else None
         row = reference.row(lambda x: reference.forces((side, -side, second), x)[2])
         u = -(row[1] * w + row[2] * place + row[3] * rate + row[4]) / row[0]

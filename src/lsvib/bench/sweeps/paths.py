@@ -71,7 +71,6 @@ def engine_path(motion: Motion, case: Case) -> Record:
     if case.drive.model in _TWO_BODIES:
         pairs = zip(motion.mode[counted], motion.kind[counted] == kind.events["SEIZURE"], strict=True)
         kinds = [_token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
-        size = np.maximum(size, _least(case.drive, case.physics))
     else:
         kinds = [kind.events(event).name.lower() for event in motion.kind[counted]]
     return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
@@ -104,7 +103,7 @@ def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) 
 
 def case_ladders(case: Case, longest: float) -> Ladders:
     """Constants of a drive with four states for :func:`strides_path`, for motions up to ``longest`` [s]."""
-    return ladders(case.drive.model, dict(case.drive), *_frictions(case), longest)
+    return ladders(case.drive.model, dict(case.drive), case.physics, longest)
 
 
 def strides_path(case: Case, constants: Ladders) -> Record | None:
@@ -130,8 +129,6 @@ def strides_path(case: Case, constants: Ladders) -> Record | None:
             seconds = constants.second[other] if constants.has_second else None
             mode = (constants.direction[other], constants.contact[other], seconds)
             kinds.append(_token(_name(mode, case.drive.model), kind == strides.SEIZURE))
-    if case.drive.model in _TWO_BODIES:
-        size = np.maximum(size, _least(case.drive, case.physics))
     return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
 
 
@@ -164,22 +161,15 @@ def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], di
         end, complete = (result.u, result.w), result.complete
     else:
         result = two_bodies_digits.simulate(
-            dict(drive), drive.model, *_frictions(case), start, case.duration, dps=digits, max_events=MOST_EVENTS
+            dict(drive), drive.model, case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
         )
         kinds = [_token(_name(event.mode_after, drive.model), event.seizure) for event in result.events]
         visited = [event.state for event in result.events]
         visited += result.sampled(_SAMPLES)
         end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
-    if drive.model in _TWO_BODIES:
-        size = np.maximum(size, _least(case.drive, case.physics))
     times = np.array([float(event.time) for event in result.events])
     return _path(case, kinds, times, end, size, complete)
-
-
-def _frictions(case: Case) -> tuple[bool, bool]:
-    """Whether the slide and the bearing rub."""
-    return "slide_friction" in case.physics, "bearing_friction" in case.physics
 
 
 def _token(mode: str, seized: bool) -> str:
@@ -197,14 +187,19 @@ def _name(mode: tuple, model: str) -> str:
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: RigidParameters, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = TwoBodies(drive.model, dict(drive), "slide_friction" in physics, "bearing_friction" in physics)
+    steady = TwoBodies(drive.model, dict(drive), physics)
     speed = abs(drive.input_speed)
     rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.model == "support" else speed
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
 
 
 def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
-    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events."""
+    """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events.
+
+    A motion with a second body that is small counts as large as a part of steady sliding.
+    """
+    if case.drive.model in _TWO_BODIES:
+        size = np.maximum(size, _least(case.drive, case.physics))
     kept: list[int] = []
     instant = INSTANT * case.duration
     for k, kind in enumerate(kinds):

@@ -11,6 +11,7 @@ import numpy as np
 from lsvib.cycles.kernels.plan import (
     AFTER,
     BEFORE,
+    CHOSEN,
     CYCLE,
     ENTERS,
     EVENTS,
@@ -47,7 +48,7 @@ from lsvib.cycles.kernels.plan import (
     place,
     return_from,
 )
-from lsvib.engine.kernels.columns import ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
@@ -84,7 +85,7 @@ def _latest_of_the_rarest(tables, room, count):
 
 
 @allocating_kernel
-def _look(tables, search, plan, room, count):
+def _look(tables, facts, search, plan, room, count):
     """Answer a part of the motion that is full of events: does it come back to where it was, or nearly?"""
     key = _latest_of_the_rarest(tables, room, count)
     if key < 0:
@@ -123,8 +124,8 @@ def _look(tables, search, plan, room, count):
     plan.real[LIMIT] = search.patience_of_return * longest
     lay_section(tables, plan, u, w)
     plan.real[Y_OLD] = plan.real[SLOPE] = 0.0
-    if plan.whole[LINE] == 0:
-        return cycle_from(plan, search, room, u, w)
+    if plan.whole[LINE] == 0:  # next to a corner the caller shall look
+        return cycle_from(plan, search, room, u, w) if kind == facts.release or mode == facts.rest else OPEN
     if repeated == 1:
         return return_from(plan, search, room, AFTER, search.slope_step)
     j = watched[seen - 2]
@@ -162,7 +163,33 @@ def _enclosed(plan, search, room, inward):
 
 
 @kernel
-def _answer_return(plan, search, room, phase, excess, count):
+def _grain(tables, plan, room, count):
+    """Rounding of the place after a return of ``count`` events, in roundings of one; see ``Section.grain``.
+
+    It is bounded by how far the motion swings, and by the least speed at which it crosses a surface.
+    """
+    far_u = far_w = 0.0
+    least, mode = 1.0, plan.whole[ENTERS]
+    for i in range(count):
+        row, u, w = tables.flow[mode], room.before[i, 0], room.before[i, 1]
+        swing_u = abs(u) + (abs(w) / row[BETA] if row[BETA] > 0.0 else 0.0)
+        swing_w = abs(w) + row[BETA] * abs(u)
+        far_u, far_w = max(far_u, swing_u), max(far_w, swing_w)
+        rate = row[B] - row[A0] * u - row[A1] * w
+        rates = abs(row[B]) + abs(row[A0]) * swing_u + abs(row[A1]) * swing_w
+        for s in range(tables.surfaces.shape[0]):
+            n_u, n_w, n_0 = tables.surfaces[s, 0], tables.surfaces[s, 1], tables.surfaces[s, 2]
+            size = abs(n_u) * swing_w + abs(n_w) * rates
+            if size > 0.0 and abs(n_u * u + n_w * w + n_0) <= ROUNDING * (abs(n_u * u) + abs(n_w * w) + abs(n_0)):
+                least = min(least, abs(n_u * w + n_w * rate) / size)
+        mode = room.modes[i]
+    i = plan.whole[CHOSEN]
+    swing = max(1.0, (far_w if i == 1 else far_u) / abs(plan.direction[i]))
+    return swing / least if least > 0.0 else math.inf
+
+
+@kernel
+def _answer_return(tables, plan, search, room, phase, excess, count):
     """Answer a return to a line: P(y) − y, nan if the motion does not come back, and its number of events."""
     real, whole = plan.real, plan.whole
     if phase == OLDER:
@@ -197,12 +224,14 @@ def _answer_return(plan, search, room, phase, excess, count):
         return return_from(plan, search, room, BEFORE, real[Y_OLD] - search.slope_step)
     if phase == BEFORE:
         real[SLOPE] = (real[F_AFTER] - excess) / (2.0 * search.slope_step) + 1.0
+        clear = search.clear * _grain(tables, plan, room, count)
+        attracts = excess > clear and real[F_AFTER] < -clear
         if whole[REPEATS] == 1:
-            if not math.isfinite(real[SLOPE]):
-                real[SLOPE] = math.nan
-            return cycle_from(plan, search, room, plan.origin[0], plan.origin[1])
-        if not abs(real[SLOPE]) < 1.0:
+            return cycle_from(plan, search, room, plan.origin[0], plan.origin[1]) if attracts else OPEN
+        if not -search.clear / search.slope_step <= real[SLOPE] < 1.0:
             return go_on(plan, room)
+        if not attracts:
+            return OPEN
         return return_from(plan, search, room, STRAIGHT, 0.0)
     u = plan.origin[0] + plan.direction[0] * real[Y_OLD]
     w = plan.origin[1] + plan.direction[1] * real[Y_OLD]
@@ -218,8 +247,7 @@ def _stays(tables, facts, mode, room):
     if mode == facts.rest:
         return OPEN
     excited = room.state[0] != row[EQUILIBRIUM] or room.state[1] != 0.0
-    undamped = abs(row[ALPHA]) <= ROUNDING * row[BETA]
-    return OPEN if excited and (undamped or row[ALPHA] < 0.0) else SETTLED
+    return OPEN if excited and row[ALPHA] <= 0.0 else SETTLED
 
 
 @allocating_kernel
@@ -241,11 +269,11 @@ def answer(tables, facts, search, plan, room, phase, status, mode, count):
             return OPEN
         plan.left[0], plan.left[1] = room.state
         plan.whole[LEFT_MODE] = mode
-        return _look(tables, search, plan, room, count)
+        return _look(tables, facts, search, plan, room, count)
     back = status == _STOPPED and math.isfinite(end)
     if phase == ORBIT:
         return CYCLE if back else OPEN
     if not back or room.times[0] == 0.0:
-        return _answer_return(plan, search, room, phase, math.nan, 0)
+        return _answer_return(tables, plan, search, room, phase, math.nan, 0)
     excess = place(plan, room.state[0], room.state[1]) - plan.real[PLACE]
-    return _answer_return(plan, search, room, phase, excess, count)
+    return _answer_return(tables, plan, search, room, phase, excess, count)

@@ -38,6 +38,7 @@ class Search(NamedTuple):
     wider: float
     widest: float
     slope_step: float
+    clear: float  # P(y) − y that is no rounding
 
 
 class Facts(NamedTuple):
@@ -46,6 +47,7 @@ class Facts(NamedTuple):
     rest: int  # mode at rest, −1 if there is none
     sprag: int  # kind of a seizure
     reversal: int  # kind of a reversal of the contact force
+    release: int  # kind of the end of rest
 
 
 class Plan(NamedTuple):

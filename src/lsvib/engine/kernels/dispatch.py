@@ -104,8 +104,7 @@ def _modal_travel(flow, mode, state, stay, scale, work):
 
 @allocating_kernel
 def _block_travel(flow, mode, state, stay, scale, work):
-    flow_blocks.magnitudes(flow, mode, state, stay, scale)
-    flow_blocks.advance(flow, mode, state, stay, state)
+    flow_blocks.travel(flow, mode, state, stay, scale)
 
 
 def _by_kind(planar_kernel, modal_kernel, block_kernel):

@@ -41,7 +41,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """
     first_guard = tables.guard_start[mode]
     count = tables.guard_start[mode + 1] - first_guard
-    guards, on_surface, touched = room[:count], zeros[:count], False
+    guards, on_surface = room[:count], zeros[:count]
     for k in range(count):
         guard = first_guard + k
         for i in range(state.size + 1):
@@ -51,11 +51,10 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
         if on_surface[k]:
-            touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
             if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
                 return _CROSSING, guard, 0.0
-    if touched and dispatch.is_still(tables.flow, mode, state):
+    if dispatch.is_still(tables.flow, mode, state):  # however much it repels, and on a guard or not
         return _NONE, first_guard, limit
     found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
@@ -182,7 +181,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
-            dispatch.advance(tables.flow, mode, state, remaining, state)
+            _move(tables.flow, mode, state, remaining, state)
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
@@ -240,6 +239,16 @@ def add_time(clock, stay):
     clock[0] = total
 
 
+@allocating_kernel
+def _move(flow, mode, state, t, out):
+    """Write the state after a time t [s] to ``out`` (may be ``state``); an equilibrium stays, whatever grows beside."""
+    if not dispatch.is_still(flow, mode, state):
+        dispatch.advance(flow, mode, state, t, out)
+        return
+    for i in range(state.size):
+        out[i] = state[i]
+
+
 @kernel
 def states_at(
     tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
@@ -254,9 +263,7 @@ def states_at(
             event += 1
         if event < 0:
             modes[k] = start_mode
-            dispatch.advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
+            _move(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
         else:
             modes[k] = event_modes[event]
-            dispatch.advance(
-                tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k]
-            )
+            _move(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])

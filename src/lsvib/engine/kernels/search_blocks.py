@@ -20,13 +20,13 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.flow_blocks import carry
+from lsvib.engine.kernels.affine import apply, level
+from lsvib.engine.kernels.flow_blocks import carry, change
 from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.search_modal import HALVINGS as _HALVINGS
-from lsvib.engine.kernels.search_modal import first_below
+from lsvib.engine.kernels.search_modal import REPEATS, SHAKEN, SHARP, first_below
 from lsvib.engine.kernels.status import Found
 
 _NONE = int(Found.NONE)
@@ -57,11 +57,12 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
     work, noise, moving = np.empty((2, size, size)), np.empty(size), np.empty((2, size))
     weights, constants = np.empty((count, _ORDERS, size)), np.empty(count)
     sizes, moved = np.empty((count, _ORDERS, size)), np.empty((_ORDERS, size))
-    values, ahead, rounding = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
+    values, ahead, rounding, starts = np.empty((count, 3)), np.empty((count, 3)), np.empty(count), np.empty(count)
     apply(flow.to_blocks[mode], state, start)
     _forms(flow, mode, guards, weights, constants, sizes)
     _values(weights, constants, start, values)
     for guard in range(count):
+        starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
         if on_surface[guard]:
             values[guard, 0], values[guard, 1] = 0.0, max(values[guard, 1], 0.0)
     fastest, rising = _fastest(matrix), 0.0
@@ -108,7 +109,16 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding)
+            first, when = _earliest(
+                flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding
+            )
+            slope = ahead[first, 1]
+            if rounding[first] > SHARP * abs(slope) * when:
+                when = _sharpened(
+                    flow, mode, start, weights[first, 0], starts[first], rounding[first], slope, when, limit,
+                    there, noise, work,
+                )  # fmt: skip
+            return _CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and ahead[guard, 0] <= rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -245,7 +255,8 @@ def _decide(here, there, sizes, moved, growth, step, rounding, starts_on_surface
             return _POSITIVE, _LONGEST
         if there[0] <= -rounding:
             return _ROOT, _LONGEST
-        return _POSITIVE if starts_on_surface else _TOUCHES, _LONGEST
+        falls = there[0] >= 0.0 and there[1] <= 0.0  # and may die away without ever touching zero
+        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _LONGEST
     return _UNDECIDED, slack
 
 
@@ -306,9 +317,10 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
 def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_surface, rounding):
     """Find the earliest root on a decided step [a, b] s.
 
-    A guard that is still positive at the earliest root found so far has no root before it.
+    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard,
+    time [s]); ``ahead`` holds the values of this guard near there.
     """
-    first, when = -1, b
+    first, when, slope = -1, b, 0.0
     for guard in range(constants.size):
         if first >= 0 and ahead[guard, 0] <= 0.0:
             carry(flow, mode, start, when, z, work)
@@ -320,7 +332,28 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_su
                     continue
                 low = _top(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
             first, when = guard, _root(flow, mode, start, weights, constants, guard, low, when, ahead, z, work)
-    return _CROSSING, first, when
+            slope = ahead[guard, 1]
+    ahead[first, 1] = slope
+    return first, when
+
+
+@kernel
+def _sharpened(flow, mode, start, weights, value_at_zero, rounding, slope, t, limit, moves, sizes, work):
+    """Return a root of a guard with weights (q) as :func:`lsvib.engine.kernels.search_modal.sharpened` does.
+
+    ``rounding``: of the guard as the sum of its parts; ``moves``, ``sizes`` (q) and ``work`` are scratch space.
+    """
+    for _ in range(REPEATS):
+        change(flow, mode, start, t, moves, sizes, work)
+        value, total = value_at_zero, abs(value_at_zero)
+        for j in range(start.size):
+            value += weights[j] * moves[j]
+            total += abs(weights[j]) * sizes[j]
+        step = -value / slope if slope != 0.0 else 0.0
+        if not (8.0 * EPS * total < rounding and abs(value) <= SHAKEN * rounding and 0.0 < t + step <= limit):
+            break
+        t += step
+    return t
 
 
 @kernel

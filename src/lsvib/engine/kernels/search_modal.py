@@ -18,9 +18,10 @@ time the walk ends when, for every guard, the bounds of all parts together are b
 
 import math
 
-from lsvib.engine.kernels import guard_sums
+from lsvib.engine.kernels import flow_modal, guard_sums
+from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
-from lsvib.engine.kernels.flow_planar import own_rate
+from lsvib.engine.kernels.flow_planar import EPS, own_rate
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import next_guess
 from lsvib.engine.kernels.status import Found
@@ -41,6 +42,11 @@ _GROWTH = 8.0  # largest exponent of a growing term on one step: bounds, taken a
 # (ωh)²/8 amplitudes, and a swing between two extremes is two of them.
 _FAR = 4.0
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
+# A root is sharpened if the rounding of the guard, eight last places of its parts, may move it by more than this part
+# of its time: by 1e-12.
+SHARP = 2.0**-37
+SHAKEN = 16.0  # of this rounding: a guard that is further from zero at its root has another root
+REPEATS = 3  # of Newton's step, whose slope has lost digits as well
 HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
@@ -56,6 +62,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     count = guards.shape[0]
     guard_sums.prepare(flow, mode, state, guards, work)
     for guard in range(count):
+        work.starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
@@ -91,7 +98,10 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _TOUCHES:
             return _GRAZE, touched, 0.5 * (a + b)
         if outcome == _ROOT:
-            return _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+            first, when, slope = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+            if work.rounding[first] > SHARP * abs(slope) * when:
+                when = sharpened(flow, mode, work, first, guards[first], slope, when, limit)
+            return _CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -210,7 +220,9 @@ def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface
             return _POSITIVE, _BEYOND_ROUNDING
         if last[0] <= -work.rounding[guard]:
             return _ROOT, _BEYOND_ROUNDING
-        return _POSITIVE if starts_on_surface else _TOUCHES, _BEYOND_ROUNDING
+        # While it still falls it has not touched zero: it may die away without ever coming there.
+        falls = last[0] >= 0.0 and last[1] <= 0.0
+        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _BEYOND_ROUNDING
     return _UNDECIDED, slack
 
 
@@ -240,9 +252,10 @@ def first_below(values, b):
 def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
     """Find the earliest root on a decided step [a, b] s.
 
-    A guard that is still positive at the earliest root found so far has no root before it.
+    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard,
+    time [s], its slope there).
     """
-    first, when = -1, b
+    first, when, slope = -1, b, 0.0
     for guard in range(count):
         node = there
         if first >= 0 and work.values[there, guard, 0] <= 0.0:
@@ -258,8 +271,32 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
                 guard_sums.go_to(flow, mode, work, when, _SPARE)
                 guard_sums.evaluate(flow, mode, work, guard, _SPARE)
                 node = _SPARE
-            first, when = guard, _root(flow, mode, work, guard, node, low, when, rate)
-    return _CROSSING, first, when
+            first = guard
+            when, slope = _root(flow, mode, work, guard, node, low, when, rate)
+    return first, when, slope
+
+
+@kernel
+def sharpened(flow, mode, work, index, guard, slope, t, limit):
+    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of its parts has lost.
+
+    The guard is moved from its value at time zero by the changes of the modal state, which are as small as its own.
+    """
+    size, longest = flow_modal.size_of(flow, mode), SHAKEN * work.rounding[index]
+    start, moves, sizes = work.states[0, :size], work.states[3, :size], work.states[4, :size]
+    form = work.form[: size + 1]
+    flow_modal.in_modal_form(flow, mode, guard, form)
+    for _ in range(REPEATS):
+        flow_modal.change(flow, mode, start, t, moves, sizes)
+        value, total = work.starts[index], abs(work.starts[index])
+        for j in range(size):
+            value += form[j] * moves[j]
+            total += abs(form[j]) * sizes[j]
+        step = -value / slope if slope != 0.0 else 0.0
+        if not (8.0 * EPS * total < work.rounding[index] and abs(value) <= longest and 0.0 < t + step <= limit):
+            break
+        t += step
+    return t
 
 
 @kernel
@@ -283,23 +320,23 @@ def _top(flow, mode, work, guard, low, high):
 
 @inlined_kernel
 def _root(flow, mode, work, guard, node, low, high, rate):
-    """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it.
+    """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it; and its slope.
 
     The values of the guard at ``high`` are those of ``node``.
     """
-    t = high
+    t, slope = high, 0.0
     for count in range(300):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:
             low = t
         elif value == 0.0:
-            return t
+            return t, slope
         else:  # negative, or overflown far beyond the root
             high = t
         t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
-            return t
+            return t, slope
         node = _SPARE
         guard_sums.go_to(flow, mode, work, t, node)
         guard_sums.evaluate(flow, mode, work, guard, node)
-    return t
+    return t, slope

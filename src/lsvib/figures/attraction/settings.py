@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
-from lsvib.basins.grid import COORDINATES
+from lsvib.basins.grid import coordinates
 from lsvib.drives.model_files import model_names
 from lsvib.drives.registry import all_models
 from lsvib.drives.resumption import Resume
@@ -46,7 +46,7 @@ class Settings(FigureSettings):
     model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
-    grid: dict[Literal[*COORDINATES], Coordinate] = Field(
+    grid: dict[Literal[*coordinates()], Coordinate] = Field(
         min_length=2,
         description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
         "listed first below is horizontal); other coordinates of the state as numbers. All models have u and w, "

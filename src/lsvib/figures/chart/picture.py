@@ -11,35 +11,21 @@ from matplotlib.patches import Patch
 from lsvib.figures.drawing import phase_planes, style
 
 # Light where nothing vibrates, so that the eye goes to what does; told apart by the colour-blind and in grey.
-COLOURS = {
-    "unresolved": style.BLACK,
-    "no vibration": "#F4F4F4",
-    "pure slip": style.YELLOW,
-    "stick slip": style.GREEN,
-    "stick slip with contact reversal": style.SKY,
-    "sprag slip": style.ORANGE,
-    "coexistence": style.PURPLE,
-    "neutral": style.BLUE,
+_LOOKS = {  # colour, and words of the legend
+    "no vibration": ("#F4F4F4", "no vibration"),
+    "pure slip": (style.YELLOW, "slip cycle"),
+    "stick slip": (style.GREEN, "stick–slip"),
+    "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
+    "sprag slip": (style.ORANGE, "sprag–slip"),
+    "coexistence": (style.PURPLE, "steady sliding beside a cycle"),
+    "neutral": (style.BLUE, "neutral oscillations"),
+    "unresolved": (style.BLACK, "unresolved"),
 }
-_WORDS = {
-    "no vibration": "no vibration",
-    "pure slip": "slip cycle",
-    "stick slip": "stick–slip",
-    "stick slip with contact reversal": "stick–slip, $N$ reverses",
-    "sprag slip": "sprag–slip",
-    "coexistence": "steady sliding beside a cycle",
-    "neutral": "neutral oscillations",
-    "unresolved": "unresolved",
-}
-_CURVES = {  # words on a curve, and how it is drawn
+_CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
-    "stick": ("stick", "-"),
-    "detach": ("detach", "-"),
-    "global stability": ("global stability", "-"),
     "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "stick slip birth": ("birth of stick–slip", "-"),
-    "flutter": ("flutter", "-"),
 }
 _HALO = [patheffects.withStroke(linewidth=2.2, foreground="white")]
 # In widths of the picture:
@@ -68,8 +54,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         _readings(axes, dataset, across)
     shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
     patches = [
-        Patch(facecolor=COLOURS[name], edgecolor=style.GREY, linewidth=0.4, label=f"{_WORDS[name]}: {shares[kind]:.1%}")
-        for kind, name in names.items()
+        Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {shares[kind]:.1%}")
+        for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in names.items())
         if shares[kind]
     ]
     phase_planes.state_given(figure, dataset)
@@ -85,7 +71,7 @@ def _cells(axes: Axes, dataset: xr.Dataset, names: dict[int, str]) -> None:
         _edges(dataset[across]),
         _edges(dataset[down]),
         dataset.label.values,
-        cmap=ListedColormap([COLOURS[names[kind]] for kind in kinds]),
+        cmap=ListedColormap([_LOOKS[names[kind]][0] for kind in kinds]),
         norm=BoundaryNorm(np.array([*kinds, kinds[-1] + 1]) - 0.5, len(kinds)),
         rasterized=True,
         zorder=0,
@@ -110,12 +96,13 @@ def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
         points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
-        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=_CURVES[name][1], path_effects=_HALO, zorder=2)
+        dashes = _CURVES.get(name, (name, "-"))[1]
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_HALO, zorder=2)
         lines.setdefault(name, []).append(_evenly(axes.transData.transform(points) / axes.bbox.width))
     taken: list[np.ndarray] = []
     for name, own in lines.items():
         others = [line for other, parts in lines.items() if other != name for line in parts]
-        _write_on(axes, max(own, key=len), _CURVES[name][0], others + taken, taken)
+        _write_on(axes, max(own, key=len), _CURVES.get(name, (name, "-"))[0], others + taken, taken)
 
 
 def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:

@@ -182,7 +182,7 @@ SweepFamily = Literal[
 
 
 class PhasePlane(FigureSettings):
-    """Settings of the phase plane of one drive, Figs 8.4 and 8.5."""
+    """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
 
     drive: DriveChanges
     starts: Starts

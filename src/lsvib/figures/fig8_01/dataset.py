@@ -71,11 +71,12 @@ def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
     unbounded = dataset.start_outcome.values == ForceOutcome.MINUS_INFINITY
     leaving = dataset.contact_force.values[unbounded][:, -1] < float(dataset.grid_contact_force.min())
     return [
-        Check.holds(
+        Check.without_exception(
             "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
             "Sect. 8.2, Fig. 8.1",
-            f"{wrong} exceptions among {predicted.size} starts",
-            wrong == 0,
+            wrong,
+            predicted.size,
+            "starts",
         ),
         Check.holds(
             "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
@@ -83,11 +84,8 @@ def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
             f"{found[0]} and {found[1]} of {elastic.grid_outcome.size} starts",
             min(found) > 0 and sum(found) == elastic.grid_outcome.size,
         ),
-        Check.holds(
-            "Motions drawn as unbounded leave the picture towards minus infinity",
-            "Sect. 8.2, Fig. 8.1",
-            f"{int(leaving.sum())} of {leaving.size}",
-            bool(leaving.all() and leaving.size),
+        Check.everywhere(
+            "Motions drawn as unbounded leave the picture towards minus infinity", "Sect. 8.2, Fig. 8.1", leaving
         ),
     ]
 

@@ -80,11 +80,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{wrong} exceptions among {int(regular.sum())} points",
             wrong == 0 and bool(stable.any()),
         ),
-        Check.holds(
+        Check.without_exception(
             "Γ_0 < 0 gives a saddle whatever the damping",
             "Sect. 8.4, eq. 8.20",
-            f"{int(np.sum(regular & ~saddles))} exceptions among {int(regular.sum())} points",
-            bool(saddles[regular].all()),
+            np.sum(regular & ~saddles),
+            regular.sum(),
         ),
         Check.within(
             "C_0²/(4kΓ_0) where node and focus meet (worst point of the curve)",

@@ -4,34 +4,19 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import (
-    DriveChanges,
-    Duration,
-    FigureSettings,
-    MassPair,
-    Samples,
-    Span,
-    Starts,
-    State,
-    Unique,
-    parameter,
-)
+from lsvib.figures.common.settings import MassPair, PhasePlane, Span, State, Unique, parameter
 
 
-class Settings(FigureSettings):
+class Settings(PhasePlane):
     """Amplitude of the steady vibration against the axial force."""
 
     unused: ClassVar = ("axial_force",)
 
-    drive: DriveChanges
     axial_force: Span = Field(description="R [N].")
     start: State
     insets: list[parameter("axial_force")] = Field(
         min_length=1, max_length=3, description="Axial forces of the inset phase portraits [N]."
     )
-    starts: Starts
-    duration: Duration
-    samples: Samples
     mass_readings: Annotated[MassPair, *Unique] = Field(
         description="Mass as stated, and mass to which the printed effective inertias belong [kg]."
     )

@@ -64,11 +64,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"m_cr = {critical:.4f} kg",
             bool(gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]),
         ),
-        Check.holds(
+        Check.everywhere(
             "(a) below the critical mass every motion decays to the origin",
             "Sect. 8.6.1, Fig. 8.9a",
-            f"{int((light == Attractor.STEADY_SLIDING).sum())} of {light.size}",
-            bool((light == Attractor.STEADY_SLIDING).all()),
+            light == Attractor.STEADY_SLIDING,
         ),
         Check.holds(
             "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",

@@ -4,21 +4,17 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, Duration, FigureSettings, PositiveSpan, Samples, Starts
+from lsvib.figures.common.settings import DriveChanges, PhasePlane, PositiveSpan
 
 
-class Settings(FigureSettings):
+class Settings(PhasePlane):
     """Trajectories below and above the critical mass."""
 
     unused: ClassVar = ("mass",)
 
-    drive: DriveChanges
     cases: list[DriveChanges] = Field(
         min_length=2,
         max_length=2,
         description="Changes of `drive`, one for each panel, the one below the critical mass first.",
     )
-    starts: Starts
-    duration: Duration
-    samples: Samples
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")

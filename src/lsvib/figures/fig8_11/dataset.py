@@ -47,12 +47,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     count = int(seizes.sum())
     falls = amplitude[:, 0].max(axis=1)
     return [
-        Check.holds(
-            "The motion is a sprag-slip cycle at each damping",
-            "Sect. 8.6.1, Fig. 8.11",
-            f"{int(sprags.sum())} of {sprags.size}",
-            bool(sprags.all()),
-        ),
+        Check.everywhere("The motion is a sprag-slip cycle at each damping", "Sect. 8.6.1, Fig. 8.11", sprags),
         Check.holds(
             "The amplitude falls as the damping grows",
             "Sect. 8.6.1, Fig. 8.11",

@@ -4,18 +4,14 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import Damping, DriveChanges, Duration, FigureSettings, Samples, Starts, Unique
+from lsvib.figures.common.settings import Damping, PhasePlane, Unique
 
 
-class Settings(FigureSettings):
+class Settings(PhasePlane):
     """Sprag-slip cycles for three levels of support damping."""
 
     unused: ClassVar = ("support_damping",)
 
-    drive: DriveChanges
     support_dampings: Annotated[list[Damping], *Unique] = Field(
         min_length=2, max_length=4, description="Support dampings in ascending order [N m s/rad]."
     )
-    starts: Starts
-    duration: Duration
-    samples: Samples

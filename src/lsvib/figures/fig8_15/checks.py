@@ -8,6 +8,7 @@ import xarray as xr
 
 from lsvib.data import printed
 from lsvib.data.checks import Check
+from lsvib.data.spans import evenly_chosen
 from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import support_conditions
@@ -83,11 +84,8 @@ def _class_checks(
             f"{wrong} exceptions among {int(clear.sum())} points; {int((~clear).sum())} within rounding of a boundary",
             wrong == 0 and bool(clear.mean() > 0.99),
         ),
-        Check.holds(
-            "LAPACK's eigenvalues of the state matrix give the same classes",
-            "eq. 8.23",
-            f"{differ} exceptions among {compared} points",
-            differ == 0 and compared > 0,
+        Check.without_exception(
+            "LAPACK's eigenvalues of the state matrix give the same classes", "eq. 8.23", differ, compared
         ),
     ]
 
@@ -216,10 +214,7 @@ def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
 
 def _against_lapack(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> tuple[int, int]:
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
-    rows, columns = (
-        np.unique(np.linspace(0, dataset.sizes[name] - 1, _SAMPLES).astype(int))
-        for name in ("friction_coefficient", "support_stiffness")
-    )
+    rows, columns = (evenly_chosen(dataset.sizes[name], _SAMPLES) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
     own = {
         **drive,

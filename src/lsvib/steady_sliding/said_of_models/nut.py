@@ -10,12 +10,12 @@ from lsvib.steady_sliding.said_of_models import condition, quantity
 
 def said(drive: NutParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
     """Return conditions and quantities of a drive; arguments as of ``said_of``."""
-    inertia = nut_conditions.kinematic_inertia(drive, law, exact=True)
+    inertia = nut_conditions.kinematic_inertia(drive.exact(), law)
     return {
         "conditions": {"kinematic": condition(negative_effective_inertia=-inertia)},
         "quantities": {
             "kinematic_inertia": quantity(inertia, "kg m2"),
-            "effective_screw_inertia": quantity(nut_conditions.effective_screw_inertia(drive, exact=True), "kg m2"),
+            "effective_screw_inertia": quantity(nut_conditions.effective_screw_inertia(drive.exact()), "kg m2"),
             "kinematic_mass": quantity(nut_conditions.kinematic_mass(drive) if law > 0 else None, "kg"),
         },
     }

@@ -17,7 +17,7 @@ _UNDAMPED = dict.fromkeys(("support_damping", "translation_damping", "axial_supp
 
 def said(drive: SupportParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
     """Return conditions and quantities of a drive, and the same ``without_damping``; arguments as of ``said_of``."""
-    inertia = support_conditions.reduced_inertia(drive, law, exact=True)
+    inertia = support_conditions.reduced_inertia(drive.exact(), law)
     undamped = drive.replace(**_UNDAMPED)
     undamped_class, _, undamped_polynomial = spectrum(undamped, law)
     a_4, minus_a_2, discriminant = neutral_margins(tuple(p / scale(drive, law) for p in undamped_polynomial))

@@ -1,0 +1,158 @@
+"""The trend of the amplitudes of a motion over many turns, and leaps along it.
+
+A motion with more than two states is seen in the oscillators of the mode in which it is longest, of all modes that have
+some. The logarithms of their amplitudes, at events, have means over the quarters of a window. Where friction takes
+energy from a fast vibration, how much it takes depends on where the slow one is within its turn: so the quarters are
+whole turns of the slowest oscillation, where the window has four, and the ends of a quarter count little in its mean.
+The trend is extrapolated; the phases stay as they are.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.engine.kernels.columns import ALPHA, BETA
+from lsvib.engine.kernels.tables import ModalFlow
+from lsvib.engine.motion import Motion
+
+QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
+_CHANGE = 0.2  # part of itself by which a trend may change in a leap
+_PART = 0.7  # change of the logarithm of an amplitude that one leap may make
+_OFF = 0.015  # change of the logarithm of an amplitude by which a leap may be wrong, however little it changes
+_STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
+# A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
+# a multiple of its own spread.
+_NO_TREND = 3e-3
+_NOISE = 3.0
+_LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
+_SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
+_FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
+# Change of the logarithm of an amplitude in an event that is rounding, and change of its trend that is.
+_ROUNDING, _STRAIGHT = 1e-15, 1e-14
+_STILL = 1e-12  # added to a change that divides: a trend that is as small is leapt along as far as any may be
+
+
+class Trend(NamedTuple):
+    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
+
+    ``quarters`` (4, t) are these logarithms of pairs that turn; ``turns``, how often the slowest of them does in the
+    window; ``moves``, whether a coordinate drifts.
+    """
+
+    mode: int
+    step: np.ndarray
+    bend: np.ndarray
+    consistent: bool
+    none: bool
+    moves: bool
+    quarters: np.ndarray
+    turns: float
+
+    def continues(self, before: "Trend | None") -> bool:
+        """Whether it is that before a leap, in windows of any length."""
+        if before is None or before.mode != self.mode:
+            return False
+        one, other = (t.step / np.abs(t.step).max() for t in (before, self))
+        return bool(np.abs(one - other).max() <= _STEADY)
+
+
+def trend_of(motion: Motion) -> Trend | None:
+    """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
+    flow = motion.automaton.tables.flow
+    if not isinstance(flow, ModalFlow):
+        return None
+    modes, _, _, durations = motion.arcs()
+    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
+    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
+    home = int(np.argmax(shares))
+    rows = flow.oscillators[home, : flow.pairs[home]]
+    turning = np.flatnonzero(rows[:, BETA] > 0)
+    if turning.size == 0:
+        return None
+    states = np.column_stack([motion.after, np.ones(motion.time.size)])
+    modal = states @ flow.to_modal[home].T
+    place, rate = modal[:, 2 * turning], modal[:, 2 * turning + 1]
+    across = (rate + rows[turning, ALPHA] * place) / rows[turning, BETA]
+    squares = place * place + across * across
+    if not (squares > 0).all():
+        return None
+    turn = 2 * math.pi / float(rows[turning, BETA].min())
+    parts = _quarters(motion, turn)
+    quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
+    steps = np.diff(quarters, axis=0)
+    step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
+    full = np.zeros(flow.pairs[home])
+    bend = full.copy()
+    steady = (np.abs(step) > _ROUNDING * motion.time.size) & (spread <= _STEADY * np.abs(step))
+    full[turning] = np.where(steady, step, 0.0)
+    bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
+    bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
+    moves = _moves(motion.after)
+    none = not moves and bool((np.abs(step) <= np.minimum(_NO_TREND, _NOISE * spread)).all())
+    # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
+    scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
+    consistent = bool(steady.any() and (steady | scatters).all())
+    turns = (motion.end_time - motion.start_time) / turn
+    return Trend(home, full, bend, consistent and not none, none, moves, quarters, turns)
+
+
+def no_trend(windows: list[Trend]) -> bool:
+    """Whether amplitudes that scatter have no trend over many windows that follow each other: a line through all."""
+    if len(windows) < _SCATTERED:
+        return False
+    quarters = np.concatenate([window.quarters for window in windows])
+    place = np.arange(len(quarters)) - 0.5 * (len(quarters) - 1)
+    slope = place @ quarters / (place @ place)
+    rest = quarters - quarters.mean(axis=0) - place[:, None] * slope
+    error = np.sqrt((rest**2).sum(axis=0) / ((len(quarters) - 2) * (place @ place)))
+    return bool((np.abs(slope) <= np.minimum(_NO_TREND, _NOISE * error)).all())
+
+
+def _quarters(motion: Motion, turn: float) -> list[tuple[slice, np.ndarray]]:
+    """Return the events of each quarter of a motion, and their weights in a mean.
+
+    The quarters are whole turns [s] of the slowest oscillation, if so many are there, and their ends count little:
+    where the motion is within a turn decides how large the forces are, and so how fast the other amplitudes fall.
+    """
+    span = motion.end_time - motion.start_time
+    whole = math.floor(span / (QUARTERS * turn)) * QUARTERS * turn
+    ends = motion.end_time - (whole or span) * np.linspace(1.0, 0.0, QUARTERS + 1)
+    at, place = np.searchsorted(motion.time, ends), motion.time
+    if not (np.diff(at) > _FEWEST).all():
+        place = np.arange(motion.time.size + 0.5)
+        ends = np.linspace(-0.5, motion.time.size - 0.5, QUARTERS + 1)
+        at = np.searchsorted(place, ends)
+    found = []
+    for one, other, start, end in zip(at[:-1], at[1:], ends[:-1], ends[1:], strict=True):
+        found.append((slice(one, other), np.sin(np.pi * (place[one:other] - start) / (end - start)) ** 2))
+    return found
+
+
+def _moves(states: np.ndarray) -> bool:
+    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
+    changes = np.diff([part.mean(axis=0) for part in np.array_split(states, QUARTERS)], axis=0)
+    return bool((np.abs(changes.mean(axis=0)) > _NOISE * np.ptp(changes, axis=0)).any())
+
+
+def reach(trend: Trend, trust: float) -> float:
+    """Return how far a leap along a trend may go, in quarters of its window.
+
+    ``trust``: how often the trend's own change, which scatters, may exceed what it should be.
+    """
+    moving = trend.step != 0
+    sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
+    steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
+    return min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
+
+
+def extrapolated(motion: Motion, trend: Trend, leap: float, trust: float) -> np.ndarray:
+    """Return the state after a leap of so many quarters along a trend."""
+    flow, home = motion.automaton.tables.flow, trend.mode
+    modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
+    change = leap * trend.step
+    if trust == 1.0:
+        change = change + 0.5 * leap * (leap + 1) * trend.bend
+    factors = np.exp(np.clip(change, _LEAST, _PART))
+    modal[: 2 * factors.size] *= np.repeat(factors, 2)
+    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1]
