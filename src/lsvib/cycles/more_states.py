@@ -80,7 +80,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
 def _further(automaton: Automaton, state: np.ndarray, mode: int | None, work: float) -> SteadyState | None:
     """Return what a motion settles in, or its cycle of thousands of events; None if neither shows with that work.
 
-    A motion that has come back to one state three times has as much again, to tell whether those beside it do.
+    A motion that has come back to one state three times has twice as much again, to tell whether those beside it do.
     """
     budget, chunk, found = Budget(work), LONG, None
     try:
@@ -88,7 +88,7 @@ def _further(automaton: Automaton, state: np.ndarray, mode: int | None, work: fl
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
             if motion.status == Status.SETTLED:
                 return settled(automaton, motion)
-            found = long_cycle(motion, Budget(work)) if chunk >= _LONG_LOOK else None
+            found = long_cycle(motion, Budget(2 * work)) if chunk >= _LONG_LOOK else None
             state, mode, chunk = motion.end_state, motion.end_mode, min(8 * chunk, _LONGEST)
     except EngineError:  # the budget is spent, as a rule
         return None
