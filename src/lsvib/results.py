@@ -119,7 +119,8 @@ class SolvedThreshold:
     """A threshold by ``name``, solved for the parameter ``unknown`` of a drive of a ``model``.
 
     ``solutions``, at least one, in ascending order, in ``unit``; ``how`` says whether these are all. ``value``,
-    ``residual``, ``error_bound``, ``derivatives`` and ``equation`` are those of the smallest one.
+    ``residual``, ``error_bound``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says that
+    there are more.
     """
 
     name: str
@@ -128,6 +129,11 @@ class SolvedThreshold:
     unit: str
     solutions: tuple[ThresholdSolution, ...]
     how: str
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one solution."""
+        return len(self.solutions) > 1
 
     @property
     def value(self) -> float:

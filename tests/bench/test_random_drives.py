@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from judge import boundary_judge, command, excuses, judges, long_run, threshold_judge
+from judge.fate import fate
+from judge.linear_judge import rates
 
-from lsvib.bench.random_drives import boundary_judge, command, excuses, judges, long_run, threshold_judge
-from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.fate import fate
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.paths import MOST_EVENTS, engine_path, exact_path, quick_path, watched_path
 from lsvib.bench.sweeps.paths import automaton as built

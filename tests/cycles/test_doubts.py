@@ -4,12 +4,12 @@ The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter
 """
 
 import pytest
+from judge import command, judges
 from reference.wide_scenes import scene
 
 from lsvib.basins import slice_mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.bench.random_drives import command, judges
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.command.printing import print_map, print_motion
 from lsvib.cycles.attractors import Attractor, Doubt, steady_state
@@ -85,7 +85,7 @@ def test_motions_maps_and_the_judge_say_why(capsys, tmp_path, monkeypatch):
     record = command.judged("nut", 72, 20, ("attractor",))
     said = {(entry["start"], entry["said"]) for entry in record["notable"] if entry["verdict"] == judges.UNRESOLVED}
     assert (2, Doubt.EVENTS) in said
-    monkeypatch.setattr(command, "_asked", lambda options, missing: [record])
+    monkeypatch.setattr(command, "run", lambda *asked: [record])
     command.main(["--model", "nut", "--cases", "4", "--out", str(tmp_path)])
     assert f"unresolved attractor: {len(said)} because {Doubt.EVENTS}" in capsys.readouterr().out
 

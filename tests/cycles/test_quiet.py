@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from judge.long_run import constants_of, fate
 from reference.wide_scenes import assert_slides_steadily, scene
 
-from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.quiet import parts_of, quiet_until

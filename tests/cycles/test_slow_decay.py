@@ -8,12 +8,12 @@ import warnings
 
 import numpy as np
 import pytest
+from judge.judges import BAD, stages
+from judge.long_run import constants_of, fate
 from reference.wide_scenes import assert_slides_steadily, scene
 
 import lsvib
 from lsvib.basins.mapper import mapper
-from lsvib.bench.random_drives.judges import BAD, stages
-from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state

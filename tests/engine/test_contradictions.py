@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from judge.long_run import constants_of, fate
 from reference.wide_scenes import scene
 
-from lsvib.bench.random_drives.long_run import constants_of, fate
 from lsvib.bench.sweeps.case_judge import allowed_residual
 from lsvib.bench.sweeps.energy_balance import balance
 from lsvib.bench.sweeps.wide_drives import wide_drive

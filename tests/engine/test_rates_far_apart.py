@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from judge.judges import four_case
+from judge.linear_judge import rates
 from mpmath import mp
 
-from lsvib.bench.random_drives.judges import four_case
-from lsvib.bench.random_drives.linear_judge import rates
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, Group

@@ -37,6 +37,7 @@ from lsvib.cycles.trends import QUARTERS, Trend, extrapolated, no_trend, reach, 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Budget, Motion
+from lsvib.errors import WorkSpentError
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
@@ -314,9 +315,16 @@ def _returns(automaton: Automaton, key: tuple[int, int], state: np.ndarray, budg
     """Follow some returns; return the states (n) at them, and modes and sizes (n) of each return."""
     states, patterns, sizes = [state], [], []
     for _ in range(_RETURNS):
-        motion = follow_patiently(
-            automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=budget
-        )
+        part = Budget(budget.left / _RETURNS)  # a return that takes more leaves no work for the others
+        given = part.left
+        try:
+            motion = follow_patiently(
+                automaton, states[-1], math.inf, mode=key[1], stop=key, max_events=_LONGEST, budget=part
+            )
+        except WorkSpentError:
+            break
+        finally:
+            budget.spend(given - max(part.left, 0.0))
         if motion.status != Status.STOP_EVENT:
             break
         states.append(motion.end_state)

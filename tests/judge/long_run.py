@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from lsvib.bench.random_drives import linear_judge
+from judge import linear_judge
+from judge.fate import Fate
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import strides
 from lsvib.bench.second_opinions.endings import AMBIGUOUS, LATE, TIME_REACHED
-from lsvib.bench.second_opinions.fate import Fate
 from lsvib.bench.second_opinions.stride_constants import ABSENT, Ladders, ladders
 from lsvib.bench.sweeps.wide_drives import WideDrive
 

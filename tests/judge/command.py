@@ -1,7 +1,7 @@
 """Draw random drives of the models over the full ranges, and judge what the program says about each of them.
 
-    python -m lsvib.bench.random_drives --model rigid --cases 10000 --seed 1 --jobs 2 --out folder
-    python -m lsvib.bench.random_drives --summary folder/*.jsonl
+    PYTHONPATH=tests python -m judge --model rigid --cases 10000 --seed 1 --jobs 2 --out folder
+    PYTHONPATH=tests python -m judge --summary folder/*.jsonl
 
 One line of JSON for each drive is written to ``folder/<model>-<seed>.jsonl``: how many findings of each verdict, and in
 full those that are not right. A run goes on where the last one with the same folder, model and seed ended; an older
@@ -20,8 +20,8 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
-from lsvib.bench.random_drives.judges import BAD, QUESTIONS, REFUSED, UNRESOLVED
-from lsvib.bench.random_drives.processes import STARTS, Line, judged, run
+from judge.judges import BAD, QUESTIONS, REFUSED, UNRESOLVED
+from judge.processes import STARTS, Line, judged, run
 from lsvib.bench.sweeps.wide_drives import MODELS
 
 __all__ = ["STARTS", "judged", "kinds", "main", "passed", "run", "summary"]
@@ -101,7 +101,7 @@ def _read(path: Path) -> dict[int, Line]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m lsvib.bench.random_drives", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(prog="python -m judge", description=__doc__.split("\n")[0])
     parser.add_argument("--model", choices=MODELS, default="rigid")
     parser.add_argument("--cases", type=int, default=10_000, help="motions")
     parser.add_argument("--first", type=int, default=0, help="number of the first drive")

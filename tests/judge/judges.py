@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
+from judge import boundary_judge, excuses, linear_judge, long_run, threshold_judge
+from judge.fate import Fate, fate
 from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import Destiny
-from lsvib.bench.random_drives import boundary_judge, excuses, linear_judge, long_run, threshold_judge
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
 from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.bench.second_opinions.stride_constants import Ladders
 from lsvib.bench.sweeps import case_judge, paths
 from lsvib.bench.sweeps.energy_balance import balance, terms
@@ -278,7 +278,7 @@ def compared(
     ``otherwise``: called for the verdict on another name than the judge's, if the reference need not confirm the judge.
     """
     told = f"{truth.name} ({truth.reason})"
-    if name == "unbounded" and wide.model != "threads":  # see lsvib.bench.second_opinions.fate
+    if name == "unbounded" and wide.model != "threads":  # see judge.fate
         return Finding(WRONG, k, name, told)
     if name == "unresolved":
         return Finding(UNRESOLVED, k, doubt or name, told)

@@ -17,9 +17,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from judge.fate import Fate, fate
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.second_opinions.endings import KINDS
-from lsvib.bench.second_opinions.fate import Fate, fate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 

@@ -18,8 +18,8 @@ from typing import Any
 
 from numba.core.event import Listener, register
 
-from lsvib.bench.random_drives import judges
-from lsvib.bench.random_drives.judges import CRASHED, GOOD, LATE, QUESTIONS, Finding
+from judge import judges
+from judge.judges import CRASHED, GOOD, LATE, QUESTIONS, Finding
 from lsvib.bench.sweeps.wide_drives import wide_drive
 
 STARTS = 4  # starts of each drive by default
