@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge import boundary_judge, command, excuses, judges, threshold_judge
+from judge import boundary_judge, command, excuses, judges, long_run, threshold_judge
 from judge.fate import fate
 from judge.linear_judge import rates
 
@@ -234,6 +234,17 @@ def test_an_equilibrium_without_contact_force_lasts(index, start):
     assert not wide.starts[start].any()
     _, ask = list(judges.stages(wide, ["motion"]))[start]
     assert ask() == [judges.Finding(judges.RIGHT, start)]
+
+
+def test_a_faint_damping_is_none_only_without_dampers():
+    """Pairs of doubles lose a damping by 1e-23 1/s beside rates of 1e6 1/s, and called the motion neutral (82/25)."""
+    wide = wide_drive("threads", 82, 25, command.STARTS)
+    damping = -float(min(rate.real for rate in rates(wide) if abs(rate) < 10))
+    assert damping == pytest.approx(1.0517e-23, rel=1e-4)
+    assert long_run.fate(wide, 0, *long_run.constants_of(wide)).name == "steady_sliding"
+    undamped = wide._replace(drive=type(wide.drive).of({**dict(wide.drive), "contact_damping": 0.0}))
+    lasting = next(rate for rate in rates(undamped) if abs(rate) < 10)
+    assert long_run._growth(undamped, lasting, max(map(abs, rates(undamped)))) == 0
 
 
 def test_the_judges_can_say_wrong(monkeypatch):

@@ -46,10 +46,13 @@ def test_no_event_comes_before_a_quiet_time_ends(model):
     assert told > 0.05 * asked
 
 
-@pytest.mark.parametrize(("model", "index"), [("threads", 16), ("support", 6), ("nut", 11), ("nut", 27)])
-def test_parts_add_up_to_the_motion(model, index):
-    """In slip and at rest, in modal form and in blocks."""
-    automaton, state = scene(model, 71, index, 0)
+@pytest.mark.parametrize(
+    ("model", "seed", "index"),
+    [("threads", 71, 16), ("support", 71, 6), ("nut", 71, 11), ("nut", 71, 27), ("threads", 83, 36)],
+)
+def test_parts_add_up_to_the_motion(model, seed, index):
+    """In slip and at rest, in modal form and in blocks; the last one winds up and swings in one and the same block."""
+    automaton, state = scene(model, seed, index, 0)
     flow = automaton.tables.flow
     for mode in range(len(automaton.codes)):
         found = parts_of(flow, mode, state)
@@ -72,6 +75,16 @@ def test_a_cycle_with_a_long_rest_is_told(index, period):
     assert found.label == Attractor.SPRAG_SLIP_CYCLE
     assert found.period == pytest.approx(period, rel=1e-10)
     assert abs(found.multiplier) < 1e-6
+
+
+@pytest.mark.parametrize("start", [0, 3])
+def test_a_rest_that_winds_up_is_left_out(start):
+    """The coupling is wound up for 53 s while the nut swings; where slip begins, its fast rate needs short searches."""
+    automaton, state = scene("threads", 83, 36, start)
+    found = steady_state(automaton, state, max_events=700_000)
+    assert found.label == Attractor.STEADY_SLIDING
+    wide = wide_drive("threads", 83, 36, 4)
+    assert fate(wide, start, *constants_of(wide)).name == "steady_sliding"
 
 
 def test_an_oscillation_that_has_just_touched_is_left_to_die_away():

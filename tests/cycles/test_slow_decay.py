@@ -298,6 +298,37 @@ def test_a_motion_of_which_most_is_spent_in_a_mode_that_does_not_turn():
     assert (trend.step < 0).all()
 
 
+def test_parts_that_have_died_away_are_put_to_rest_after_a_leap():
+    """The coupling rings by 1e-4 after each leap and hid the drift of the contact, by 1e-7 in a turn, for 5000 leaps.
+
+    At the cycle the contact rattles without a rest, in two events, and attracts by some 1e-8 in a turn.
+    """
+    automaton, state = scene("threads", 82, 16, 1)
+    found = steady_state(automaton, state, max_events=300_000)
+    assert found.label == Attractor.OTHER_CYCLE
+    assert found.orbit.time.size == 2
+    assert 1e-8 < 1 - found.multiplier < 1e-7
+    assert found.residual < 1e-9
+
+
+def test_leaps_in_blocks_have_as_much_time_as_elsewhere():
+    """The contact creeps at 80e6 1/s beside a swing that decays by 1e-8 in a turn; it settles after some leaps."""
+    automaton, state = scene("threads", 81, 24, 3)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+@pytest.mark.slow
+def test_a_cycle_of_many_rattles_and_long_rests_is_told_at_last():
+    """The motor winds the coupling up for hours while the contact rattles and comes to rest; leaps go around in it."""
+    automaton, state = scene("threads", 83, 90, 0)
+    found = steady_state(automaton, state, max_events=700_000)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.orbit.time.size == 48_628
+    assert found.period == pytest.approx(43130.7203, rel=1e-8)
+    assert found.multiplier < 1e-6
+
+
 @pytest.mark.parametrize(("index", "start"), [(71, 0), (71, 2)])
 def test_hammering_beside_a_slow_swing_is_told_by_its_trend_over_whole_turns(index, start):
     """A fast vibration decays while the slide swings slowly, and hardly damped: at 1735 and 0.8 1/s, and alike."""

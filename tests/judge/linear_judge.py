@@ -11,7 +11,7 @@ from lsvib.bench.sweeps.wide_drives import WideDrive
 from lsvib.drives.parameters import RigidParameters
 
 _DIGITS = 120  # so that a double rate has 60
-_REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
+REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
 
 
 def rates(wide: WideDrive) -> list:
@@ -47,13 +47,13 @@ def _rates(model: str, drive: RigidParameters, physics: tuple[str, ...]) -> list
 def stable(found: list) -> bool:
     """Whether all rates have a negative real part."""
     with mp.workdps(_DIGITS):
-        return all(mp.re(x) <= -_REAL * abs(x) for x in found)
+        return all(mp.re(x) <= -REAL * abs(x) for x in found)
 
 
 def grows_not(found: list) -> bool:
     """Whether no rate has a positive real part."""
     with mp.workdps(_DIGITS):
-        return all(mp.re(x) < _REAL * abs(x) for x in found)
+        return all(mp.re(x) < REAL * abs(x) for x in found)
 
 
 def carries_no_force(wide: WideDrive) -> bool:

@@ -13,6 +13,8 @@ It shares nothing with the engine: Newton's laws are those of the references, th
 * else it is *unknown*: a motion that drifts slowly, is chaotic, or was followed for too short a time.
 """
 
+from typing import Any
+
 import numpy as np
 from mpmath import mp
 
@@ -29,6 +31,7 @@ _LONG = 1000.0  # slowest times near steady sliding, within which a damped motio
 _LONGEST = 1e13  # longest run in fastest times: the ladder has as many rungs as a double allows
 _DIGITS = 60  # digits of the rates of a mode, so that a double rate still has 30 of them
 _NONE = 1e-25  # A real part below this share of the largest rate is the rounding of pairs of doubles.
+_SAME = 1e-20  # relative distance within which a rate of a mode is one of the exact rates near steady sliding
 _GONE = 1e-14  # A value below this share of the sum of its terms is rounding.
 _PERIODS = 64  # events in the longest pattern
 _TIMES = 12  # times that a pattern must have come back
@@ -62,14 +65,18 @@ def fate(wide: WideDrive, k: int, c: Ladders, longest: float) -> Fate:
         return Fate("unbounded", "the same factor from turn to turn")
     if status == AMBIGUOUS:
         return Fate("unknown", "a condition that cannot be told")
-    settled = _settled(c, mode, end) if status in (TIME_REACHED, LATE) else None
+    settled = _settled(wide, c, mode, end) if status in (TIME_REACHED, LATE) else None
     if settled is not None:
         return settled
     return _recurring(wide, c, after[:count], fired[:count], states[:count])
 
 
-def _settled(c: Ladders, mode: int, state: np.ndarray) -> Fate | None:
-    """Whether a mode is never left again from a state on."""
+def _settled(wide: WideDrive, c: Ladders, mode: int, state: np.ndarray) -> Fate | None:
+    """Whether a mode is never left again from a state on.
+
+    Pairs of doubles do not hold the sign of a faint damping. Near steady sliding the exact rates do; elsewhere a part
+    that they do not see die away lasts only if the drive has no damper.
+    """
     if c.direction[mode] == 0 or (c.has_second and c.second[mode] == 0):
         return None
     with mp.workdps(_DIGITS):
@@ -87,9 +94,10 @@ def _settled(c: Ladders, mode: int, state: np.ndarray) -> Fate | None:
         largest = max(abs(x) for x in rates)
         lasts = False
         for rate, part in zip(rates, parts, strict=True):
-            if mp.re(rate) > _NONE * largest:
+            growth = _growth(wide, rate, largest)
+            if growth is None or growth > 0:
                 return None
-            lasts |= bool(mp.re(rate) > -_NONE * largest and abs(part) > 0)
+            lasts |= bool(growth == 0 and abs(part) > 0)
         for r in range(c.kinds.shape[1]):
             if c.kinds[mode, r] == ABSENT:
                 continue
@@ -99,6 +107,18 @@ def _settled(c: Ladders, mode: int, state: np.ndarray) -> Fate | None:
             if not value > swing:
                 return None
     return Fate("neutral_family" if lasts else "steady_sliding", "no further event")
+
+
+def _growth(wide: WideDrive, rate: Any, largest: Any) -> Any:
+    """Real part of a rate of a mode, exactly zero where nothing damps; None if it cannot be told from zero."""
+    if abs(mp.re(rate)) > _NONE * largest:
+        return mp.re(rate)
+    if not any(value for name, value in dict(wide.drive).items() if "damping" in name):
+        return 0
+    exact = min(linear_judge.rates(wide), key=lambda one: abs(one - rate))
+    if abs(exact - rate) > _SAME * abs(exact):
+        return None
+    return mp.re(exact) if abs(mp.re(exact)) > linear_judge.REAL * abs(exact) else 0
 
 
 def _recurring(wide: WideDrive, c: Ladders, after: np.ndarray, fired: np.ndarray, states: np.ndarray) -> Fate:

@@ -50,6 +50,9 @@ _FADING = 0.9  # part of an earlier size that still counts: a coordinate that sw
 # costs about sixteen returns.
 _FIRST_DOUBLINGS, _LEAST_DOUBLINGS = 6, 5
 _FEWER = 2  # doublings that are taken off after a leap that was too long
+_GONE = 0.1  # what is left, at most, of a part that has died away in a leap
+_DIES = 1e-6  # least decay in a return of such a part: well beyond the rounding of P′, so that it is damped indeed
+_CORRECTIONS = 2  # returns after a leap that put such parts to rest, each leaving a small share of what was left
 _STILL = 1e-12  # a step of this size, in sizes of the motion, is not leapt: a cycle may touch a guard
 _MOST_LEAPS = 30  # leaps in a row, after which the motion may have come near a cycle
 _CLOSING = 3  # leaps in a row whose steps shrink before nothing moves, which show that a cycle attracts
@@ -187,7 +190,7 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
             doublings -= _FEWER
             if last is None or doublings < _LEAST_DOUBLINGS:
                 break
-            place = last.after(doublings)
+            place = last.corrected(last.after(doublings), doublings)
             continue
         left_out += 0 if last is None else len(patterns[-1]) // motion.mode.itemsize << doublings
         here, mode, moved, pattern = states[-1], key[1], last is not None, patterns[-1]
@@ -199,7 +202,7 @@ def _by_returns(motion: Motion, budget: Budget) -> _Leap:
         doublings = last.most(doublings + 1)
         if doublings < _LEAST_DOUBLINGS:
             return _Leap(here, mode, moved, left_out / (left - budget.left), _closed(last, steps))
-        place = last.after(doublings)
+        place = last.corrected(last.after(doublings), doublings)
     return _Leap(here, mode, moved, left_out / (left - budget.left))
 
 
@@ -246,6 +249,29 @@ class _Linear(NamedTuple):
     def after(self, doublings: int) -> np.ndarray:
         """Return the state (n) 2^doublings returns later."""
         return self.section.state(self._ahead(doublings)[0])
+
+    def corrected(self, state: np.ndarray, doublings: int) -> np.ndarray:
+        """Return a state after a leap with the parts that have died away in it at rest where it has led to.
+
+        The fixed point of such a part moves with the others, by more than the derivative before the leap tells; what is
+        left of it would hide the steps of the others. Each return tells where it lies.
+        """
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+            values, vectors = np.linalg.eig(self.slopes)
+            rates = np.log(np.abs(values))
+            gone = (rates < -_DIES) & (rates * 2.0**doublings < math.log(_GONE))
+        if gone.any() and not (gone.all() or conserves(self.section.automaton)) and np.isfinite(state).all():
+            for _ in range(_CORRECTIONS):
+                back = self.section.come_back(state)
+                if back is None:
+                    break
+                step = self.section.place(back.end_state) - self.section.place(state)
+                try:
+                    parts = np.linalg.solve(vectors, step)[gone] / (1 - values[gone])
+                except np.linalg.LinAlgError:
+                    break
+                state = self.section.state(self.section.place(state) + (vectors[:, gone] @ parts).real)
+        return state
 
     def foresaw(self, states: list[np.ndarray], doublings: int) -> bool:
         """Whether the steps after a leap show that its error is a small part of its way.

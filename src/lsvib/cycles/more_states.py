@@ -8,7 +8,7 @@ from lsvib.cycles import drifts
 from lsvib.cycles.cones import shrinking
 from lsvib.cycles.family_edges import comes_to_edge
 from lsvib.cycles.patience import FEW, follow_patiently
-from lsvib.cycles.recurrences import recurrence
+from lsvib.cycles.recurrences import long_cycle, recurrence
 from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import Attractor, Doubt, SteadyState, out_of_range
@@ -21,7 +21,10 @@ from lsvib.errors import DivergenceError, EngineError
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
-_FURTHER = 1.6  # of its budget a motion in blocks is followed further at last, which takes three seconds at most
+# Of its budget a motion is followed further at last, in blocks and elsewhere: one to three seconds at most.
+_FURTHER = (1.2, 0.8)
+_LONGEST = 256_000  # most events that are looked at together then, and ...
+_LONG_LOOK = 64_000  # ... fewest in which a cycle is looked for
 _EDGE = 0.1  # part of the budget in which a motion that nothing damps may come to the edge of a neutral family
 _APART = 0.05  # change from return to return, in sizes of the motion, with which no cycle is near after many events
 
@@ -36,7 +39,7 @@ def at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState:
     """Find the attractor of a motion with more than two states; the budget may be spent twice.
 
-    Where nothing is told by then of a motion in blocks, it is followed further: it may be about to settle.
+    Where nothing is told by then, the motion is followed further: it may be about to settle, or on a long cycle.
     """
     all_of_it, in_blocks = budget.left, isinstance(automaton.tables.flow, BlockFlow)
 
@@ -67,23 +70,29 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
         return out_of_range(automaton, state)
     except EngineError as error:
         found, doubt = None, Doubt.of(error)
-    if found is None and doubt == Doubt.EVENTS and in_blocks:
-        found = _settles(automaton, state, mode, Budget(_FURTHER * all_of_it))
+    if found is None and doubt == Doubt.EVENTS:
+        found = _further(automaton, state, mode, _FURTHER[0 if in_blocks else 1] * all_of_it)
     if isinstance(found, drifts.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState.unresolved(state, doubt)
 
 
-def _settles(automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget) -> SteadyState | None:
-    """Return what a motion settles in; None if it does not with that much work."""
+def _further(automaton: Automaton, state: np.ndarray, mode: int | None, work: float) -> SteadyState | None:
+    """Return what a motion settles in, or its cycle of thousands of events; None if neither shows with that work.
+
+    A motion that has come back to one state three times has twice as much again, to tell whether those beside it do.
+    """
+    budget, chunk, found = Budget(work), LONG, None
     try:
-        while True:
-            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=LONG, budget=budget)
+        while found is None:
+            motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
             if motion.status == Status.SETTLED:
                 return settled(automaton, motion)
-            state, mode = motion.end_state, motion.end_mode
+            found = long_cycle(motion, Budget(2 * work)) if chunk >= _LONG_LOOK else None
+            state, mode, chunk = motion.end_state, motion.end_mode, min(8 * chunk, _LONGEST)
     except EngineError:  # the budget is spent, as a rule
         return None
+    return found
 
 
 def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:

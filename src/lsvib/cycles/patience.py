@@ -18,6 +18,7 @@ _EACH = 90.0  # work of an event, at most as a rule; so a search is left before 
 FEW = 16  # events in blocks of the first search; each further one may have twice as many
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
+_IN_BLOCKS = 0.2  # part of all these works in blocks: quiet times are looked for after as many steps as ever
 _MORE = 4.0  # factor of work where events have cost more than was foreseen: a quarter of all is spent in vain at most
 _TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
 
@@ -45,7 +46,7 @@ def follow_patiently(
     time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else max_events
     while True:
         here, most = min(max_events - count, most), 2 * most
-        work = (_FIRST if reach == math.inf else _SEARCH) + _EACH * here
+        work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * (_IN_BLOCKS if in_blocks else 1.0)
         piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, t_end - time <= reach
         pieces.append(_begun_at(piece, time))
@@ -68,7 +69,8 @@ def follow_patiently(
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
             state, time = there, time + quiet
         fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
-        reach = 2 * reach if quiet == 0 and reach < math.inf else _TURNS / float(fastest)
+        waits = quiet == 0 and not found and reach < math.inf  # an event has led to a mode with times of its own
+        reach = 2 * reach if waits else _TURNS / float(fastest)
 
 
 def _searched(

@@ -27,6 +27,7 @@ _ZERO = 1e-13  # part of the size of a block below which an eigenvalue of it is 
 _UNSURE = 1e-14  # the same for its real part, of which only the sign matters
 _DUST = 1e-60  # part of the largest entry of all blocks that is what 120 digits leave of zero
 _NONE = 1e-25  # part of the fastest rate below which a rate is none: blocks are made from 120 digits
+_CHAIN = 3  # longest chain of zeros: 1, t and t²
 _PARALLEL = 1e10  # condition of eigenvectors that leaves parts some digits
 _LOST = 1e-14  # of parts, relative, times that condition
 _STEPS = 2000  # of one walk
@@ -65,6 +66,8 @@ def parts_of(flow: ModalFlow | BlockFlow, mode: int, state: np.ndarray) -> Parts
             drift += out @ np.column_stack([start, once, 0.5 * matrix @ once])
             continue
         values, vectors = own
+        if (values == 0).sum() > 1:  # they may be a chain, of which the eigenvectors show nothing
+            return None
         scales = np.abs(vectors).max(axis=1, keepdims=True)
         if not (scales > 0).all():
             return None
@@ -89,15 +92,35 @@ def _blocks(flow: BlockFlow, mode: int, place: np.ndarray) -> Iterator[Block]:
         if first == last:
             continue
         block, out = flow.matrix[mode, first:last, first:last], flow.from_blocks[mode][:, first:last]
-        block = np.where(np.abs(block) <= _DUST * largest, 0.0, block)
+        block, here = np.where(np.abs(block) <= _DUST * largest, 0.0, block), start[first:last]
         size = np.abs(block).max()
         if np.abs(block @ block @ block).max() <= _NONE * size**3:
-            yield block, None, start[first:last], out
+            yield block, None, here, out
             continue
+        winds = _winds(block)
+        if winds.any():  # y = T z + what decays by itself, with y′ = A y + C z, z′ = N z and A T + C = T N
+            own, push, chain = block[~winds][:, ~winds], block[~winds][:, winds], block[winds][:, winds]
+            once = np.linalg.solve(own, push)
+            twice = np.linalg.solve(own, once @ chain)
+            along = -once - twice - np.linalg.solve(own, twice @ chain)
+            yield chain, None, here[winds], out[:, winds] + out[:, ~winds] @ along
+            block, here, out = own, here[~winds] - along @ here[winds], out[:, ~winds]
+            size = np.abs(block).max()
         values, vectors = np.linalg.eig(block)
         real = np.where(np.abs(values.real) <= _UNSURE * size, _UNSURE * size, values.real)
         moves = np.abs(values) > max(_ZERO * size, _NONE * largest)
-        yield block, (np.where(moves, real + 1j * values.imag, 0.0), vectors), start[first:last], out
+        yield block, (np.where(moves, real + 1j * values.imag, 0.0), vectors), here, out
+
+
+def _winds(block: np.ndarray) -> np.ndarray:
+    """Return the coordinates (d) of a block that are polynomials of time whatever the others do, such as u at rest.
+
+    Up to t² they are chains of three, as those of a block without any other coordinate.
+    """
+    found = np.zeros(len(block), dtype=bool)
+    for _ in range(_CHAIN):
+        found = ~block[:, ~found].any(axis=1)
+    return found
 
 
 def _modes(flow: ModalFlow, mode: int, place: np.ndarray) -> Iterator[Block]:

@@ -26,7 +26,7 @@ _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_F
 
 # Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
 CALL = 10.0  # of a call of the engine from Python
-_COSTS = ((1.0, 0.1), (10.0, 4.0))  # of an event, and of a step of the search for it: modal flows; flows in blocks
+_COSTS = ((1.0, 0.1), (2.0, 0.8))  # of an event, and of a step of the search for it: modal flows; flows in blocks
 
 _BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
 _MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
