@@ -131,15 +131,17 @@ class ReturnSection(Section):
         Or whether all that come back, perhaps from one side only, are there at once, and not by rounding.
         """
         clear = CLEAR * self.grain(place)
-        if any(self._inward(place, step, clear) for step in (SLOPE_STEP, WIDEST, _FAR)):
-            return True
+        for step in (SLOPE_STEP, WIDEST, _FAR):
+            before, after = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
+            if before > clear and after < -clear:
+                return True
         left = np.array([abs(float(self.excess(place + far)[0]) + far) for far in (-WIDEST, WIDEST)])
         return bool(clear <= _CONVERGED and np.isfinite(left).any() and not (left > CLEAR).any())
 
-    def _inward(self, place: np.ndarray, width: float, clear: float = 0.0) -> bool:
+    def _inward(self, place: np.ndarray, width: float) -> bool:
         """Whether motions from both ends of an interval come back nearer to its middle, by the same events."""
         (left, before), (right, after) = self.outcome(place - width), self.outcome(place + width)
-        return bool(left > clear and right < -clear) and before == after
+        return bool(left > 0 > right) and before == after
 
     def _by_newton(self, earlier: np.ndarray) -> FixedPoint | None:
         """Solve by Newton's method from the origin; the motion ``earlier`` (k, d) must approach the solution.
