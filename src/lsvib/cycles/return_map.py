@@ -27,7 +27,9 @@ from lsvib.engine.kernels import flow_planar
 SECANTS = 60  # steps at most; with its order of 1.6 the secant method takes seven from one digit to sixteen
 WIDER = 4.0  # factor from one interval tried around a fixed point to the next
 WIDEST = 1e-3  # half width of the last such interval, in scales of the section: rounding moves the point if P′ ≈ 1
-_FAR = 0.1  # half width of the widest interval whose ends must come nearer: by 2e-14 in a return, beyond rounding
+# Half widths of intervals one of which both ends must come nearer from: short ones next to where a cycle begins, long
+# ones if it attracts faintly, over the last by 2e-14 in a return.
+_WIDTHS = (SLOPE_STEP, 1e-7, 1e-9, WIDEST, 0.1)
 _NEWTONS = 12  # steps at most; each doubles the digits, and the first that is not shorter than the last ends them
 _CONVERGED = 1e-9  # last step of Newton's method, in scales of the section
 _NOISE = 4 * flow_planar.EPS  # rounding of P(y) − y, in scales of the section
@@ -121,9 +123,14 @@ class ReturnSection(Section):
             # Over so short a step it is rounding whether P′ is below one; the mean over a longer one shows it.
             left, right = (float(self.excess(old + side * WIDEST)[0]) for side in (-1, 1))
             slope = 1 + (right - left) / (2 * WIDEST)
-        if not abs(slope) < 1 or (self.origin.size == 2 and slope < -CLEAR / SLOPE_STEP):
-            return None  # no map of a plane: returns begin on the wrong side of the surface
+        if not abs(slope) < 1 or (slope < -CLEAR / SLOPE_STEP and self._keeps_sides(old)):
+            return None  # returns begin on the wrong side of the surface
         return FixedPoint(self.state(old), slope, width) if self._attracts(old) else None
+
+    def _keeps_sides(self, place: np.ndarray) -> bool:
+        """Whether P cannot have a negative slope: motions in a plane do not cross, unless an event moves them."""
+        orbit = self.come_back(self.state(place))
+        return self.origin.size == 2 and orbit is not None and not np.isin(orbit.kind, self.automaton.sprag_kinds).any()
 
     def _attracts(self, place: np.ndarray) -> bool:
         """Whether motions from both sides of a place on a line come nearer to it by more than rounding.
@@ -131,7 +138,7 @@ class ReturnSection(Section):
         Or whether all that come back, perhaps from one side only, are there at once, and not by rounding.
         """
         clear = CLEAR * self.grain(place)
-        for step in (SLOPE_STEP, WIDEST, _FAR):
+        for step in _WIDTHS:
             before, after = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
             if before > clear and after < -clear:
                 return True

@@ -6,7 +6,7 @@ from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
-from mpmath import mpf
+from mpmath import mp, mpf
 
 from lsvib.bench.record import Record
 from lsvib.bench.reference import rigid_digits as rigid_reference
@@ -142,7 +142,7 @@ def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> 
 def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
-        with suppress(ArithmeticError, AssertionError):
+        with suppress(ArithmeticError, AssertionError), mp.workdps(digits):  # to sample the arcs, too
             return _exact_path(case, drive, start, digits)
     return None
 

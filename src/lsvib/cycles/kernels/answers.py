@@ -228,9 +228,9 @@ def _answer_return(tables, plan, search, room, phase, excess, count):
         attracts = excess > clear and real[F_AFTER] < -clear
         if whole[REPEATS] == 1:
             return cycle_from(plan, search, room, plan.origin[0], plan.origin[1]) if attracts else OPEN
-        if not -search.clear / search.slope_step <= real[SLOPE] < 1.0:
+        if not abs(real[SLOPE]) < 1.0:
             return go_on(plan, room)
-        if not attracts:
+        if not attracts or real[SLOPE] < -search.clear / search.slope_step:  # what no map without seizures has
             return OPEN
         return return_from(plan, search, room, STRAIGHT, 0.0)
     u = plan.origin[0] + plan.direction[0] * real[Y_OLD]

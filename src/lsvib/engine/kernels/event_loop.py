@@ -41,7 +41,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """
     first_guard = tables.guard_start[mode]
     count = tables.guard_start[mode + 1] - first_guard
-    guards, on_surface = room[:count], zeros[:count]
+    guards, on_surface, touched = room[:count], zeros[:count], False
     for k in range(count):
         guard = first_guard + k
         for i in range(state.size + 1):
@@ -51,10 +51,11 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
         if on_surface[k]:
+            touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
             if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
                 return _CROSSING, guard, 0.0
-    if dispatch.is_still(tables.flow, mode, state):  # however much it repels, and on a guard or not
+    if _stays(tables.flow, mode, state) or (touched and dispatch.is_still(tables.flow, mode, state)):
         return _NONE, first_guard, limit
     found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
@@ -239,14 +240,23 @@ def add_time(clock, stay):
     clock[0] = total
 
 
+@kernel
+def _stays(flow, mode, state):
+    """Whether a state is zero where nothing pushes: an equilibrium beyond all rounding, however much it repels."""
+    for i in range(state.size):
+        if state[i] != 0.0:
+            return False
+    return dispatch.is_still(flow, mode, state)
+
+
 @allocating_kernel
 def _move(flow, mode, state, t, out):
-    """Write the state after a time t [s] to ``out`` (may be ``state``); an equilibrium stays, whatever grows beside."""
-    if not dispatch.is_still(flow, mode, state):
+    """Write the state after a time t [s] to ``out`` (may be ``state``)."""
+    if not _stays(flow, mode, state):
         dispatch.advance(flow, mode, state, t, out)
         return
     for i in range(state.size):
-        out[i] = state[i]
+        out[i] = 0.0
 
 
 @kernel
