@@ -129,15 +129,18 @@ class ReturnSection(Section):
 
     def _keeps_sides(self, place: np.ndarray) -> bool:
         """Whether P cannot have a negative slope: motions in a plane do not cross, unless an event moves them."""
-        orbit = self.come_back(self.state(place))
-        return self.origin.size == 2 and orbit is not None and not np.isin(orbit.kind, self.automaton.sprag_kinds).any()
+        orbit, sprags = self.come_back(self.state(place)), self.automaton.sprag_kinds
+        if self.origin.size > 2 or orbit is None or not sprags:  # none is named of motions backwards in time
+            return False
+        return not np.isin(orbit.kind, sprags).any()
 
     def _attracts(self, place: np.ndarray) -> bool:
         """Whether motions from both sides of a place on a line come nearer to it by more than rounding.
 
         Or whether all that come back, perhaps from one side only, are there at once, and not by rounding.
         """
-        clear = CLEAR * self.grain(place)
+        # Bounds of rounding through many seizures are far too wide; only touches without one pass for attraction.
+        clear = CLEAR * (self.grain(place) if self._keeps_sides(place) else 1.0)
         for step in _WIDTHS:
             before, after = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
             if before > clear and after < -clear:
