@@ -174,20 +174,23 @@ def assemble(
     resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
     reset_index = iter(range(len(resets)))
     n = len(states)
+    flows = [mode.flow for mode in modes.values()]
+    if stack:
+        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
+        flow, parts = stack(flows, rows)
+        parts = parts or [[] for _ in guards]
+    else:
+        flow = _planar_flow(flows)
+        parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
     tables = Tables(
-        flow=(stack or _planar_flow)([mode.flow for mode in modes.values()]),
+        flow=flow,
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=doubles(
-            [x for mode in modes.values() for guard in mode.guards for x in _guard_parts(mode, guard, surfaces)]
-            if n == 2
-            else [],
-            (len(guards), 3 if n == 2 else 0),
-        ),
+        guard_parts=doubles([x for part in parts for x in part], (len(guards), len(parts[0]) if parts else 0)),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),

@@ -142,7 +142,9 @@ def follow(
     an_event, a_step = _COSTS[isinstance(automaton.tables.flow, BlockFlow)]
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
-    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / a_step])
+    # Behind the four entries of the clock there is room for what one run hands on to the next.
+    scale, clock = np.abs(state), np.zeros(7 + 3 * automaton.tables.guard_sign.size)
+    clock[3] = budget.left / a_step
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
