@@ -20,6 +20,7 @@ from lsvib.bench.record import Record, Verdict, distance
 from lsvib.bench.sweeps.energy_balance import Balance, balance
 from lsvib.bench.sweeps.families import Case
 from lsvib.bench.sweeps.paths import (
+    CORNER,
     MOST_EVENTS,
     automaton,
     engine_path,
@@ -176,7 +177,8 @@ def same_corners(path: Record, other: Record, case: Case, count: int | None) -> 
     if not same_but_corners(one, two):
         return False
     begins, starts = (x.times[np.diff(x.times, prepend=-np.inf) > gap][:count] for x in (path, other))
-    return bool(np.abs(begins - starts).max(initial=0.0) <= TOLERANCE * case.duration)
+    late = [gap if CORNER in pair else TOLERANCE * case.duration for pair in zip(one, two, strict=True)]
+    return bool((np.abs(begins - starts) <= late).all())
 
 
 def same_end(path: Record, other: Record) -> bool:
@@ -210,6 +212,9 @@ def _weigh(
         tried.append((_common(path.kinds, other.kinds), places))
         if other.kinds == path.kinds and other.complete == path.complete:
             like.append(other)
+        elif not good and agree_but_corners(path, other, case):
+            outcome.verdict = Verdict.BEYOND_INPUT
+            return
         if exact.complete == other.complete and exact.kinds == other.kinds:
             moved = float(np.abs(exact.times - other.times).max(initial=0.0)) / case.duration
             moved = max(moved, distance(other.end, exact)) if exact.complete else moved

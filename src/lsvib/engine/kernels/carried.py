@@ -4,7 +4,8 @@ A state holds w = θ′ − Ω and not θ′. A speed of slip of 10⁻¹⁰ Ω t
 this speed decides when slip ends, as with a heavy nut, the event is late by 10⁻⁷ of the motion. What changes a guard
 during an arc is as small as the guard itself (:func:`lsvib.engine.kernels.flow_modal.change`). So at the end of an arc
 the guards that the state does not hold are noted as their value at its start and this change; or as the sum of their
-parts, if that is closer because the parts have died away. At the next search such a guard begins with this value.
+parts, if that is closer because the parts have died away; or without what it has in common with the guard that has
+fired. At the next search such a guard begins with this value.
 
 Only modal flows note anything; ``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the run.
 """
@@ -42,6 +43,9 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
                 flow, tables, mode, other, work.starts[other - first], work.doubts[other - first], stay, work
             )
             value *= tables.guard_sign[other]
+            less, rest = _beside(tables.surfaces[tables.guard_surface[guard]], tables.surfaces[surface], state, scale)
+            if rest < size:
+                value, size = less, rest
         work.noted[count, 0], work.noted[count, 1], work.noted[count, 2] = surface, value, size
         count += 1
     work.noted[work.noted.shape[0] - 1, 0] = count
@@ -91,6 +95,29 @@ def _moved(flow, tables, mode, guard, start, doubt, stay, work):
         k += 1
     total, terms = doubt + ROUNDING * total, ROUNDING * terms
     return (value, total) if total <= terms else (summed, terms)
+
+
+@kernel
+def _beside(zero, row, state, scale):
+    """Return an affine function, by its row, and its rounding where another one is zero, without what both hold alike.
+
+    Where slip ends, the speed of the screw is that of the nut, which may be small, and not w + Ω. That is known if both
+    functions have the same weight, or its negative, on the coordinate that the state has been moved by.
+    """
+    n, chosen = state.size, 0
+    for i in range(n):
+        if abs(zero[i]) * scale[i] > abs(zero[chosen]) * scale[chosen]:
+            chosen = i
+    if row[chosen] == 0.0 or abs(row[chosen]) != abs(zero[chosen]):
+        return 0.0, math.inf
+    factor, value, size = row[chosen] / zero[chosen], 0.0, 0.0
+    for i in range(n + 1):
+        one, other = row[i], factor * zero[i]
+        if one != other:  # what only one of them holds has its digits
+            x, terms = (state[i], scale[i]) if i < n else (1.0, 1.0)
+            value += (one - other) * x
+            size += (abs(one) + abs(other)) * terms
+    return value, ROUNDING * size
 
 
 @kernel
