@@ -157,13 +157,16 @@ def assemble(
     observables: dict[str, dict[str, Row]],
     shortest_stay: Any,
     stack: Callable | None = None,
+    forms: Callable | None = None,
     **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
 
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
-    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); ``facts``, the other attributes of
-    :class:`Automaton`. Branches into modes that the model does not have are an error.
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); with more than two states ``stack``,
+    which makes the flow of those of the modes, and ``forms``, which makes ``guard_parts`` of them and of the guards by
+    mode; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the model does not have are an
+    error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
@@ -175,15 +178,15 @@ def assemble(
     reset_index = iter(range(len(resets)))
     n = len(states)
     flows = [mode.flow for mode in modes.values()]
-    if stack:
-        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
-        flow, parts = stack(flows, rows)
-        parts = parts or [[] for _ in guards]
-    else:
-        flow = _planar_flow(flows)
+    parts = None
+    if n == 2:
         parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
+    elif forms:
+        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
+        parts = forms(flows, rows)
+    parts = parts or [[] for _ in guards]
     tables = Tables(
-        flow=flow,
+        flow=(stack or _planar_flow)(flows),
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),

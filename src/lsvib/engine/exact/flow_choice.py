@@ -90,10 +90,7 @@ def flow_of(modes: Sequence[Any]) -> ModalFlow | BlockFlow | list[ModalFlow | No
     return modal_flow([mode.modal for mode in modes])
 
 
-def flow_and_guards(modes: Sequence[Any], rows: Sequence[Sequence[Sequence]]) -> tuple[Any, list[list[float]] | None]:
-    """Return :func:`flow_of` and, of one drive in modal form, the forms of the guards where doubles would lose digits.
-
-    ``rows``: the guards (n + 1) of each mode; see :func:`lsvib.engine.exact.modal_form.guard_forms`.
-    """
-    flow = flow_of(modes)
-    return flow, guard_forms([mode.modal for mode in modes], rows) if isinstance(flow, ModalFlow) else None
+def guard_forms_of(modes: Sequence[LinearMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
+    """Return :func:`lsvib.engine.exact.modal_form.guard_forms` if all modes are in modal form, else None."""
+    forms = [mode.modal for mode in modes if mode.modal is not None]
+    return guard_forms(forms, rows) if len(forms) == len(modes) else None
