@@ -228,6 +228,7 @@ def test_strides_decide_without_the_reference(drive, start):
         ("support", 725, 119),  # both
         ("nut", 102, 110),  # the nut gets the speed of the screw, 1e-9 Ω, where slip begins
         ("nut", 112, 12),
+        ("threads", 432, 83),  # slip ends soon after N has changed its sign
         ("nut", 163, 122),  # the screw gets the speed of the nut, 1e-9 Ω, where slip ends
     ],
 )

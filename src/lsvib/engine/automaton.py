@@ -149,6 +149,18 @@ def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tupl
         return place * equilibrium + constant, place + rate * slow, place + rate * fast
 
 
+def _parts_of_guards(modes: dict[str, Mode], surfaces: dict[str, Surface], n: int, forms: Callable | None):
+    """Return the table ``guard_parts`` of all guards; arguments as of :func:`assemble`."""
+    parts = None
+    if n == 2:
+        parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
+    elif forms:
+        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
+        parts = forms([mode.flow for mode in modes.values()], rows)
+    count = sum(len(mode.guards) for mode in modes.values())
+    return doubles([x for part in parts or () for x in part], (count, len(parts[0]) if parts else 0))
+
+
 def assemble(
     states: tuple[str, ...],
     surfaces: dict[str, Surface],
@@ -177,23 +189,15 @@ def assemble(
     resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
     reset_index = iter(range(len(resets)))
     n = len(states)
-    flows = [mode.flow for mode in modes.values()]
-    parts = None
-    if n == 2:
-        parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
-    elif forms:
-        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
-        parts = forms(flows, rows)
-    parts = parts or [[] for _ in guards]
     tables = Tables(
-        flow=(stack or _planar_flow)(flows),
+        flow=(stack or _planar_flow)([mode.flow for mode in modes.values()]),
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=doubles([x for part in parts for x in part], (len(guards), len(parts[0]) if parts else 0)),
+        guard_parts=_parts_of_guards(modes, surfaces, n, forms),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),
