@@ -107,7 +107,15 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
                 return first_below(ahead, b)
             continue
         if outcome == _TOUCHES:
-            return _GRAZE, touched, 0.5 * (a + b)
+            t = _touching(
+                flow, mode, start, weights, constants, touched, starts[touched], b, ahead[touched, 1],
+                ahead[touched, 2], ahead, there, noise, work,
+            )  # fmt: skip
+            for guard in range(count):  # one that falls before that is looked for from here
+                t = -1.0 if t > b and guard != touched and ahead[guard, 0] <= 0.0 else t
+            if t > limit:
+                return _NONE, -1, limit
+            return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
             bottom, t = math.inf, math.inf
             while t >= 0.0:
@@ -388,11 +396,11 @@ def _touching(flow, mode, start, weights, constants, index, value_at_zero, t, sl
     """
     for _ in range(REPEATS):
         t -= slope / bend
+        if not (t > 0.0 and bend > 0.0):
+            return -1.0
         carry(flow, mode, start, t, moves, work)
         _values(weights, constants, moves, out)
         slope, bend = out[index, 1], out[index, 2]
-        if not (t > 0.0 and bend > 0.0):
-            return -1.0
     lowest, rounding = out[index, 0], _rounding(weights[index, 0], constants[index], moves)
     value, noise = _changed(flow, mode, start, weights[index, 0], value_at_zero, t, moves, sizes, work)
     if rounding < noise:

@@ -96,7 +96,15 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                 return first_below(work.values[there, :count], b)
             continue
         if outcome == _TOUCHES:
-            return _GRAZE, touched, 0.5 * (a + b)
+            at = work.values[there, touched]
+            t = _touching(flow, mode, work, touched, guards[touched], b, at[1], at[2])
+            for guard in range(count):  # one that falls before that is looked for from here
+                if t > b and guard != touched:
+                    guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+                    t = -1.0 if work.values[_SPARE, guard, 0] <= 0.0 else t
+            if t > limit:
+                return _NONE, -1, limit
+            return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
             bottom, t = math.inf, math.inf
             while t >= 0.0:
@@ -321,18 +329,18 @@ def _sharpened(flow, mode, work, index, guard, slope, t, limit):
 
 @kernel
 def _touching(flow, mode, work, index, guard, t, slope, bend):
-    """Return the time of the minimum of a guard next to a root at t [s], or −1 if it is negative beyond rounding.
+    """Return the time of the minimum of a guard next to t [s], or −1 if it is negative beyond rounding there.
 
-    ``slope`` and ``bend`` are the derivatives at the root. Without damping a guard that starts at zero with its first
+    ``slope`` and ``bend`` are the derivatives at t. Without damping a guard that starts at zero with its first
     derivative touches zero after a turn, where rounding alone makes two roots of one.
     """
     for _ in range(REPEATS):
         t -= slope / bend
+        if not (t > 0.0 and bend > 0.0):
+            return -1.0
         guard_sums.go_to(flow, mode, work, t, _SPARE)
         guard_sums.evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
-        if not (t > 0.0 and bend > 0.0):
-            return -1.0
     value, noise = _changed(flow, mode, work, index, guard, t)
     rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE)
     if rounding < noise:
