@@ -123,7 +123,7 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
                     flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding
                 )
                 t = -1.0
-                if first >= 0 and slope * slope < 2.0 * bend * rounding[first]:
+                if first >= 0 and slope * slope < 2.0 * SHAKEN * bend * rounding[first]:
                     t = _touching(
                         flow, mode, start, weights, constants, first, starts[first], when, slope, bend, ahead,
                         there, noise, work,
@@ -392,7 +392,8 @@ def _sharpened(flow, mode, start, weights, value_at_zero, rounding, slope, t, li
 def _touching(flow, mode, start, weights, constants, index, value_at_zero, t, slope, bend, out, moves, sizes, work):
     """Return the time of a minimum as :func:`lsvib.engine.kernels.search_modal._touching` does, or −1.
 
-    ``weights`` (g, k, q); ``out`` (g, 3), ``moves``, ``sizes`` (q) and ``work`` are scratch space.
+    ``weights`` (g, k, q); ``out`` (g, 3), ``moves``, ``sizes`` (q) and ``work`` are scratch space. An exponential of a
+    block loses more than a sum: its coordinates are known to ``_NOISE`` last places, a sum to eight.
     """
     for _ in range(REPEATS):
         t -= slope / bend
@@ -402,10 +403,12 @@ def _touching(flow, mode, start, weights, constants, index, value_at_zero, t, sl
         _values(weights, constants, moves, out)
         slope, bend = out[index, 1], out[index, 2]
     lowest, rounding = out[index, 0], _rounding(weights[index, 0], constants[index], moves)
+    off, first = constants[index] - value_at_zero, _rounding(weights[index, 0], constants[index], start)
+    for j in range(start.size):
+        off += weights[index, 0, j] * start[j]
     value, noise = _changed(flow, mode, start, weights[index, 0], value_at_zero, t, moves, sizes, work)
-    if rounding < noise:
-        value, noise = lowest, rounding
-    return t if value >= -noise else -1.0
+    positive = 8.0 * value >= -_NOISE * noise and 8.0 * lowest >= -_NOISE * rounding * (1.0 + abs(off) / first)
+    return t if positive else -1.0
 
 
 @kernel

@@ -110,7 +110,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             while t >= 0.0:
                 first, when, slope, bend = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
                 t = -1.0
-                if first >= 0 and slope * slope < 2.0 * bend * work.rounding[first]:
+                if first >= 0 and slope * slope < 2.0 * SHAKEN * bend * work.rounding[first]:
                     t = _touching(flow, mode, work, first, guards[first], when, slope, bend)
                 if t >= 0.0:
                     work.values[there, first, 0] = math.inf  # no root; another guard may have one before it touches
@@ -332,8 +332,12 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
     """Return the time of the minimum of a guard next to t [s], or −1 if it is negative beyond rounding there.
 
     ``slope`` and ``bend`` are the derivatives at t. Without damping a guard that starts at zero with its first
-    derivative touches zero after a turn, where rounding alone makes two roots of one.
+    derivative touches zero after a turn, where rounding alone makes two roots of one. It is negative if its sum or its
+    change says so; the sum is as wrong as it was at time zero, as far as its parts are left.
     """
+    guard_sums.go_to(flow, mode, work, 0.0, _SPARE)
+    guard_sums.evaluate(flow, mode, work, index, _SPARE)
+    off = abs(work.values[_SPARE, index, 0] - work.starts[index])
     for _ in range(REPEATS):
         t -= slope / bend
         if not (t > 0.0 and bend > 0.0):
@@ -342,10 +346,8 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
         guard_sums.evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
     value, noise = _changed(flow, mode, work, index, guard, t)
-    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE)
-    if rounding < noise:
-        value, noise = work.values[_SPARE, index, 0], rounding
-    return t if value >= -noise else -1.0
+    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / work.rounding[index])
+    return t if value >= -noise and work.values[_SPARE, index, 0] >= -rounding else -1.0
 
 
 @kernel
