@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.variational import derivative, eigenvalues, rounding
+from lsvib.cycles.variational import derivative, eigenvalues, field, rounding
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
@@ -140,6 +140,27 @@ class Section:
             self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
         else:
             self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
+        self._guards = self._guards_along()
+
+    def _guards_along(self) -> np.ndarray:
+        """Return the normals (k, n), into the mode, of its guards that are zero all along the section."""
+        tables, mode = self.automaton.tables, self.key[1]
+        own = slice(tables.guard_start[mode], tables.guard_start[mode + 1])
+        rows = tables.guard_sign[own, None] * tables.surfaces[tables.guard_surface[own]]
+        normals, offsets = rows[:, :-1], rows[:, -1]
+        met = np.abs(normals @ self.origin + offsets) <= ROUNDING * (np.abs(normals) @ self.size + np.abs(offsets))
+        steepest = np.abs(normals @ self.directions) - ROUNDING * (np.abs(normals) @ np.abs(self.directions))
+        return normals[met & (steepest <= 0).all(axis=1)]
+
+    def _leaves(self, state: np.ndarray) -> bool:
+        """Whether the motion from a state (n) leaves its mode through the section itself: no event ends there.
+
+        Beyond a corner the surface is crossed the other way.
+        """
+        if not len(self._guards):
+            return False
+        rate, size = field(self.automaton, self.key[1], state)
+        return bool((self._guards @ rate < -ROUNDING * (np.abs(self._guards) @ size)).any())
 
     @property
     def dimension(self) -> int:
@@ -221,10 +242,10 @@ class Section:
     def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
         """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
 
-        The result is nan and None if the motion does not come back, or if it leaves the section the moment it starts,
-        because there the surface is crossed the other way.
+        The result is nan and None if the motion does not come back, or if the surface is crossed the other way there.
         """
-        motion = self.come_back(self.state(place))
+        start = self.state(place)
+        motion = None if self._leaves(start) else self.come_back(start)
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan), None
         return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
@@ -241,12 +262,13 @@ class Section:
         states = np.array([self.state(np.array([place])) for place in places.tolist()])
         counts = np.empty(len(states), dtype=np.int64)
         kinds, modes = (np.empty((len(states), _ROOM), dtype=kind) for kind in (np.int8, np.int64))
+        leaves = [self._leaves(state) for state in states]
         event_loop.returns(self.automaton.tables, self.key[1], states, self._limit, self.key[0], kinds, modes, counts)
         found = []
         for k, count in enumerate(counts.tolist()):
             if count < 0:
                 found.append(self.return_from(float(places[k])))
-            elif count == 0:
+            elif count == 0 or leaves[k]:
                 found.append(Return(math.nan, None))
             else:
                 excess = self.place(states[k]) - places[k : k + 1]
