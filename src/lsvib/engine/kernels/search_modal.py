@@ -316,7 +316,7 @@ def _changed(flow, mode, work, index, guard, t):
 
 @kernel
 def _sharpened(flow, mode, work, index, guard, slope, t, limit):
-    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of its parts has lost."""
+    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost."""
     for _ in range(REPEATS):
         value, noise = _changed(flow, mode, work, index, guard, t)
         step = -value / slope if slope != 0.0 else 0.0
