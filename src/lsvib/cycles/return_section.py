@@ -140,27 +140,33 @@ class Section:
             self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
         else:
             self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
-        self._guards = self._guards_along()
+        self._reach = self._inner_part() if len(self._axes) == 1 else (-math.inf, math.inf)
 
-    def _guards_along(self) -> np.ndarray:
-        """Return the normals (k, n), into the mode, of its guards that are zero all along the section."""
+    def _inner_part(self) -> tuple[float, float]:
+        """Return the places (first, last) of a line from which motions go into the mode.
+
+        Along the line lies a guard of the mode, whose rate changes its sign at a corner; beyond that motions leave
+        through the surface, and no event ends there.
+        """
         tables, mode = self.automaton.tables, self.key[1]
         own = slice(tables.guard_start[mode], tables.guard_start[mode + 1])
         rows = tables.guard_sign[own, None] * tables.surfaces[tables.guard_surface[own]]
-        normals, offsets = rows[:, :-1], rows[:, -1]
+        normals, offsets, along = rows[:, :-1], rows[:, -1], self.directions[:, 0]
         met = np.abs(normals @ self.origin + offsets) <= ROUNDING * (np.abs(normals) @ self.size + np.abs(offsets))
-        steepest = np.abs(normals @ self.directions) - ROUNDING * (np.abs(normals) @ np.abs(self.directions))
-        return normals[met & (steepest <= 0).all(axis=1)]
-
-    def _leaves(self, state: np.ndarray) -> bool:
-        """Whether the motion from a state (n) leaves its mode through the section itself: no event ends there.
-
-        Beyond a corner the surface is crossed the other way.
-        """
-        if not len(self._guards):
-            return False
-        rate, size = field(self.automaton, self.key[1], state)
-        return bool((self._guards @ rate < -ROUNDING * (np.abs(self._guards) @ size)).any())
+        met &= np.abs(normals @ along) <= ROUNDING * (np.abs(normals) @ np.abs(along))
+        first, last = -math.inf, math.inf
+        (here, here_size), (there, there_size) = (
+            field(self.automaton, mode, state) for state in (self.origin, self.origin + along)
+        )
+        for normal in normals[met]:
+            rate, slope = float(normal @ here), float(normal @ (there - here))
+            size = ROUNDING * float(np.abs(normal) @ np.maximum(here_size, there_size))
+            if abs(slope) > size:
+                corner = -(rate + size) / slope  # a rate above −size may be zero
+                first, last = (max(first, corner), last) if slope > 0 else (first, min(last, corner))
+            elif rate < -size:
+                return math.inf, -math.inf
+        return first, last
 
     @property
     def dimension(self) -> int:
@@ -244,8 +250,8 @@ class Section:
 
         The result is nan and None if the motion does not come back, or if the surface is crossed the other way there.
         """
-        start = self.state(place)
-        motion = None if self._leaves(start) else self.come_back(start)
+        inside = self.dimension != 1 or self._reach[0] <= place[0] <= self._reach[1]
+        motion = self.come_back(self.state(place)) if inside else None
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan), None
         return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
@@ -262,13 +268,12 @@ class Section:
         states = np.array([self.state(np.array([place])) for place in places.tolist()])
         counts = np.empty(len(states), dtype=np.int64)
         kinds, modes = (np.empty((len(states), _ROOM), dtype=kind) for kind in (np.int8, np.int64))
-        leaves = [self._leaves(state) for state in states]
         event_loop.returns(self.automaton.tables, self.key[1], states, self._limit, self.key[0], kinds, modes, counts)
         found = []
         for k, count in enumerate(counts.tolist()):
             if count < 0:
                 found.append(self.return_from(float(places[k])))
-            elif count == 0 or leaves[k]:
+            elif count == 0 or not self._reach[0] <= places[k] <= self._reach[1]:
                 found.append(Return(math.nan, None))
             else:
                 excess = self.place(states[k]) - places[k : k + 1]

@@ -19,7 +19,9 @@ from lsvib.cycles.kernels.plan import (
     F_LEFT,
     F_OLD,
     F_OLDER,
+    FIRST,
     KIND,
+    LAST,
     LEFT,
     LEFT_MODE,
     LIMIT,
@@ -241,26 +243,6 @@ def _answer_return(tables, plan, search, room, phase, excess, count):
 
 
 @kernel
-def _leaves(tables, plan):
-    """Whether the motion from a place of the section leaves its mode through it; see ``Section.outcome``."""
-    mode, size, along = plan.whole[ENTERS], plan.size, plan.direction
-    u, w = plan.origin[0] + along[0] * plan.real[PLACE], plan.origin[1] + along[1] * plan.real[PLACE]
-    row = tables.flow[mode]
-    rate = row[B] - row[A0] * u - row[A1] * w
-    rates = abs(row[B]) + abs(row[A0] * u) + abs(row[A1] * w)
-    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-        sign, surface = tables.guard_sign[guard], tables.surfaces[tables.guard_surface[guard]]
-        n_u, n_w, n_0 = surface[0], surface[1], surface[2]
-        met = ROUNDING * (abs(n_u) * size[0] + abs(n_w) * size[1] + abs(n_0))
-        parallel = ROUNDING * (abs(n_u * along[0]) + abs(n_w * along[1]))
-        on_it = abs(n_u * plan.origin[0] + n_w * plan.origin[1] + n_0) <= met
-        along_it = abs(n_u * along[0] + n_w * along[1]) <= parallel
-        if on_it and along_it and sign * (n_u * w + n_w * rate) < -ROUNDING * (abs(n_u * w) + abs(n_w) * rates):
-            return True
-    return False
-
-
-@kernel
 def _stays(tables, facts, mode, room):
     """Whether a motion that never leaves a mode ends in steady sliding; other ends are left to the caller."""
     row = tables.flow[mode]
@@ -293,7 +275,8 @@ def answer(tables, facts, search, plan, room, phase, status, mode, count):
     back = status == _STOPPED and math.isfinite(end)
     if phase == ORBIT:
         return CYCLE if back else OPEN
-    if not back or room.times[0] == 0.0 or _leaves(tables, plan):
+    inside = plan.real[FIRST] <= plan.real[PLACE] <= plan.real[LAST]
+    if not back or room.times[0] == 0.0 or not inside:
         return _answer_return(tables, plan, search, room, phase, math.nan, 0)
     excess = place(plan, room.state[0], room.state[1]) - plan.real[PLACE]
     return _answer_return(tables, plan, search, room, phase, excess, count)
