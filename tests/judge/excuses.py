@@ -38,11 +38,12 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
     """Whether motions agree once what is undone at once is left out of both.
 
     With a second body these are modes that are left again for the mode that they came from: an undamped body that was
-    released from rest comes back to rest once in each turn, for no time. With compliant threads N touches zero. Where
-    touches fill the list of events that ends a motion, the events that both have are compared.
+    released from rest comes back to rest once in each turn, for no time. Where touches fill the list of events that
+    ends a motion, the events that both have are compared. Of compliant threads nothing is left out.
     """
-    threads = case.drive.model == "threads"
-    one, two = (without_touches(x, case, TOUCHES) if threads else _without_instants(x, case) for x in (path, exact))
+    if case.drive.model == "threads":
+        return False
+    one, two = (_without_instants(x, case) for x in (path, exact))
     if path.complete or exact.complete:
         return case_judge.agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds)) - 1  # the last one may be the first half of a touch

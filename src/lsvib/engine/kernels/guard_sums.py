@@ -182,6 +182,19 @@ def evaluate(flow, mode, sums, guard, node):
     out[0], out[1], out[2] = value, rate, bend
 
 
+@kernel
+def rounding_at(flow, mode, sums, guard, node):
+    """Return the size of a guard at a node below which it is rounding only: of its parts as far as they are left."""
+    total = abs(sums.constants[guard])
+    for pair in range(flow.pairs[mode]):
+        at = sums.pair_nodes[node, pair]
+        total += bound(sums.pair_bounds[guard, pair, 0], at[3], at[4], at[5])
+    for single in range(flow.singles[mode]):
+        e, integral = sums.single_nodes[node, single, 0], sums.single_nodes[node, single, 1]
+        total += abs(sums.singles[guard, single, 0] * e) + abs(sums.singles[guard, single, 1] * integral)
+    return 8.0 * EPS * total
+
+
 @inlined_kernel
 def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
     """Bound ``sign`` times the k-th derivative of a guard from below between two nodes.
