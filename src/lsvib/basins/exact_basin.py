@@ -16,7 +16,7 @@ The boundary is found by following one motion backwards in time; docs/basin.md p
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from enum import IntEnum
 
@@ -58,8 +58,8 @@ class Basin:
 
     drive: RigidParameters
     boundary: Boundary
-    curves: tuple[Curve, ...]
-    flow: np.ndarray
+    curves: tuple[Curve, ...] = field(repr=False)
+    flow: np.ndarray = field(repr=False)
 
     @property
     def bounded(self) -> bool:

@@ -39,7 +39,7 @@ class Cycle:
     """
 
     drive: RigidParameters
-    orbit: Motion
+    orbit: Motion = field(repr=False)
     residual: float
     multipliers: np.ndarray
     multiplier_error: float

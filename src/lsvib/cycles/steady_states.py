@@ -1,7 +1,7 @@
 """What a motion ends in – its attractor, or why that is not told – and exact means and extremes over a cycle."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
@@ -88,7 +88,7 @@ class SteadyState:
 
     label: Attractor
     state: np.ndarray
-    orbit: Motion | None = None
+    orbit: Motion | None = field(default=None, repr=False)
     returns: int = 0
     residual: float = math.nan
     enclosure: float = math.nan

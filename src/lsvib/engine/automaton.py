@@ -5,7 +5,7 @@ drives; then all tables of doubles have one more axis, the first, for the drives
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
 from typing import Any
 
@@ -83,10 +83,10 @@ class Automaton:
     plane smaller, or leaves every one as it is, and passing θ′ = 0 makes none larger (see docs/attraction.md).
     """
 
-    tables: Tables
+    tables: Tables = field(repr=False)
     codes: np.ndarray
     states: tuple[str, ...]
-    observables: dict[str, np.ndarray]
+    observables: dict[str, np.ndarray] = field(repr=False)
     condition: float = 1.0
     rest_codes: tuple[int, ...] = ()
     sprag_codes: tuple[int, ...] = ()

@@ -1,7 +1,7 @@
 """Run an automaton: the engine's kernels for Python, their statuses turned into results or clear messages."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -58,16 +58,16 @@ class Motion:
     ``end_state``.
     """
 
-    automaton: Automaton
+    automaton: Automaton = field(repr=False)
     start_time: float
     start_mode: int
     start_state: np.ndarray
-    time: np.ndarray
-    kind: np.ndarray
-    sign: np.ndarray
-    mode: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
+    time: np.ndarray = field(repr=False)
+    kind: np.ndarray = field(repr=False)
+    sign: np.ndarray = field(repr=False)
+    mode: np.ndarray = field(repr=False)
+    before: np.ndarray = field(repr=False)
+    after: np.ndarray = field(repr=False)
     status: Status
     end_time: float
     end_mode: int
