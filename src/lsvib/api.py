@@ -64,8 +64,9 @@ class _Drive(RigidParameters):
         """Return the thresholds of this very drive by name.
 
         Of the rigid model the critical mass and friction and the forces of Sects 8.5 to 8.7 (all other parameters are
-        this drive's), of another the boundaries of stability in mass, friction and the damping that it adds. Raises
-        ``InputError`` if the contact carries no force.
+        this drive's), of another the boundaries of stability in mass, friction and the damping that it adds. The force
+        of global stability, which a rigid drive has in the Painlevé region, loads the engine. Raises ``InputError`` if
+        the contact carries no force.
 
         >>> import lsvib
         >>> mass = lsvib.RigidDrive().thresholds()["critical_mass"]

@@ -4,7 +4,7 @@ Where steady sliding carries no force, as with R = 0, both laws of slip have the
 them. As long as a motion passes only such surfaces, its return map is homogeneous: P(λ y) = λ P(y) for λ > 0. So n
 returns that lead to a smaller copy, Pⁿ(y) = λⁿ y with λ < 1, are followed by their copies for ever: the motion ends in
 steady sliding, whatever number of returns that takes. Guards that do not pass through the equilibrium are not met,
-because they are met by no state between one where they are positive and the equilibrium, where they are positive, too.
+because such a guard is positive at the equilibrium and at the state, and so on the whole line between them.
 The direction of y need not be exact if it is attracted. By Euler's theorem P′ y = P(y), so that at an exact direction λ
 is a multiplier of P; the direction is attracted if all others are well below it.
 """

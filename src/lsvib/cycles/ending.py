@@ -48,7 +48,7 @@ class Endings(NamedTuple):
         kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
         return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
 
-    def put(self, places: Any, other: "Endings | Ending") -> None:
-        """Write others at some places."""
-        for mine, theirs in zip(self, other, strict=True):
+    def put(self, places: Any, others: "Endings | Ending") -> None:
+        """Copy the endings ``others`` into the places that are given."""
+        for mine, theirs in zip(self, others, strict=True):
             mine[places] = theirs

@@ -81,7 +81,7 @@ def drift(
     or if its zeros and turning points lie too close for ``_LEAPS`` leaps.
     """
     first = section.return_from(place)
-    if first.events is None or abs(first.excess) <= _rounding(section, place):
+    if first.events is None or abs(first.excess) <= _rounding(place):
         return None
     way, here, stalls = np.sign(first.excess), place, 0
     length = _FIRST * abs(first.excess) if length is None else length
@@ -93,7 +93,7 @@ def drift(
         distance = max(section.distance(here), section.distance(place) * min(1.0, step / abs(first.excess)))
         length = min(length, max(_NEARER * distance, _FIRST * step))
         there = here + way * length
-        if step < _FINE * _rounding(section, here) and abs(here - place) > _FAR:
+        if step < _FINE * _rounding(here) and abs(here - place) > _FAR:
             return Drift(here, here, End.SHRINKS)
         if section.return_from(there).events != first.events:
             there = _last_same(section, here, there, first.events, step)
@@ -155,7 +155,7 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
     for _ in range(_HALVINGS):
         middle = 0.5 * (here + there)
         excess = way * section.return_from(middle).excess
-        if middle in (here, there) or not abs(excess) > _rounding(section, middle):
+        if middle in (here, there) or not abs(excess) > _rounding(middle):
             break
         here, there = (middle, there) if excess > 0 else (here, middle)
     return here, there
@@ -170,7 +170,7 @@ def enclosure(section: ReturnSection, place: float) -> tuple[float, float] | Non
     width = min(np.finfo(float).eps * max(1.0, abs(place)), widest)
     while True:
         left, right = (section.return_from(place + side * width) for side in (-1, 1))
-        clear = _SAFE * grain * _rounding(section, place)
+        clear = _SAFE * grain * _rounding(place)
         if left.events is not None and left.events == right.events and left.excess > clear and right.excess < -clear:
             return place - width, place + width
         if width >= widest:
@@ -178,7 +178,7 @@ def enclosure(section: ReturnSection, place: float) -> tuple[float, float] | Non
         width = min(_LONGER * width, widest)
 
 
-def _rounding(section: ReturnSection, place: float) -> float:
+def _rounding(place: float) -> float:
     """Return the size of f below which it is rounding: the rounding of the line's coordinate."""
     return 8 * np.finfo(float).eps * max(1.0, abs(place))
 
@@ -206,7 +206,7 @@ def _passes(section: ReturnSection, here: float, there: float, way: float, event
         return None
     values = way * np.array([one.excess for one in found])
     weights = _TO_WEIGHTS @ values
-    error = _SAFE * np.abs(weights[-_TAIL:]).max() + _rounding(section, there)
+    error = _SAFE * np.abs(weights[-_TAIL:]).max() + _rounding(there)
     samples = _TO_SAMPLES @ weights
     negative = np.flatnonzero(values < -error)
     if negative.size:

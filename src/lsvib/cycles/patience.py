@@ -20,7 +20,9 @@ _FIRST = 2000.0  # more work of some events after which quiet times are looked f
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
 _IN_BLOCKS = 0.2  # part of all these works in blocks: quiet times are looked for after as many steps as ever
 _MORE = 4.0  # factor of work where events have cost more than was foreseen: a quarter of all is spent in vain at most
-_TURNS = 30.0  # of the first search after it, in times of the fastest rate; the walk ends where its steps are of eight
+# The first search after a quiet time is so long, in times of the fastest rate. `quiet_until` gives up where it would
+# take steps below eight of them; the search gets some way beyond that.
+_TURNS = 30.0
 
 
 def follow_patiently(

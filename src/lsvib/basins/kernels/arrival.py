@@ -10,6 +10,7 @@ from lsvib.engine.kernels.jit import allocating_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 
 _SETTLED = int(Status.SETTLED)
+_STEPS = 4000  # 2098 doublings lead from the smallest double to the largest, and some 105 halvings end a bracket
 
 
 @kernel
@@ -24,7 +25,7 @@ def arrival_time(tables, known, mode, state):
         return 0.5 * math.log(size / goal) / row[ALPHA]
     y, w = state[0] - row[EQUILIBRIUM], state[1]
     low, high = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA])
-    for _ in range(4000):
+    for _ in range(_STEPS):
         middle = high if low == 0.0 else 0.5 * (low + high)
         c, s, s_rate = flow_planar.responses(row, middle)
         there, rate = y * c + w * s, w * s_rate - row[A0] * y * s

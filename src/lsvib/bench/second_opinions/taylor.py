@@ -20,6 +20,7 @@ from lsvib.bench.second_opinions.endings import CONTACT_REVERSAL, DIGITS, HALVIN
 
 ORDER = 18  # of the series; a step of 0.25 fastest times leaves 1e-27
 PART = 0.25  # of the fastest time: length of a step, so short that a guard hardly turns twice within it
+_ROUNDING = 1e-15  # of a sum of three terms, in sizes of them: nine roundings, of which it has seven
 
 
 class TaylorConstants(NamedTuple):
@@ -107,13 +108,13 @@ def _sign(x):
 def _contact_sign(c, u, w):
     value = c.contact[0] * u + c.contact[1] * w + c.contact[2]
     size = abs(c.contact[0] * u) + abs(c.contact[1] * w) + abs(c.contact[2])
-    return _sign(value) if abs(value) > 1e-15 * size else 0
+    return _sign(value) if abs(value) > _ROUNDING * size else 0
 
 
 @kernel
 def _by_band(c, u):
     """Direction and sign of Q at θ′ = 0 by the band of static friction; (0, 0) is rest."""
-    rounding = 1e-15 * max(abs(u), c.scale)
+    rounding = _ROUNDING * max(abs(u), c.scale)
     if c.band[0] - rounding <= u <= c.band[1] + rounding:
         return 0, 0
     direction = 1 if u < c.band[0] else -1

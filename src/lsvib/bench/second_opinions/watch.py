@@ -39,6 +39,7 @@ _AT_CORNER = 1e-9  # of its terms; Q at θ′ = 0 below this starts slips that w
 _ON_LINE = 1e-15  # of its terms; Q below this is zero
 _AT_END = 1e-13  # of its terms; u beyond the band of rest
 _TURNS = 1e6  # half turns after which the phase is not known well enough
+_DOUBLINGS = 2000  # of a time that begins at 1e-3 of the fastest; it is infinite before
 _STEPS = 200  # of a root; bisection alone ends in 60 per doubling of the bracket
 
 
@@ -135,7 +136,7 @@ def _root(row, level, h0, h1, left, right):
 def _far_root(row, level, h0, h1, left):
     """Root beyond ``left`` of level + h, which is known to fall for ever."""
     width = 1e-3 / (abs(row[_A]) + math.sqrt(row[_B]))
-    for _ in range(2000):
+    for _ in range(_DOUBLINGS):
         right = left + width
         value = level + _value(row, h0, h1, right)
         if not math.isfinite(value):

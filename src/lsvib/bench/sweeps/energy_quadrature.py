@@ -123,7 +123,7 @@ def _power(terms, mode, x, ways, weight, work):
 
 
 @kernel
-def _width(rates, passed, left, duration):
+def _width(rates, passed, left):
     """Width [s] of the next panel, ``passed`` from the start and ``left`` to the middle of an arc."""
     fastest = 0.0
     for k in range(rates.shape[1]):
@@ -152,7 +152,7 @@ def _residual(flow, terms, rates, modes, starts, ends, durations, clock, seized,
         for j in range(ways.size):
             ways[j] = _sign(terms.direction[j], x, 0.0)
         while passed < half:
-            width = _width(rates[mode], passed, half - passed, durations[k])
+            width = _width(rates[mode], passed, half - passed)
             panels += 1
             if panels > _MOST_PANELS or not width > 0.0:
                 return np.nan, np.nan

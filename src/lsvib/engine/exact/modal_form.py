@@ -85,7 +85,8 @@ class _Space(NamedTuple):
 def _spaces(entries: tuple, scale: tuple, digits: int) -> list[_Space]:
     """Return the subspaces of a matrix, by its elements row by row, found with so many digits.
 
-    Most modes of a model differ from another one by their constants only.
+    Most modes of a model differ from another one by their constants only, so the answers are kept; ``digits`` is the
+    precision that is set, and an argument because an answer holds for that alone.
     """
     n = len(scale)
     matrix, spaces = mpmath.matrix([list(entries[n * i : n * (i + 1)]) for i in range(n)]), []

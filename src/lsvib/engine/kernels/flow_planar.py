@@ -19,6 +19,7 @@ from lsvib.engine.kernels.jit import inlined_kernel, kernel
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent
+_TERMS = 20  # of a Taylor series; at the longest times for which it is summed 18 leave no more than rounding
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 
 
@@ -62,7 +63,7 @@ def integrated_response(row, t):
     if abs(row[A1]) * t < 0.5 and abs(row[A0]) * t * t < 0.25:
         older, newer = 0.0, t
         total = 0.5 * t * t
-        for n in range(20):
+        for n in range(_TERMS):
             older, newer = newer, -(row[A1] * t * (n + 1) * newer + row[A0] * t * t * older) / ((n + 1) * (n + 2))
             total += newer * t / (n + 3)
             if (abs(older) + abs(newer)) * t < 0.1 * EPS * total:  # either may vanish on its own

@@ -6,6 +6,9 @@ from lsvib.engine.kernels.jit import kernel
 
 _PATIENCE = 8  # steps before bisection takes turns
 _LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
+# At most so many steps for a root. Half of those after the first eight halve the bracket, so it shrinks by 10⁴³: to two
+# neighbouring doubles, unless the root is 10²⁷ times nearer to zero than the bracket is wide.
+GUESSES = 300
 
 
 @kernel

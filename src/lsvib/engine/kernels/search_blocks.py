@@ -24,7 +24,7 @@ from lsvib.engine.kernels.affine import apply, level
 from lsvib.engine.kernels.flow_blocks import carry, change
 from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
-from lsvib.engine.kernels.newton import next_guess
+from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.search_modal import HALVINGS as _HALVINGS
 from lsvib.engine.kernels.search_modal import REPEATS, SHAKEN, SHARP, first_below
 from lsvib.engine.kernels.status import Found
@@ -434,7 +434,7 @@ def _top(flow, mode, start, weights, constants, guard, low, high, out, z, work):
 def _root(flow, mode, start, weights, constants, guard, low, high, out, z, work):
     """Return the root of a guard that is positive at ``low`` and not positive at ``high``."""
     rate, t = _fastest(flow.matrix[mode]), 0.5 * (low + high)
-    for count in range(300):
+    for count in range(GUESSES):
         carry(flow, mode, start, t, z, work)
         _values(weights, constants, z, out)
         value, slope, curvature = out[guard, 0], out[guard, 1], out[guard, 2]

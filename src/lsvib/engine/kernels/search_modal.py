@@ -23,7 +23,7 @@ from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.flow_planar import EPS, own_rate
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
-from lsvib.engine.kernels.newton import next_guess
+from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Found
 
 _NONE = int(Found.NONE)
@@ -390,7 +390,7 @@ def _root(flow, mode, work, guard, node, low, high, rate):
     The values of the guard at ``high`` are those of ``node``. Returns (time [s], first two derivatives there).
     """
     t, slope, curvature = high, 0.0, 0.0
-    for count in range(300):
+    for count in range(GUESSES):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:
             low = t

@@ -12,7 +12,7 @@ import math
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
 from lsvib.engine.kernels.jit import kernel
-from lsvib.engine.kernels.newton import next_guess
+from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Found
 
 _TWO_PI = 2.0 * math.pi  # one turn of the phase
@@ -75,7 +75,7 @@ def _descent(row, shape, low, high, guess):
     """Root of a guard that falls from ``low`` to ``high``, where it is not positive."""
     t = guess if low < guess < high else 0.5 * (low + high)
     rate = abs(row[ALPHA]) + row[BETA] + row[DELTA]
-    for count in range(300):
+    for count in range(GUESSES):
         value, slope, curvature = _value(row, shape, t)
         if 0.0 < value < _HUGE:
             low = t

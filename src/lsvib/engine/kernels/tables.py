@@ -9,8 +9,8 @@ class Tables(NamedTuple):
     """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
 
     An affine function of the state is a row of n + 1 numbers, the constant last. Guards of mode i are
-    ``guard_start[i]:guard_start[i + 1]``; the other ``*_start`` arrays work alike. Transition 0 is the entry: it puts
-    an initial state into its mode.
+    ``guard_start[i]:guard_start[i + 1]``; the other ``*_start`` arrays work alike. Transition 0 is the entry: it puts a
+    start into its mode.
     """
 
     flow: np.ndarray  # (m, columns) coefficients of the linear flow of each mode
