@@ -9,13 +9,13 @@ from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import basin
 from lsvib.basins.mapper import mapper
 from lsvib.bench.maps.map_methods import METHODS, MapMethod, Rule
-from lsvib.bench.maps.map_race import Box, MapOutcome, beside_boundary, contest, strip_share, wrong_share
+from lsvib.bench.maps.map_race import MapOutcome, RaceBox, beside_boundary, contest, strip_share, wrong_share
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 
-NEAR = Box(RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0), Window(-0.05, 0.05, -15.0, 15.0))
-LATE = Box(RigidParameters.of(mass=11.0, support_damping=3e-3, axial_force=-12.3), Window(-0.3, 0.3, -150.0, 150.0))
+NEAR = RaceBox(RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0), Window(-0.05, 0.05, -15.0, 15.0))
+LATE = RaceBox(RigidParameters.of(mass=11.0, support_damping=3e-3, axial_force=-12.3), Window(-0.3, 0.3, -150.0, 150.0))
 DISTANCES = np.array([1e-9, 1e-6, 1e-3])
 
 

@@ -10,11 +10,11 @@ from lsvib.bench.record import Verdict
 from lsvib.bench.rivals import catalogue
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.bench.rivals.on_sweeps import Effort
-from lsvib.bench.rivals.race import Budget, contest
+from lsvib.bench.rivals.race import RaceBudget, contest
 from lsvib.bench.rivals.race_scenes import scene
 from lsvib.errors import InputError
 
-ONCE = Budget(repeats=1, seconds=0.0, limit=20.0)
+ONCE = RaceBudget(repeats=1, seconds=0.0, limit=20.0)
 SHORT = {"long_run": 0.015, "stick_slip": 0.4, "graze_above": 0.4, "graze_below": 0.4, "stiff_contact": 0.2}
 
 
@@ -181,7 +181,7 @@ def test_a_stiff_scene_has_no_explicit_method():
 
 def test_a_run_over_its_time_gives_up():
     pytest.importorskip("scipy")
-    _, _, (entry,) = contest("stick_slip", {"rk45": [1e-9]}, Budget(1, 0.0, 0.01), 0.2)
+    _, _, (entry,) = contest("stick_slip", {"rk45": [1e-9]}, RaceBudget(1, 0.0, 0.01), 0.2)
     assert entry.errors.verdict == Verdict.GAVE_UP
     assert "over 0.01 s" in entry.failure
 

@@ -12,7 +12,7 @@ from lsvib.bench.rivals.hybrid import GaveUp
 from lsvib.bench.rivals.on_sweeps import Effort, Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases, threshold
+from lsvib.bench.sweeps.cases import Case, CaseFamily, CaseGroup, cases, threshold
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.drives.parameters import RigidParameters
 
@@ -39,7 +39,9 @@ def run(**changes) -> Record:
 def question(**changes):
     """The stick–slip motion of the chapter, 0.05 s long."""
     drive = RigidParameters.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0} | changes)
-    verdict, found = pose(Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, (0.05, 0.0), 0.05), np.random.default_rng(0))
+    verdict, found = pose(
+        Case(CaseFamily.RANDOM, CaseGroup.ONLY, 0.0, drive, (0.05, 0.0), 0.05), np.random.default_rng(0)
+    )
     assert verdict is Verdict.RIGHT
     return found
 
@@ -102,7 +104,7 @@ def test_a_stiff_drive_is_given_up_before_it_is_run():
 
 def test_a_motion_with_too_many_events_is_cut():
     drive = RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
-    long = Case(CaseFamily.RANDOM, Group.ONLY, 0.0, drive, (0.05, 0.0), 1.0)
+    long = Case(CaseFamily.RANDOM, CaseGroup.ONLY, 0.0, drive, (0.05, 0.0), 1.0)
     _, found = pose(long, np.random.default_rng(0))
     assert found.case.duration < 1.0
     assert found.path.complete
@@ -111,10 +113,10 @@ def test_a_motion_with_too_many_events_is_cut():
 
 def dip() -> Question:
     """One part in 10⁸ inside the threshold of global stability N reverses for an instant, and the screw seizes."""
-    force, drive = threshold(Group.GLOBAL_STABILITY_FORCE)
+    force, drive = threshold(CaseGroup.GLOBAL_STABILITY_FORCE)
     drive = drive.replace(axial_force=force * (1 - 1e-8))
     start = (0.06, -drive.input_speed)
-    case = Case(CaseFamily.AXIAL_FORCE, Group.GLOBAL_STABILITY_FORCE, -8.0, drive, start, 0.1)
+    case = Case(CaseFamily.AXIAL_FORCE, CaseGroup.GLOBAL_STABILITY_FORCE, -8.0, drive, start, 0.1)
     return pose(case, np.random.default_rng(0))[1]
 
 

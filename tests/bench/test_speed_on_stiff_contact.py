@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals.race import Budget, contest
+from lsvib.bench.rivals.race import RaceBudget, contest
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import enter, follow
 
@@ -42,7 +42,9 @@ def compiled_time(automaton, start, duration) -> float:
 def test_compiled_run_is_hundreds_of_times_faster():
     """Measured 530 to 550 times at the loosest tolerance; half of that is asked of any machine."""
     pytest.importorskip("sksundae", reason="scikit-sundae is not installed; requirements-dev.txt has it")
-    this, _, entries = contest("stiff_contact", {"exact": [0], **_RIVALS}, Budget(repeats=5, seconds=1.0, limit=30.0))
+    this, _, entries = contest(
+        "stiff_contact", {"exact": [0], **_RIVALS}, RaceBudget(repeats=5, seconds=1.0, limit=30.0)
+    )
     ours = compiled_time(this.automaton(), np.array(this.state), this.duration)
     print(f"\ncompiled run {ours * 1e6:.1f} us")
     ratios = []

@@ -12,7 +12,7 @@ from lsvib.bench.second_opinions.endings import KINDS
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.case_judge import Judge, judge
 from lsvib.bench.sweeps.cases import THRESHOLDS, cases
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
@@ -20,7 +20,7 @@ EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid dr
 
 
 def case(start, duration, **drive) -> Case:
-    return Case(CaseFamily.RANDOM, Group.ONLY, 0.0, RigidParameters.of(drive), start, duration)
+    return Case(CaseFamily.RANDOM, CaseGroup.ONLY, 0.0, RigidParameters.of(drive), start, duration)
 
 
 FAULTS = {  # what the sweeps found in the engine, now mended
@@ -58,7 +58,7 @@ def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
         mass=10.2, axial_force=10.0, contact_stiffness=33292493092958.695, contact_damping=1225.490850333786
     )
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)
-    stiff = Case(CaseFamily.CONTACT, Group.ONLY, 13.5, drive, start, 1.0124174539161732e-05)
+    stiff = Case(CaseFamily.CONTACT, CaseGroup.ONLY, 13.5, drive, start, 1.0124174539161732e-05)
     outcome = judge(stiff, np.random.default_rng(0))
     assert (outcome.verdict, outcome.events) == (Verdict.RIGHT, 10)
     assert max(outcome.state_error, outcome.time_error) <= 2e-10

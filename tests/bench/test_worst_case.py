@@ -13,7 +13,7 @@ from lsvib.bench.reference.threads_digits import ThreadsTrueDrive
 from lsvib.bench.sweeps.case_judge import TOLERANCE
 from lsvib.bench.sweeps.cases import cases
 from lsvib.bench.sweeps.cases_threads import coinciding
-from lsvib.bench.sweeps.families import CaseFamily, Group
+from lsvib.bench.sweeps.families import CaseFamily, CaseGroup
 from lsvib.bench.sweeps.worst_case import GENES, Draws, attempt, search
 from lsvib.drives.parameters import ThreadsParameters
 
@@ -74,7 +74,7 @@ def test_hypothesis_finds_no_wrong_case(family, examples):
 
 
 @pytest.mark.parametrize(
-    ("group", "count"), [(Group.DOUBLE_BY_DAMPING, 2), (Group.DOUBLE_BY_STIFFNESS, 2), (Group.TRIPLE, 3)]
+    ("group", "count"), [(CaseGroup.DOUBLE_BY_DAMPING, 2), (CaseGroup.DOUBLE_BY_STIFFNESS, 2), (CaseGroup.TRIPLE, 3)]
 )
 @pytest.mark.parametrize("law", [1, -1])
 def test_rates_coincide(law, group, count):

@@ -20,7 +20,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.errors import NoThreshold
 from lsvib.figures.chart.picture import draw
 from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.boundary_curves import Boundary, _function, boundary_curves, stops_again
+from lsvib.steady_sliding.boundary_curves import ChartBoundary, _function, boundary_curves, stops_again
 
 DAMPED = {"support_damping": 1e-3, "translation_damping": 300.0}
 PAIRS = {  # of parameters, with the ends of both axes and the drive
@@ -178,8 +178,8 @@ def test_points_of_curves_are_roots():
         "KINEMATIC", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
     }  # fmt: skip
     mass = drive.thresholds()["critical_mass"].value
-    np.testing.assert_allclose(np.concatenate(found[Boundary.KINEMATIC])[:, 0], mass, rtol=1e-12)
-    for kind in (Boundary.STICK, Boundary.DETACH, Boundary.GLOBAL_STABILITY):
+    np.testing.assert_allclose(np.concatenate(found[ChartBoundary.KINEMATIC])[:, 0], mass, rtol=1e-12)
+    for kind in (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY):
         for m, R in np.concatenate(found[kind])[::9]:
             exact = getattr(thresholds, f"{kind.name.lower()}_force")(drive.replace(mass=m))
             assert exact == pytest.approx(R, rel=1e-10)
@@ -216,7 +216,9 @@ def compare_with_flutter(stiffness: tuple[float, float], damping: tuple[float, f
     )
     labels = plane.labels(workers=2 if count > 20 else 1)
 
-    flutter = _function(plane.drive, Boundary.FLUTTER, ("contact_stiffness", "contact_damping"))  # zero on the curve
+    flutter = _function(
+        plane.drive, ChartBoundary.FLUTTER, ("contact_stiffness", "contact_damping")
+    )  # zero on the curve
 
     def stable(columns, rows) -> np.ndarray:
         return np.array([[flutter(k, c) > 0 for k in columns] for c in rows])

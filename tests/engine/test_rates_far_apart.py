@@ -13,7 +13,7 @@ from mpmath import mp
 
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
 from lsvib.bench.sweeps.paths import automaton, quick_path
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
@@ -166,7 +166,7 @@ CASES = {
 
 def case_of(drive, values, start, duration) -> Case:
     family = CaseFamily.NUT if drive is NutParameters else CaseFamily.CONTACT
-    return Case(family, Group.ONLY, 0.0, drive.of(values), start, duration)
+    return Case(family, CaseGroup.ONLY, 0.0, drive.of(values), start, duration)
 
 
 @pytest.mark.parametrize("name", CASES)

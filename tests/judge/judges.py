@@ -24,7 +24,7 @@ from lsvib.bench.second_opinions.stride_constants import Ladders
 from lsvib.bench.sweeps import case_judge, paths
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import Terms
-from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup
 from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
@@ -249,7 +249,7 @@ def _case(wide: WideDrive, k: int, family: CaseFamily, turn: float, turns: float
     """Motion ``k`` of a drive for up to so many ``turns`` [s], but not longer than ``longest`` [s]."""
     rng = np.random.default_rng([wide.seed, wide.index, k])
     duration = min(turn * rng.uniform(_SHORTEST, turns), longest)
-    return Case(family, Group.ONLY, 0.0, wide.drive, tuple(map(float, wide.starts[k])), duration, wide.physics)
+    return Case(family, CaseGroup.ONLY, 0.0, wide.drive, tuple(map(float, wide.starts[k])), duration, wide.physics)
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.cycles.branch_points import Curve, Solved
+from lsvib.cycles.branch_points import BranchEquations, Solved
 from lsvib.cycles.periodic import Cycle
 
 _HALVINGS = 50  # more than a step needs to shrink to _NARROW
@@ -25,7 +25,7 @@ class Change:
     along: float
 
 
-def changes_between(curve: Curve, here: Solved, there: Solved, step: float, along: float) -> list[Change]:
+def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: float, along: float) -> list[Change]:
     """Folds, changes of the itinerary and of stability between two points."""
     found = []
     fold = here.tangent[-1] * there.tangent[-1] < 0
@@ -56,7 +56,9 @@ def _outside(cycle: Cycle) -> int:
     return int(np.sum(np.abs(cycle.multipliers) > 1))
 
 
-def _zero(curve: Curve, here: Solved, step: float, function: Callable[[Solved], float]) -> tuple[float, Solved | None]:
+def _zero(
+    curve: BranchEquations, here: Solved, step: float, function: Callable[[Solved], float]
+) -> tuple[float, Solved | None]:
     """Where a function changes sign within a step along the tangent: the secant method, kept in its bracket."""
     low, high, at_low, point = 0.0, step, function(here), None
     end = curve.corrected(here.z + step * here.tangent, here.tangent)
@@ -83,7 +85,7 @@ def _zero(curve: Curve, here: Solved, step: float, function: Callable[[Solved], 
     return middle, point
 
 
-def _halved(curve: Curve, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
+def _halved(curve: BranchEquations, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
     """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
     low, high, point = 0.0, step, here
     for _ in range(_HALVINGS):

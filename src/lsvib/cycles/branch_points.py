@@ -42,7 +42,7 @@ class Solved:
     tangent: np.ndarray
 
 
-class Curve:
+class BranchEquations:
     """The equations F(y, p) = 0 on one section, p counted in ``width`` from ``low``."""
 
     def __init__(self, build: Build, section: MovingSection, low: float, width: float) -> None:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lsvib.cycles.branch_changes import Change, changes_between
-from lsvib.cycles.branch_points import Build, Curve, Solved, events_of, null_direction
+from lsvib.cycles.branch_points import BranchEquations, Build, Solved, events_of, null_direction
 from lsvib.cycles.moving_section import MovingSection
 from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.return_map import ReturnSection
@@ -30,7 +30,7 @@ _VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is
 
 
 @dataclass(frozen=True)
-class Point:
+class BranchPoint:
     """A cycle of the branch at a ``value`` of the parameter; ``along``: length of the branch from its start [1]."""
 
     value: float
@@ -43,7 +43,7 @@ class CycleBranch:
     """A branch of cycles over a ``parameter``: its ``points`` in order, and the ``changes`` along it."""
 
     parameter: str
-    points: tuple[Point, ...]
+    points: tuple[BranchPoint, ...]
     changes: tuple[Change, ...]
 
     @property
@@ -69,16 +69,16 @@ def follow_cycle(
 
 def _followed(
     cycle: Cycle, build: Build, parameter: str, span: tuple[float, float], direction: float, most: int
-) -> tuple[list[Point], list[Change]]:
+) -> tuple[list[BranchPoint], list[Change]]:
     """Points and changes of the branch that begins with the parameter growing or falling."""
     low, high = span
     width = high - low
     start = float(getattr(cycle.drive, parameter))
-    curve = Curve(build, MovingSection(cycle), low, width)
+    curve = BranchEquations(build, MovingSection(cycle), low, width)
     here = _first(curve, cycle, start, direction)
     if here is None:
         raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: its return map has no derivative.")
-    points: list[Point] = [Point(start, here.cycle, 0.0)]
+    points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
     changes: list[Change] = []
     along, step = 0.0, _FIRST
     while len(points) < most:
@@ -93,12 +93,12 @@ def _followed(
             edge = _at_value(curve, here, there, low if value < low else high)
             if edge is not None:
                 changes += changes_between(curve, here, edge, taken, along)
-                points.append(Point(curve.value(edge.z), edge.cycle, along + taken))
+                points.append(BranchPoint(curve.value(edge.z), edge.cycle, along + taken))
             changes.append(Change("end", low if value < low else high, "the range ends", along + taken))
             break
         changes += changes_between(curve, here, there, taken, along)
         along += taken
-        points.append(Point(value, there.cycle, along))
+        points.append(BranchPoint(value, there.cycle, along))
         step = min(step * _GROWS, _LARGEST) if taken >= step else max(taken, _SMALLEST)
         here = there
     else:
@@ -106,7 +106,7 @@ def _followed(
     return points, changes
 
 
-def _first(curve: Curve, cycle: Cycle, start: float, direction: float) -> Solved | None:
+def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | None:
     z = np.append(curve.section.place(cycle.state), (start - curve.low) / curve.width)
     found = curve.at(z)
     slopes = None if found is None else curve.slopes(z, found[2])
@@ -116,14 +116,14 @@ def _first(curve: Curve, cycle: Cycle, start: float, direction: float) -> Solved
     return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
 
 
-def _next(curve: Curve, here: Solved, step: float, low: float, width: float):
+def _next(curve: BranchEquations, here: Solved, step: float, low: float, width: float):
     """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
     there, taken = _stepped(curve, here, step)
     if there is not None:
         return there, curve, here, taken
     places = [(curve, here)]
     for cycle in other_sections(here.cycle):
-        other = Curve(curve.build, MovingSection(cycle), low, width)
+        other = BranchEquations(curve.build, MovingSection(cycle), low, width)
         again = _first(other, cycle, curve.value(here.z), 1.0)
         if again is not None:
             turned = again.tangent[-1] * here.tangent[-1] < 0
@@ -138,7 +138,7 @@ def _next(curve: Curve, here: Solved, step: float, low: float, width: float):
     return None, curve, here, 0.0
 
 
-def _stepped(curve: Curve, here: Solved, step: float) -> tuple[Solved | None, float]:
+def _stepped(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, float]:
     while step >= _SMALLEST:
         there = curve.corrected(here.z + step * here.tangent, here.tangent)
         if there is not None:
@@ -166,7 +166,7 @@ def other_sections(cycle: Cycle) -> Iterator[Cycle]:
             yield replace(cycle, orbit=motion, section=section)
 
 
-def _at_value(curve: Curve, here: Solved, there: Solved, value: float) -> Solved | None:
+def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float) -> Solved | None:
     """The point at a value of the parameter between two points."""
     target = (value - curve.low) / curve.width
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])

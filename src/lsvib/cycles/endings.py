@@ -20,7 +20,7 @@ from lsvib.cycles.ending import Ending, Endings
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings as kernels
 from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
-from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, Search
+from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
@@ -31,7 +31,7 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError
 
-_SEARCH = Search(
+_SEARCH = SearchLimits(
     chunk=more_states.CHUNK,
     patience=more_states.LONG,
     returns=recurrences.PERIODS,

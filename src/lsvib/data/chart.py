@@ -24,10 +24,10 @@ from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.resumption import Resume, rule
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, Boundary, boundary_curves, curves_of
+from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 
 Progress = Callable[[int, int], None]
-Curves = dict[Boundary, list[np.ndarray]]
+Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 _WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
 _BLOCK = {"rigid": 8192, "threads": 1024}  # cells that a process takes at a time: half a second, and some seconds
@@ -162,7 +162,7 @@ class Plane:
             "reading_kind": named_flags("reading", kinds, "which reading it is", both),
         }
 
-    def curves(self, *kinds: Boundary) -> Curves:
+    def curves(self, *kinds: ChartBoundary) -> Curves:
         """Return the exact curves of some kinds, by default of all."""
         ends = (self.x.name, self.x.ends), (self.y.name, self.y.ends)
         return boundary_curves(self.drive, *ends, kinds or None)
@@ -179,7 +179,7 @@ class Plane:
         return {
             f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
             f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
-            "boundary_name": flagged(dim, kinds, "name of the exact curve", Boundary),
+            "boundary_name": flagged(dim, kinds, "name of the exact curve", ChartBoundary),
             "boundary_line": variable(dim, number, "1", "number of the line, whose points are joined"),
         }
 
@@ -225,7 +225,7 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     with get_context("spawn").Pool(workers) as pool:
         work = partial(_part, plane, resume)
         for part, found in pool.imap_unordered(work, [*reversed(curves_of(plane.drive)), *blocks]):
-            if isinstance(part, Boundary):
+            if isinstance(part, ChartBoundary):
                 curves |= found
                 continue
             labels[part] = found
@@ -235,9 +235,9 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     return labels, {kind: curves[kind] for kind in sorted(curves)}
 
 
-def _part(plane: Plane, resume: Resume, part: Boundary | slice) -> tuple[Boundary | slice, Any]:
+def _part(plane: Plane, resume: Resume, part: ChartBoundary | slice) -> tuple[ChartBoundary | slice, Any]:
     """Return a curve, or the labels of some rows, for a process of its own."""
-    return part, plane.curves(part) if isinstance(part, Boundary) else plane.labels(part, resume=resume)
+    return part, plane.curves(part) if isinstance(part, ChartBoundary) else plane.labels(part, resume=resume)
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
@@ -250,7 +250,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     return {
         "cells": int(found.label.size),
         "fractions": {name: part for name, part in parts.items() if part},
-        "curves": [Boundary(kind).name.lower() for kind in curves],
+        "curves": [ChartBoundary(kind).name.lower() for kind in curves],
         "cells_per_second": found.label.size / seconds,
     }
 

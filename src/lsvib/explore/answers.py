@@ -114,7 +114,7 @@ def shares(found: np.ndarray) -> dict[Attractor, float]:
 
 
 @dataclass(frozen=True)
-class Point:
+class AmplitudePoint:
     """A point of the amplitude curve: ``value`` of the parameter, ``amplitude`` [rad], nan without one, ``label``.
 
     ``near``: the motion started next to steady sliding, else where that of the view does.
@@ -126,7 +126,7 @@ class Point:
     near: bool
 
 
-def amplitudes(view: View, count: int) -> Iterator[Point]:
+def amplitudes(view: View, count: int) -> Iterator[AmplitudePoint]:
     """Yield the points of the amplitude curve of a view, two for each of ``count`` values of its parameter.
 
     A drive that the engine has no answer for is unresolved.
@@ -135,9 +135,9 @@ def amplitudes(view: View, count: int) -> Iterator[Point]:
         for near, start in ((True, START), (False, {"u": view.u, "w": view.w})):
             try:
                 found = view.drive.replace(**{view.over: value}).steady_state(start)  # type: ignore[attr-defined]
-                yield Point(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
+                yield AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
             except LsvibError:
-                yield Point(value, float("nan"), Attractor.UNRESOLVED, near)
+                yield AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
 
 
 def logarithmic(view: View) -> bool:

@@ -259,7 +259,7 @@ class Page:
             self._say_words()
             yield
             self.plots.start_curve(view, answers.thresholds_over(view))
-            points: list[answers.Point] = []
+            points: list[answers.AmplitudePoint] = []
             for point in answers.amplitudes(view, _POINTS.get(view.drive.model, _FEW_POINTS)):
                 points.append(point)
                 if len(points) % 10 == 0:
@@ -270,7 +270,7 @@ class Page:
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
 
-    def _say_words(self, points: Sequence[answers.Point] = ()) -> None:
+    def _say_words(self, points: Sequence[answers.AmplitudePoint] = ()) -> None:
         """Say in words what the drawings show."""
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]

@@ -25,7 +25,7 @@ from bokeh.plotting import figure
 from lsvib.basins.clipping import Window
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.explore import answers
-from lsvib.explore.answers import Followed, Point
+from lsvib.explore.answers import AmplitudePoint, Followed
 from lsvib.explore.packet import Packet
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
@@ -247,7 +247,7 @@ class Plots:
         self.sources["marks"].data = {"x": list(inside.values()), "name": [name.replace("_", " ") for name in inside]}
         self.draw_curve([])
 
-    def draw_curve(self, points: Sequence[Point]) -> None:
+    def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:
         """Show points of the amplitude curve, coloured by attractor."""
         for name, near in (("near", True), ("curve", False)):
             here = [point for point in points if point.near == near]

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
-from lsvib.figures.common.settings import FigureSettings, Section, Unique
+from lsvib.figures.common.settings import FigureSettings, SettingsSection, Unique
 from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
 from lsvib.numbers import shown
 
@@ -45,7 +45,7 @@ _ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; 
 _DEFAULT_FIGURES, _ACCURACY_FIGURES = default_figures(), accuracy_figures()
 
 
-class Selection(Section):
+class Selection(SettingsSection):
     """What is built, and how; each figure has a section of its own beside it."""
 
     figures: Annotated[list[Literal[*_DEFAULT_FIGURES]], *Unique] = Field(
@@ -129,7 +129,7 @@ def schema() -> dict[str, Any]:
 
 
 @cache
-def _configuration() -> type[Section]:
+def _configuration() -> type[SettingsSection]:
     names = (*default_figures(), *accuracy_figures())
     # A section that is missing is no fault unless its figure is to be built.
     sections: dict[str, Any] = {name: (settings_of(name), None) for name in names}
@@ -143,14 +143,14 @@ def _configuration() -> type[Section]:
     )
 
 
-def _checked(model: type[Section], values: Any, place: Sequence[str] = ()) -> Any:
+def _checked(model: type[SettingsSection], values: Any, place: Sequence[str] = ()) -> Any:
     try:
         return model.model_validate(values)
     except ValidationError as error:
         raise InputError(_sentence(model, error, place)) from None
 
 
-def _sentence(model: type[Section], error: ValidationError, place: Sequence[str]) -> str:
+def _sentence(model: type[SettingsSection], error: ValidationError, place: Sequence[str]) -> str:
     """Return one sentence about the first complaint of pydantic; a misspelt key goes before the one that is missing."""
     first = min(error.errors(), key=lambda found: found["type"] == "missing")
     sort, context = first["type"], first.get("ctx", {})

@@ -48,7 +48,7 @@ _STOPS = (EventKind.STICK, EventKind.REVERSAL, EventKind.ACCUMULATION)  # θ′ 
 _KEPT = 4096  # thresholds that are kept while a curve is traced; without R they are the same along it
 
 
-class Boundary(IntEnum):
+class ChartBoundary(IntEnum):
     """Names of the curves."""
 
     ONSET = 0
@@ -61,22 +61,26 @@ class Boundary(IntEnum):
     FLUTTER = 7
 
 
-_FORCES: dict[Boundary, Callable[[RigidParameters], float]] = {
-    Boundary.STICK: thresholds.stick_force,
-    Boundary.DETACH: thresholds.detach_force,
-    Boundary.GLOBAL_STABILITY: thresholds.global_stability_force,
+_FORCES: dict[ChartBoundary, Callable[[RigidParameters], float]] = {
+    ChartBoundary.STICK: thresholds.stick_force,
+    ChartBoundary.DETACH: thresholds.detach_force,
+    ChartBoundary.GLOBAL_STABILITY: thresholds.global_stability_force,
 }
 Plane = tuple[str, tuple[float, float]]
 
 
-def curves_of(drive: RigidParameters) -> tuple[Boundary, ...]:
+def curves_of(drive: RigidParameters) -> tuple[ChartBoundary, ...]:
     """Return the names of the curves that a drive of the rigid model or with compliant threads can have."""
-    return (Boundary.FLUTTER,) if isinstance(drive, ThreadsParameters) else tuple(Boundary)[: Boundary.FLUTTER]
+    return (
+        (ChartBoundary.FLUTTER,)
+        if isinstance(drive, ThreadsParameters)
+        else tuple(ChartBoundary)[: ChartBoundary.FLUTTER]
+    )
 
 
 def boundary_curves(
-    drive: RigidParameters, x: Plane, y: Plane, kinds: tuple[Boundary, ...] | None = None
-) -> dict[Boundary, list[np.ndarray]]:
+    drive: RigidParameters, x: Plane, y: Plane, kinds: tuple[ChartBoundary, ...] | None = None
+) -> dict[ChartBoundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 
     Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]; which of
@@ -85,18 +89,18 @@ def boundary_curves(
     """
     names, found = (x[0], y[0]), {}
     for kind in kinds or curves_of(drive):
-        costly = kind is Boundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
+        costly = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, _COSTLY_NODES if costly else _NODES, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
         if kind in _SIGNS:
             values = _SIGNS[kind](_many(drive, names, nodes))
         elif kind in _FORCES and "axial_force" in names:
             values = _over_force(function, names, nodes)
-        elif kind is Boundary.STICK_SLIP_BIRTH:
+        elif kind is ChartBoundary.STICK_SLIP_BIRTH:
             values = _after_rest(drive, names, nodes)
         else:
             values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
-        lines = contour(function, *nodes, values, _BISECTED if kind is Boundary.STICK_SLIP_BIRTH else _ROUNDED)
+        lines = contour(function, *nodes, values, _BISECTED if kind is ChartBoundary.STICK_SLIP_BIRTH else _ROUNDED)
         if lines:
             found[kind] = lines
     return found
@@ -151,22 +155,22 @@ def _where(v: SimpleNamespace, values: Any, holds: Any) -> np.ndarray:
     return np.where(np.broadcast_to(holds, v.shape), np.broadcast_to(values, v.shape), np.nan)
 
 
-_SIGNS: dict[Boundary, Callable[[SimpleNamespace], np.ndarray]] = {
-    Boundary.KINEMATIC: lambda v: _where(v, v.inertia, True),
-    Boundary.NEGATIVE_DAMPING: lambda v: _where(v, v.damping, (v.inertia > 0) & (v.drag > 0)),
-    Boundary.ONSET: lambda v: _where(v, v.drag, (v.inertia <= 0) | (v.damping < 0)),
+_SIGNS: dict[ChartBoundary, Callable[[SimpleNamespace], np.ndarray]] = {
+    ChartBoundary.KINEMATIC: lambda v: _where(v, v.inertia, True),
+    ChartBoundary.NEGATIVE_DAMPING: lambda v: _where(v, v.damping, (v.inertia > 0) & (v.drag > 0)),
+    ChartBoundary.ONSET: lambda v: _where(v, v.drag, (v.inertia <= 0) | (v.damping < 0)),
 }
-_EXACT: dict[Boundary, Callable[[Coefficients], float]] = {
-    Boundary.KINEMATIC: lambda c: float(c.gamma[1]),
-    Boundary.NEGATIVE_DAMPING: lambda c: float(c.damping[1]),
-    Boundary.ONSET: lambda c: float(c.net_force),
+_EXACT: dict[ChartBoundary, Callable[[Coefficients], float]] = {
+    ChartBoundary.KINEMATIC: lambda c: float(c.gamma[1]),
+    ChartBoundary.NEGATIVE_DAMPING: lambda c: float(c.damping[1]),
+    ChartBoundary.ONSET: lambda c: float(c.net_force),
 }
 
 
-def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) -> Callable[[float, float], float]:
+def _function(drive: RigidParameters, kind: ChartBoundary, names: tuple[str, str]) -> Callable[[float, float], float]:
     """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
     force = _FORCES.get(kind)
-    if kind is Boundary.STICK and "axial_force" not in names:
+    if kind is ChartBoundary.STICK and "axial_force" not in names:
         force = _stick_or_onset
     force = _kept(force) if force is not None else None
 
@@ -175,12 +179,12 @@ def _function(drive: RigidParameters, kind: Boundary, names: tuple[str, str]) ->
         changed = drive.replace(**{names[0]: float(first), names[1]: float(second)})
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
-        if kind is Boundary.STICK_SLIP_BIRTH:
+        if kind is ChartBoundary.STICK_SLIP_BIRTH:
             return stops_again(changed)
-        if kind is Boundary.FLUTTER:
+        if kind is ChartBoundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), steady_law(changed), tangents(changed, DIGITS)[0])
             return float(min((*exact[:4], hurwitz(exact))))
-        sign = math.copysign(1.0, changed.input_speed) if kind is Boundary.ONSET else 1.0
+        sign = math.copysign(1.0, changed.input_speed) if kind is ChartBoundary.ONSET else 1.0
         return sign * _EXACT[kind](coefficients(changed))
 
     return function

@@ -10,7 +10,7 @@ from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding.threshold_motions import Return, Start
+from lsvib.steady_sliding.threshold_motions import ReturnEquations, Start
 
 _GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
@@ -109,7 +109,7 @@ def widest_return(forward: ForwardDrive):
         low, high = (left, high) if height(left) < height(right) else (low, right)
     time = 0.5 * (low + high)
     time = many.mpf(time if height(time) >= heights[best] else times[best])
-    back = Return(forward.slip(-1), forward.contact, forward.speed, time)
+    back = ReturnEquations(forward.slip(-1), forward.contact, forward.speed, time)
     return back.h, back.x, time
 
 

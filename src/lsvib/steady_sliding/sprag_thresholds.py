@@ -13,7 +13,7 @@ from typing import Any
 from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding.threshold_motions import Return, Start
+from lsvib.steady_sliding.threshold_motions import ReturnEquations, Start
 from lsvib.steady_sliding.thresholds import seizing
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before a root among them is refined
@@ -53,12 +53,12 @@ class _Returns:
         first = min(q_u / (self.slip.a0 * q_w), slowest) if q_w > 0 else slowest
         self.ends = _FIRST * first, 2 * context.pi / self.slip.beta if self.slip.turns else _FEW_TURNS * slowest
 
-    def at(self, time: Any) -> Return:
+    def at(self, time: Any) -> ReturnEquations:
         """Return the slip that comes back after a time."""
-        return Return(self.slip, self.contact, self.speed, time)
+        return ReturnEquations(self.slip, self.contact, self.speed, time)
 
 
-def _first_root(forward: ForwardDrive, function: Callable[[Return], Any]) -> Any:
+def _first_root(forward: ForwardDrive, function: Callable[[ReturnEquations], Any]) -> Any:
     """The first time at which a function of returns changes sign while slip comes back forward; None if there is none.
 
     In double precision as long as that can be: Newton's method goes on from there.
@@ -75,7 +75,7 @@ def _first_root(forward: ForwardDrive, function: Callable[[Return], Any]) -> Any
     return None
 
 
-def _bracket(returns: _Returns, function: Callable[[Return], Any]) -> tuple[Any, Any] | None:
+def _bracket(returns: _Returns, function: Callable[[ReturnEquations], Any]) -> tuple[Any, Any] | None:
     (low, high), last = returns.ends, None
     for k in range(_GRID):
         time = low * (high / low) ** (k / _GRID)

@@ -114,7 +114,7 @@ def _touches(
     return equations
 
 
-class Return:
+class ReturnEquations:
     """Slip under law − from θ′ = 0 that is back at the same y after a time, in any arithmetic.
 
     ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, the part of Q that depends on the
@@ -141,11 +141,13 @@ class Return:
         return self.contact[0] * self.w - self.contact[1] * (self.slip.a0 * self.x + self.slip.a1 * self.w)
 
 
-def _comes_back(zero: Callable[[DualDrive, Return], Dual]) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
+def _comes_back(
+    zero: Callable[[DualDrive, ReturnEquations], Dual],
+) -> Callable[[DualDrive, Sequence[Dual]], list[Dual]]:
     """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
 
     def equations(d: DualDrive, inner: Sequence[Dual]) -> list[Dual]:
-        back = Return(d.slip(-1), d.contact, d.speed, inner[0])
+        back = ReturnEquations(d.slip(-1), d.contact, d.speed, inner[0])
         return [zero(d, back), back.h + d.inertia[-1] * d.net]
 
     return equations

@@ -31,7 +31,7 @@ _STEEPEST = Fraction(10) ** 17  # more than tan λ of the largest double below �
 
 
 @dataclass(frozen=True)
-class Condition:
+class RootCondition:
     """``of(kind, values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
 
     words: str
@@ -47,7 +47,7 @@ class Place:
     """A root of a ``condition``: the unknown (``value``; of λ too) and sgn Ω there."""
 
     value: float | Fraction
-    condition: Condition
+    condition: RootCondition
     sense: int
 
 
@@ -78,26 +78,28 @@ def _net_force(kind: type[RigidParameters], values: Values, t: Any, sense: int) 
     return values["axial_force"] - drag - slide
 
 
-def _margin(law: int, neutral: bool, which: int, words: str) -> Condition:
-    return Condition(words, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which])
+def _margin(law: int, neutral: bool, which: int, words: str) -> RootCondition:
+    return RootCondition(
+        words, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which]
+    )
 
 
-def conditions(drive: RigidParameters, name: str, unknown: str) -> list[Condition]:
+def conditions(drive: RigidParameters, name: str, unknown: str) -> list[RootCondition]:
     """Return the conditions one of which holds at a threshold, by its name."""
     model, neutral = drive.model, undamped(drive, unknown)
-    kinematic = Condition(_KINEMATIC.get(model, "det M = 0"), _leading)
+    kinematic = RootCondition(_KINEMATIC.get(model, "det M = 0"), _leading)
     if name == "kinematic":
         return [kinematic]
     if name == "negative_damping":
-        return [Condition(_DAMPING, _damping)]
+        return [RootCondition(_DAMPING, _damping)]
     last = 2 if neutral else 4
     flutter = {law: _margin(law, neutral, last, _COUPLING if neutral else _FLUTTER) for law in (1, -1)}
     if name == "flutter":
         return list(flutter.values())
     slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
-    force = Condition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, _net_force)
+    force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, _net_force)
     if model == "rigid":
-        return [force, kinematic, *([] if neutral else [Condition(_DAMPING, _damping)])]
+        return [force, kinematic, *([] if neutral else [RootCondition(_DAMPING, _damping)])]
     rest = [_margin(law, neutral, k, f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0")
             for law in (1, -1) for k in range(last)]  # fmt: skip
     return [force, kinematic, *flutter.values(), *rest]
@@ -132,7 +134,7 @@ class Line:
         """Return sgn Ω."""
         return self.side if self.unknown == "input_speed" else 1 if self.drive.input_speed > 0 else -1
 
-    def roots(self, condition: Condition) -> list[Fraction] | None:
+    def roots(self, condition: RootCondition) -> list[Fraction] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
         p = interpolated([condition.of(self.kind, *self.at(Fraction(x))) for x in range(_DEGREE + 1)])
         if len(p) < 2:
@@ -181,7 +183,7 @@ def places(drive: RigidParameters, name: str, unknown: str) -> list[Place] | Non
     return sorted((place for place in found if allowed(drive, unknown, place.value)), key=lambda place: place.value)
 
 
-def _flutters(line: Line, condition: Condition, wanted: list[Condition], x: Fraction) -> bool:
+def _flutters(line: Line, condition: RootCondition, wanted: list[RootCondition], x: Fraction) -> bool:
     """Whether the condition is that of the law of steady sliding, and all other eigenvalues decay."""
     law = line.law(x)
     return bool(law) and condition is wanted[0 if law > 0 else 1] and min(line.margins(x, law)[:-1]) > 0

@@ -29,7 +29,7 @@ _ENOUGH = 10  # With so many wrong cells on a grid their number tells their shar
 
 
 @dataclass(frozen=True)
-class Box:
+class RaceBox:
     """A drive and the part of the phase plane that is mapped."""
 
     drive: RigidParameters
@@ -59,7 +59,7 @@ class MapOutcome:
 
 
 def contest(
-    box: Box, cells: Mapping[str, int], repeats: int, distances: np.ndarray, count: int, seed: int
+    box: RaceBox, cells: Mapping[str, int], repeats: int, distances: np.ndarray, count: int, seed: int
 ) -> tuple[dict[str, MapOutcome], float]:
     """Run the methods on a box.
 
@@ -165,7 +165,11 @@ def _cells(label: Label, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _take_times(
-    box: Box, cells: Mapping[str, int], labels_of: Mapping[str, Label], outcomes: Mapping[str, MapOutcome], repeats: int
+    box: RaceBox,
+    cells: Mapping[str, int],
+    labels_of: Mapping[str, Label],
+    outcomes: Mapping[str, MapOutcome],
+    repeats: int,
 ) -> None:
     """Enter the least processor time of each method, all in turn, so that a busy machine slows all alike."""
     grids = {name: (*box.grid(edge), np.empty((edge, edge), dtype=np.int8)) for name, edge in cells.items()}

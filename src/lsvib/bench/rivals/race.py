@@ -28,7 +28,7 @@ _WARM_UP = 0.01  # part of the duration that is run and discarded first, which l
 
 
 @dataclass(frozen=True)
-class Budget:
+class RaceBudget:
     """Rounds (``repeats``); ``seconds`` after which an entry leaves further rounds, and a ``limit`` [s] of one run."""
 
     repeats: int
@@ -63,7 +63,7 @@ class Entry:
 
 
 def contest(
-    name: str, settings: Mapping[str, Sequence[float]], budget: Budget, shorten: float = 1.0
+    name: str, settings: Mapping[str, Sequence[float]], budget: RaceBudget, shorten: float = 1.0
 ) -> tuple[RaceScene, Record, list[Entry]]:
     """Run the methods with their settings on a scene, and its reference.
 

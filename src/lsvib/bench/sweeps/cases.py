@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from lsvib.bench.sweeps import cases_threads, cases_two_bodies
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group, power, sign
+from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup, power, sign
 from lsvib.bench.sweeps.wide_drives import rigid_values
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -42,7 +42,7 @@ def _scales(drive: RigidParameters) -> tuple[float, float]:
     return time, abs(drive.input_speed) * time
 
 
-def _case(rng, family: CaseFamily, group: Group, level: float, drive: RigidParameters, start=None) -> Case:
+def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive: RigidParameters, start=None) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
@@ -63,18 +63,18 @@ def _critical_mass(rng) -> Case:
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
     mass = critical_mass(drive) * (1 + sign(rng) * 10.0**level)
-    return _case(rng, CaseFamily.CRITICAL_MASS, Group.ONLY, level, drive.replace(mass=mass))
+    return _case(rng, CaseFamily.CRITICAL_MASS, CaseGroup.ONLY, level, drive.replace(mass=mass))
 
 
 def _friction(rng) -> Case:
     drive = _some_drive(rng)
-    group = (Group.ZERO, Group.TAN_LEAD, Group.COT_LEAD)[rng.integers(3)]
+    group = (CaseGroup.ZERO, CaseGroup.TAN_LEAD, CaseGroup.COT_LEAD)[rng.integers(3)]
     level = rng.uniform(-15, -1)
     tan = math.tan(drive.lead_angle)
-    if group == Group.ZERO:
+    if group == CaseGroup.ZERO:
         level = level if rng.random() < 0.9 else -math.inf
         value = 10.0**level
-    elif group == Group.TAN_LEAD:
+    elif group == CaseGroup.TAN_LEAD:
         value = tan * (1 + sign(rng) * 10.0**level)
     else:
         # Closer, Γ₋ is so large that slip changes θ′ by less than the last digit of w = θ′ − Ω.
@@ -86,18 +86,18 @@ def _friction(rng) -> Case:
 def _input_speed(rng) -> Case:
     level = rng.uniform(-9, 6)
     drive = _some_drive(rng, input_speed=sign(rng) * 10.0**level)
-    return _case(rng, CaseFamily.INPUT_SPEED, Group.ONLY, level, drive)
+    return _case(rng, CaseFamily.INPUT_SPEED, CaseGroup.ONLY, level, drive)
 
 
-THRESHOLDS: dict[Group, tuple[Callable[[RigidParameters], float], dict[str, float]]] = {
-    Group.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
-    Group.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
-    Group.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
-    Group.GLOBAL_STABILITY_FORCE: (thresholds.global_stability_force, {"mass": 11.0, "support_damping": 1e-3}),
+THRESHOLDS: dict[CaseGroup, tuple[Callable[[RigidParameters], float], dict[str, float]]] = {
+    CaseGroup.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
+    CaseGroup.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
+    CaseGroup.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
+    CaseGroup.GLOBAL_STABILITY_FORCE: (thresholds.global_stability_force, {"mass": 11.0, "support_damping": 1e-3}),
 }
 
 
-def threshold(group: Group) -> tuple[float, RigidParameters]:
+def threshold(group: CaseGroup) -> tuple[float, RigidParameters]:
     """Return a threshold of the axial force [N] and the drive of the chapter that has it."""
     compute, changes = THRESHOLDS[group]
     drive = RigidParameters.of(changes)
@@ -105,8 +105,8 @@ def threshold(group: Group) -> tuple[float, RigidParameters]:
 
 
 def _axial_force(rng) -> Case:
-    group = (Group.ZERO, *THRESHOLDS)[rng.integers(1 + len(THRESHOLDS))]
-    if group == Group.ZERO:
+    group = (CaseGroup.ZERO, *THRESHOLDS)[rng.integers(1 + len(THRESHOLDS))]
+    if group == CaseGroup.ZERO:
         level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
         drive = _some_drive(rng, axial_force=sign(rng) * 10.0**level)
     else:
@@ -118,18 +118,18 @@ def _axial_force(rng) -> Case:
 
 def _support_damping(rng) -> Case:
     level = rng.uniform(-12, 15) if rng.random() < 0.9 else -math.inf
-    return _case(rng, CaseFamily.SUPPORT_DAMPING, Group.ONLY, level, _some_drive(rng, support_damping=10.0**level))
+    return _case(rng, CaseFamily.SUPPORT_DAMPING, CaseGroup.ONLY, level, _some_drive(rng, support_damping=10.0**level))
 
 
 def _translation_damping(rng) -> Case:
     level = rng.uniform(-9, 15) if rng.random() < 0.9 else -math.inf
     drive = _some_drive(rng, translation_damping=10.0**level)
-    return _case(rng, CaseFamily.TRANSLATION_DAMPING, Group.ONLY, level, drive)
+    return _case(rng, CaseFamily.TRANSLATION_DAMPING, CaseGroup.ONLY, level, drive)
 
 
 def _time_span(rng) -> Case:
     level = rng.uniform(-9, 0)
-    case = _case(rng, CaseFamily.TIME_SPAN, Group.ONLY, level, _some_drive(rng))
+    case = _case(rng, CaseFamily.TIME_SPAN, CaseGroup.ONLY, level, _some_drive(rng))
     return case._replace(duration=10.0**level)
 
 
@@ -140,15 +140,15 @@ def _start(rng) -> Case:
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     u, w = size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5)
     rest = -drive.input_speed
-    group = Group(rng.integers(Group.ON_SPEED_ZERO, Group.FAR_AWAY + 1))
+    group = CaseGroup(rng.integers(CaseGroup.ON_SPEED_ZERO, CaseGroup.FAR_AWAY + 1))
     small = 1e-8 * rng.uniform(0.5, 1)
     start = {
-        Group.ON_SPEED_ZERO: (u, rest),
-        Group.ON_CONTACT_ZERO: (-(q_0 + q_w * w) / q_u, w),
-        Group.ON_CORNER: (-(q_0 + q_w * rest) / q_u, rest),
-        Group.ON_EQUILIBRIUM: (0.0, 0.0),
-        Group.NEAR_EQUILIBRIUM: (small * u, small * w),
-        Group.FAR_AWAY: (u / small, w / small),
+        CaseGroup.ON_SPEED_ZERO: (u, rest),
+        CaseGroup.ON_CONTACT_ZERO: (-(q_0 + q_w * w) / q_u, w),
+        CaseGroup.ON_CORNER: (-(q_0 + q_w * rest) / q_u, rest),
+        CaseGroup.ON_EQUILIBRIUM: (0.0, 0.0),
+        CaseGroup.NEAR_EQUILIBRIUM: (small * u, small * w),
+        CaseGroup.FAR_AWAY: (u / small, w / small),
     }[group]
     return _case(rng, CaseFamily.START, group, 0.0, drive, start)
 
@@ -165,14 +165,14 @@ def _double_rate(rng) -> Case:
         if critical > 0:
             break
     level = rng.uniform(-17, -1)
-    group = Group.LAW_PLUS if law > 0 else Group.LAW_MINUS
+    group = CaseGroup.LAW_PLUS if law > 0 else CaseGroup.LAW_MINUS
     damped = drive.replace(support_damping=critical * (1 + sign(rng) * 10.0**level))
     return _case(rng, CaseFamily.DOUBLE_RATE, group, level, damped)
 
 
 def _random(rng) -> Case:
     drive = RigidParameters.of(rigid_values(rng))
-    return _case(rng, CaseFamily.RANDOM, Group.ONLY, math.log10(drive.mass), drive)
+    return _case(rng, CaseFamily.RANDOM, CaseGroup.ONLY, math.log10(drive.mass), drive)
 
 
 _FAMILIES: dict[CaseFamily, Callable[[np.random.Generator], Case]] = {

@@ -13,7 +13,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.bench.second_opinions.endings import DIGITS
-from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.engine.exact.factors import multiplied
 from lsvib.steady_sliding.linearised import threads_model
@@ -31,13 +31,13 @@ def contact(rng) -> Case:
     vibrates = damping < 4.0 * stiffness / rate
     duration = min(0.01, rng.uniform(5, 40) / rate) if vibrates else 0.01
     start = (rng.uniform(-0.2, 0.2), rng.uniform(-120, 60), 0.0, 0.0)
-    return Case(CaseFamily.CONTACT, Group.ONLY, math.log10(stiffness), drive, start, duration)
+    return Case(CaseFamily.CONTACT, CaseGroup.ONLY, math.log10(stiffness), drive, start, duration)
 
 
 def double_rate(rng) -> Case:
     """c_c or k_c – for three rates, both – at which rates coincide, rounded once, then moved by 10^level of itself."""
     while True:
-        group = Group(rng.integers(Group.DOUBLE_BY_DAMPING, Group.TRIPLE + 1))
+        group = CaseGroup(rng.integers(CaseGroup.DOUBLE_BY_DAMPING, CaseGroup.TRIPLE + 1))
         law = sign(rng)
         drive = ThreadsParameters.of(
             mass=rng.uniform(0.5, 20.0),
@@ -54,7 +54,7 @@ def double_rate(rng) -> Case:
     stiffness, damping = found[rng.integers(len(found))]
     level = rng.uniform(-17, -1)
     factor = 1 + sign(rng) * 10.0**level
-    if group == Group.DOUBLE_BY_STIFFNESS:
+    if group == CaseGroup.DOUBLE_BY_STIFFNESS:
         drive = drive.replace(contact_stiffness=stiffness * factor, contact_damping=damping)
     else:
         drive = drive.replace(contact_stiffness=stiffness, contact_damping=damping * factor)
@@ -67,17 +67,17 @@ def double_rate(rng) -> Case:
     )
 
 
-def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -> list[tuple[float, float]]:
-    """Pairs (k_c, c_c) at which two real rates of slip under a law coincide, or three (``Group.TRIPLE``).
+def coinciding(drive: ThreadsParameters, law: int, group: CaseGroup, other: float) -> list[tuple[float, float]]:
+    """Pairs (k_c, c_c) at which two real rates of slip under a law coincide, or three (``CaseGroup.TRIPLE``).
 
     ``other``: k_c [N/m] if c_c is solved for (``DOUBLE_BY_DAMPING``), c_c [N s/m] if k_c is (``DOUBLE_BY_STIFFNESS``).
     """
     with mp.workdps(DIGITS):
         g, h = _polynomials(drive, law)
         first = np.polysub(multiplied(np.polyder(g), h), multiplied(g, np.polyder(h)))  # −q′ h²
-        if group == Group.TRIPLE:
+        if group == CaseGroup.TRIPLE:
             condition = np.polysub(multiplied(np.polyder(first), h), multiplied(2 * np.polyder(h), first))
-        elif group == Group.DOUBLE_BY_DAMPING:  # q − k_c = σ q′
+        elif group == CaseGroup.DOUBLE_BY_DAMPING:  # q − k_c = σ q′
             condition = np.polysub([*first, mpf(0)], multiplied(h, np.polysub(g, [-mpf(other) * x for x in h])))
         else:
             condition = np.polysub(first, [-mpf(other) * x for x in multiplied(h, h)])
@@ -88,9 +88,12 @@ def coinciding(drive: ThreadsParameters, law: int, group: Group, other: float) -
                 continue
             value, slope = np.polyval(h, rate), -np.polyval(first, rate) / np.polyval(h, rate) ** 2
             quotient = -np.polyval(g, rate) / value
-            damping = {Group.DOUBLE_BY_STIFFNESS: mpf(other), Group.DOUBLE_BY_DAMPING: (quotient - other) / rate}
+            damping = {
+                CaseGroup.DOUBLE_BY_STIFFNESS: mpf(other),
+                CaseGroup.DOUBLE_BY_DAMPING: (quotient - other) / rate,
+            }
             damping = damping.get(group, slope)
-            stiffness = mpf(other) if group == Group.DOUBLE_BY_DAMPING else quotient - damping * rate
+            stiffness = mpf(other) if group == CaseGroup.DOUBLE_BY_DAMPING else quotient - damping * rate
             if all(_LOW < x < _HIGH for x in (stiffness, damping)):
                 found.append((float(stiffness), float(damping)))
         return found

@@ -5,23 +5,23 @@ import math
 import numpy as np
 
 from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive
-from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, Group, power, sign
+from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
 from lsvib.drives.friction import friction_factor
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding.linearised import nut_model, support_model
 
 _FRICTIONS = {
-    Group.WITHOUT_FRICTION: (),
-    Group.WITH_SLIDE: ("slide_friction",),
-    Group.WITH_BEARING: ("bearing_friction",),
-    Group.WITH_BOTH: ("slide_friction", "bearing_friction"),
+    CaseGroup.WITHOUT_FRICTION: (),
+    CaseGroup.WITH_SLIDE: ("slide_friction",),
+    CaseGroup.WITH_BEARING: ("bearing_friction",),
+    CaseGroup.WITH_BOTH: ("slide_friction", "bearing_friction"),
 }
 _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
 
 def support(rng) -> Case:
     """k_1 from 1e2 to 1e12, c_1 = 0 and to 1e8, m_1 from 1e-2 to 1e3."""
-    group, values = Group(rng.integers(Group.WITHOUT_FRICTION, Group.WITH_BOTH + 1)), _common(rng)
+    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
     level = rng.uniform(2, 12)
     values |= {
         "screw_mass": power(rng, -2, 3),
@@ -39,7 +39,7 @@ def support(rng) -> Case:
 
 def nut(rng) -> Case:
     """k_2 from 1e-3 to 1e5, c_2 = 0 and to 1, I_2 from 1e-8 to 1e-2."""
-    group, values = Group(rng.integers(Group.WITHOUT_FRICTION, Group.WITH_BOTH + 1)), _common(rng)
+    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
     level = rng.uniform(-3, 5)
     values |= {
         "nut_inertia": power(rng, -8, -2),
@@ -77,7 +77,7 @@ def heaviest(values: dict[str, float], inertia: float) -> float:
     return inertia / (factor * tan * values["pitch_radius"] ** 2) if factor > 0 else math.inf
 
 
-def _case(rng, family: CaseFamily, group: Group, level: float, drive, own: tuple[float, float]) -> Case:
+def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: tuple[float, float]) -> Case:
     model = "support" if family == CaseFamily.SUPPORT else "nut"
     linear = support_model if model == "support" else nut_model
     physics = _FRICTIONS[group]

@@ -27,7 +27,7 @@ class CaseFamily(IntEnum):
     NUT = 13  # rotating nut, the same
 
 
-class Group(IntEnum):
+class CaseGroup(IntEnum):
     """Which edge of a family a case is at; 0 where the family has only one."""
 
     ONLY = 0
@@ -63,7 +63,7 @@ class Case(NamedTuple):
     """
 
     family: CaseFamily
-    group: Group
+    group: CaseGroup
     level: float
     drive: RigidParameters
     start: tuple[float, ...]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.bench.reference.rigid_digits import simulate
-from lsvib.bench.sweeps.cases import Group, threshold
+from lsvib.bench.sweeps.cases import CaseGroup, threshold
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
@@ -15,7 +15,7 @@ from lsvib.engine.motion import follow
 _CHUNK = 400_000  # events followed at once
 
 
-def attractor_is_right(group: Group, side: int, distance: float) -> bool:
+def attractor_is_right(group: CaseGroup, side: int, distance: float) -> bool:
     """Whether the engine finds the attractor that the threshold R_t promises at R = R_t (1 + side · distance).
 
     ``side``: +1 for a larger, −1 for a smaller |R|. Onset: steady sliding below, slip cycle above (8.19). Stick: slip
@@ -25,21 +25,21 @@ def attractor_is_right(group: Group, side: int, distance: float) -> bool:
     force, drive = threshold(group)
     drive = drive.replace(axial_force=force * (1 + side * distance))
     start = (drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed)
-    if group != Group.GLOBAL_STABILITY_FORCE:
+    if group != CaseGroup.GLOBAL_STABILITY_FORCE:
         start = (1e-3, 0.0)
     found = steady_state(rigid_automaton(drive), start)
     expected = {
-        (Group.ONSET_FORCE, -1): Attractor.STEADY_SLIDING,
-        (Group.ONSET_FORCE, 1): Attractor.OTHER_CYCLE,
-        (Group.STICK_FORCE, -1): Attractor.OTHER_CYCLE,
-        (Group.STICK_FORCE, 1): Attractor.STICK_SLIP_CYCLE,
-        (Group.DETACH_FORCE, -1): Attractor.STICK_SLIP_CYCLE,
-        (Group.DETACH_FORCE, 1): Attractor.STICK_SLIP_CYCLE,
-        (Group.GLOBAL_STABILITY_FORCE, -1): Attractor.SPRAG_SLIP_CYCLE,
-        (Group.GLOBAL_STABILITY_FORCE, 1): Attractor.STEADY_SLIDING,
+        (CaseGroup.ONSET_FORCE, -1): Attractor.STEADY_SLIDING,
+        (CaseGroup.ONSET_FORCE, 1): Attractor.OTHER_CYCLE,
+        (CaseGroup.STICK_FORCE, -1): Attractor.OTHER_CYCLE,
+        (CaseGroup.STICK_FORCE, 1): Attractor.STICK_SLIP_CYCLE,
+        (CaseGroup.DETACH_FORCE, -1): Attractor.STICK_SLIP_CYCLE,
+        (CaseGroup.DETACH_FORCE, 1): Attractor.STICK_SLIP_CYCLE,
+        (CaseGroup.GLOBAL_STABILITY_FORCE, -1): Attractor.SPRAG_SLIP_CYCLE,
+        (CaseGroup.GLOBAL_STABILITY_FORCE, 1): Attractor.STEADY_SLIDING,
     }
     right = found.label == expected[group, side]
-    if group == Group.DETACH_FORCE and right:
+    if group == CaseGroup.DETACH_FORCE and right:
         right = (found.orbit.kind == EventKind.CONTACT_REVERSAL).any() == (side < 0)
     return bool(right)
 

@@ -22,7 +22,7 @@ STRAIGHT = 11  # P(y) − y of the last state, to see how many returns away the 
 ORBIT = 12  # the cycle
 
 
-class Search(NamedTuple):
+class SearchLimits(NamedTuple):
     """The numbers of the search, as ``lsvib.cycles.attractors`` and ``lsvib.cycles.return_map`` have them."""
 
     chunk: int  # events that are looked at first

@@ -4,10 +4,10 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import Cells, DriveChanges, FigureSettings, Section, Unique
+from lsvib.figures.common.settings import Cells, DriveChanges, FigureSettings, SettingsSection, Unique
 
 
-class Box(Section):
+class Box(SettingsSection):
     """Box in u [rad] and w [rad/s] around steady sliding."""
 
     u: Cells

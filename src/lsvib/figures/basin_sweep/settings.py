@@ -9,31 +9,31 @@ from lsvib.figures.common.settings import (
     FigureSettings,
     MassPair,
     OpposingForces,
+    PlaneWindow,
     PositiveSpan,
-    Section,
+    SettingsSection,
     Span,
     Unique,
-    Window,
 )
 
 
-class Case(Section):
+class SweepCase(SettingsSection):
     """Changes of `drive`, and the window in which its basin is drawn."""
 
     drive: DriveChanges
-    window: Window
+    window: PlaneWindow
 
 
 class Settings(FigureSettings):
     """The basin of steady sliding and its size."""
 
     drive: DriveChanges
-    window: Window
+    window: PlaneWindow
     axial_force: Span = Field(description="R [N], against the motion.")
     support_damping: PositiveSpan = Field(description="c [N m s/rad].")
     mass: PositiveSpan = Field(description="m [kg].")
     friction_coefficient: PositiveSpan = Field(description="mu [1].")
-    cases: list[Case] = Field(
+    cases: list[SweepCase] = Field(
         min_length=1, max_length=3, description="Drives whose basins are drawn and compared with grids."
     )
     resolutions: Annotated[list[Annotated[int, Field(ge=2, le=10_000)]], *Unique] = Field(

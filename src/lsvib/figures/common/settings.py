@@ -16,13 +16,13 @@ from lsvib.drives.parameters import RigidParameters, ThreadsParameters, describe
 _BOUNDS = (Ge, Gt, Le, Lt)
 
 
-class Section(BaseModel):
+class SettingsSection(BaseModel):
     """Names and values, immutable and checked: no other name, no text for a number, nothing infinite."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-class FigureSettings(Section):
+class FigureSettings(SettingsSection):
     """The settings of one figure, and what it needs besides what it imports.
 
     ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
@@ -42,7 +42,7 @@ def _ordered(low: float, high: float, names: tuple[str, str]) -> None:
         raise PydanticCustomError("of_the_whole", words, context)
 
 
-class Span(Section):
+class Span(SettingsSection):
     """Evenly spaced values from start to stop, both included."""
 
     start: float
@@ -68,14 +68,14 @@ class Cells(Span):
     count: int = Field(ge=1, le=1_000_000)
 
 
-class State(Section):
+class State(SettingsSection):
     """State of the drive: deviation u [rad] and its rate w [rad/s]."""
 
     u: float = Field(ge=-1e6, le=1e6)
     w: float = Field(ge=-1e9, le=1e9)
 
 
-class Window(Section):
+class PlaneWindow(SettingsSection):
     """Rectangle in the phase plane: edges in u [rad] and in its rate w [rad/s]."""
 
     left: float = Field(ge=-1e6, le=1e6)
@@ -121,13 +121,13 @@ def parameter(key: str, *more: Any, of: type[RigidParameters] = RigidParameters)
     return Annotated[float, *bounds, *more, Field(description=description)]
 
 
-def _changes(name: str, description: str, of: type[RigidParameters]) -> type[Section]:
+def _changes(name: str, description: str, of: type[RigidParameters]) -> type[SettingsSection]:
     types = {key: parameter(key, of=of) for key in of.model_fields}
     angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Gt, Lt))]
     degrees = [Gt(math.degrees(b.gt)) if isinstance(b, Gt) else Lt(math.degrees(b.lt)) for b in angle]
     types["lead_angle_deg"] = Annotated[float, *degrees, Field(description="lambda [degree].")]
     fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
-    return create_model(name, __base__=Section, __doc__=description, **fields)
+    return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
 
 
 DriveChanges = _changes(
@@ -135,14 +135,14 @@ DriveChanges = _changes(
 )
 
 
-class Contact(Section):
+class Contact(SettingsSection):
     """A contact of compliant threads."""
 
     contact_stiffness: parameter("contact_stiffness", of=ThreadsParameters)
     contact_damping: parameter("contact_damping", of=ThreadsParameters)
 
 
-class ContactStart(Section):
+class ContactStart(SettingsSection):
     """A contact force and its rate, in the scale of the chapter [1/(kg m2)]."""
 
     force: float = Field(ge=-1e12, le=1e12)

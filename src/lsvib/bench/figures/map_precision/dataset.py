@@ -10,7 +10,7 @@ import xarray as xr
 
 from lsvib.basins.clipping import Window
 from lsvib.bench.maps.map_methods import METHODS, Rule
-from lsvib.bench.maps.map_race import Box, MapOutcome, contest, wrong_share
+from lsvib.bench.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
 from lsvib.data import phase_plane, spans
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
@@ -28,7 +28,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`lsvib.bench.maps.map_methods.METHODS` on some boxes."""
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])
-    boxes = [Box(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
+    boxes = [RaceBox(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)
@@ -111,7 +111,7 @@ def _measured(rows: list[list[MapOutcome]], distances: np.ndarray, lengths: list
     }
 
 
-def _title(box: Box) -> str:
+def _title(box: RaceBox) -> str:
     left, right, bottom, top = box.window
     edges = (
         f"±{right:g} rad × ±{top:g} rad/s"

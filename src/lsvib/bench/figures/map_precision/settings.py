@@ -4,24 +4,24 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings, PositiveSpan, Section, Seed, Window
+from lsvib.figures.common.settings import DriveChanges, FigureSettings, PlaneWindow, PositiveSpan, Seed, SettingsSection
 
 BoxName = Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$")]
 Some = Annotated[int, Field(ge=1, le=10_000)]
 SomeOrNone = Annotated[int, Field(ge=0, le=10_000)]
 
 
-class MappedBox(Section):
+class MappedBox(SettingsSection):
     """A drive and the part of the phase plane that is mapped."""
 
     drive: DriveChanges
-    window: Window
+    window: PlaneWindow
     ratio_floor: float = Field(
         gt=0, description="Labels per second of lsvib over those of RK4 with the coarse step, at least [1]."
     )
 
 
-class CellsOfMethods(Section):
+class CellsOfMethods(SettingsSection):
     """Cells along an edge of each method's grid, 0 to leave the method out."""
 
     engine: Some

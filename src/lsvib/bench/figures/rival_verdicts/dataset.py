@@ -18,7 +18,7 @@ from lsvib.bench.rivals.catalogue import MethodFamily as Kind
 from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.cases import Case, CaseFamily, Group, cases
+from lsvib.bench.sweeps.cases import Case, CaseFamily, CaseGroup, cases
 from lsvib.data.attributes import flagged, named_flags, named_index, variable, yes_no, yes_no_or
 from lsvib.data.checks import Check
 
@@ -94,7 +94,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "error": variable(("case", "method"), _errors(rows), "1", _WORDS["error"]),
             "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
             "case_family": flagged("case", family, "family of the case", CaseFamily),
-            "group": flagged("case", [row.case.group for row in rows], "edge of the case", Group),
+            "group": flagged("case", [row.case.group for row in rows], "edge of the case", CaseGroup),
             "level": variable("case", level, "1", _WORDS["level"]),
             "shared": yes_no("case", shared, "whether every method is asked"),
             "confirmed": yes_no_or("not_asked", "case", [row.confirmed for row in rows], _WORDS["confirmed"]),

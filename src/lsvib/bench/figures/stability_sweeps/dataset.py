@@ -19,7 +19,7 @@ from lsvib.bench.sweeps.case_judge import (
     judge,
 )
 from lsvib.bench.sweeps.cases import THRESHOLDS
-from lsvib.bench.sweeps.families import Case, CaseFamily, Group
+from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.bench.sweeps.worst_case import GENES, Tried, attempt, search
 from lsvib.data.attributes import flagged, named_flags, variable, yes_no, yes_no_or
@@ -97,7 +97,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
             "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
             "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
-            "force_threshold": flagged("force_threshold", list(THRESHOLDS), "threshold of R", Group),
+            "force_threshold": flagged("force_threshold", list(THRESHOLDS), "threshold of R", CaseGroup),
             "side": named_flags("side", [-1, 1], "side of the threshold", {-1: "smaller_force", 1: "larger_force"}),
             "threshold_distance": variable(
                 "threshold_distance", distances, "1", "relative distance from the threshold"
@@ -216,7 +216,7 @@ def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
     level = np.array([case.level for case, _ in rows])
     return {
         "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
-        "group": flagged("case", [c.group for c, _ in rows], "edge of the case", Group),
+        "group": flagged("case", [c.group for c, _ in rows], "edge of the case", CaseGroup),
         "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
         "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
         "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),

@@ -11,7 +11,7 @@ import xarray as xr
 
 from lsvib.bench.record import Verdict
 from lsvib.bench.rivals.catalogue import METHODS, MethodFamily
-from lsvib.bench.rivals.race import Budget, Entry, contest, fastest
+from lsvib.bench.rivals.race import Entry, RaceBudget, contest, fastest
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.provenance import machine
@@ -42,7 +42,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on scenes; ``InputError`` without a package."""
     scenes, methods = settings["scenes"], settings["methods"]
     names = [name for name, values in methods.items() if values]
-    budget = Budget(settings["repeats"], settings["seconds"], settings["limit"])
+    budget = RaceBudget(settings["repeats"], settings["seconds"], settings["limit"])
     races = [contest(name, methods, budget, settings["shorten"]) for name in scenes]
     rows = [{name: [e for e in entries if e.method == name] for name in names} for _, _, entries in races]
     levels = np.array(settings["error_levels"], dtype=float)

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from lsvib.bench.rivals.methods import MODULES
-from lsvib.figures.common.settings import FigureSettings, Section, Tolerances, Unique
+from lsvib.figures.common.settings import FigureSettings, SettingsSection, Tolerances, Unique
 
 SCENES = (
     "stick_slip", "graze_above", "graze_below", "sprag_slip", "sprag_graze", "stiff_contact", "near_critical",
@@ -14,7 +14,7 @@ SCENES = (
 Nothing = Annotated[list[Literal[0]], Field(max_length=1)]  # of a method that has nothing to set
 
 
-class Methods(Section):
+class Methods(SettingsSection):
     """Settings of each method, coarse to fine.
 
     They are relative tolerances [1], time steps [s] of rk4 and rk4_refined, widths [rad/s] of smoothed; [0] where there
