@@ -11,7 +11,7 @@ from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, larges
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import Budget, Motion
 
 PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
@@ -21,9 +21,10 @@ FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
 _POINTS = 1000  # latest returns that show where a motion goes; over more of them a slow approach is lost in rounding
 _STEPS = 8  # returns in a row that tell a drift from rounding
-# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
-# for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
+# A fixed point smaller than this, in scales of the motion, is the equilibrium if that lies on a surface. The first number
+# is for two states, the second for more: Newton's method leaves 1e-9 over the distance of a multiplier from one there.
 CORNERS = (1e-9, 1e-5)
+_ON_IT = 1e-6  # distance to a cycle, in its own sizes, within which a motion is on it: rounding over 1 − multiplier
 _ROUNDS = 3  # periods with thousands of events after which a motion must have come back
 _BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle
 _NEARER = 0.5  # their largest multiplier: rounding, or a faint damping, does not bring them so near within a period
@@ -85,7 +86,8 @@ def recurrence(
         if size.size > 2 and not _by_the_same_events(section, found):
             continue
         if np.abs(found.state / size).max() < CORNERS[size.size > 2]:
-            if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
+            nearer = np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max()
+            if nearer and not _pushed(motion):
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
@@ -98,7 +100,7 @@ def recurrence(
         return None
     found = section.repeated()
     attracts = abs(found.multiplier) < 1 - MARGIN  # no comparison holds with a multiplier that is not known
-    return cycle_through(section, found) if attracts or found.neutral else None
+    return cycle_through(section, found) if found.neutral or (attracts and _on_its_cycle(section)) else None
 
 
 def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
@@ -116,10 +118,11 @@ def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
     rows = _in_a_row(motion)
     found, often = np.unique(rows[rows.size // 2 :], return_counts=True)
     at = np.flatnonzero(rows == found[np.argmin(often)]) + 1
-    states = motion.after[at]
+    states, late = motion.after[at], np.abs(motion.after[rows.size // 2 :]).max(axis=0)
+    late[late == 0] = 1.0
     for apart in range(1, min(SOLVED, (at.size - 1) // _ROUNDS) + 1):
         rounds = states[-1] - states[-1 - apart * _ROUNDS : -1 : apart]
-        if (np.abs(rounds) <= REPEATS[1] * seen.size).all():
+        if (np.abs(rounds) <= REPEATS[1] * late).all():
             break
     else:
         return None
@@ -154,6 +157,30 @@ def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
     target = section.place(found.state)
     events = [section.outcome(part * target)[1] for part in _WAY]
     return events[0] is not None and all(one == events[0] for one in events)
+
+
+def _pushed(motion: Motion) -> bool:
+    """Whether a mode of the later half of a motion has its equilibrium elsewhere than at steady sliding.
+
+    Then steady sliding lies on no surface, and no events are left near it: what is small is a cycle.
+    """
+    flow, modes = motion.automaton.tables.flow, np.unique(motion.mode[motion.time.size // 2 :])
+    return bool((flow[modes, columns.EQUILIBRIUM] if isinstance(flow, np.ndarray) else flow.field[modes, :, -1]).any())
+
+
+def _on_its_cycle(section: ReturnSection) -> bool:
+    """Whether the origin is a fixed point of the return map as far as the size of its own orbit tells.
+
+    What has fallen by ten decades since the first event seems to repeat while it still moves by parts of itself. The
+    fixed point, if there is one, is (1 − P′)⁻¹ (P(y) − y) away.
+    """
+    here, orbit = np.zeros(section.dimension), section.come_back(section.origin)
+    (slopes, _), gap = section.slopes(here), section.excess(here)
+    if orbit is None or not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
+        return False
+    away = section.directions @ np.linalg.lstsq(np.eye(section.dimension) - slopes, gap, rcond=None)[0]
+    swing = np.ptp(orbit.at(orbit.end_time * _WAY)[0], axis=0)
+    return bool(np.abs(away / section.size).max() <= _ON_IT * (swing / section.size).max())
 
 
 def _drifts(states: np.ndarray) -> bool:
