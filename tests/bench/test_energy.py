@@ -7,6 +7,7 @@ import pytest
 
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import residual
+from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.nut import nut_automaton
@@ -91,6 +92,15 @@ def test_loss_in_seizures_is_counted(name):
     assert np.isin(motion.kind, motion.automaton.sprag_kinds).any()
     lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
     assert residual(motion, lossless)[0] > 1e-3
+
+
+@pytest.mark.parametrize(("index", "start"), [(395, 87), (538, 41)])
+def test_friction_has_its_sign_where_slip_begins(index, start):
+    """Next to a release θ′ is below the last place of w = θ′ − Ω; friction takes energy there all the same."""
+    wide = wide_drive("threads", 9901, index, start + 1)
+    motion = follow(threads_automaton(wide.drive), wide.starts[start], 1.0)
+    assert motion.time.size >= 1
+    assert balance(motion, wide.drive).residual < 1e-13
 
 
 def test_missed_reversal_is_seen():

@@ -10,7 +10,8 @@ import pytest
 from mpmath import mp, mpf
 
 from lsvib.bench.reference import rigid_digits, threads_digits
-from lsvib.cycles.variational import derivative
+from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.cycles.variational import derivative, rounding
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import seated_state, threads_automaton
@@ -97,6 +98,22 @@ def test_rigid_drives(seed):
     sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
     assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
     assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
+
+
+@pytest.mark.parametrize("number", [15, 36, 54, *(pytest.param(k, marks=pytest.mark.long) for k in range(80))])
+def test_the_rounding_of_a_motion_is_bounded(number):
+    """States after a dozen events of any drive are off by twice the bound and a digit at most; cycles allow eight."""
+    wide = wide_drive("rigid", 77, number, 2)
+    for start in wide.starts:
+        motion = follow(rigid_automaton(wide.drive), start, np.inf, max_events=12)
+        bound = rounding(motion)
+        if not qualified(motion) or not np.isfinite(bound).all():
+            continue
+        last, end = float(motion.time[-1]), motion.after[-1]
+        events = rigid_digits.simulate(numbers(wide.drive), *start.tolist(), last * (1 + 1e-6), dps=40).events
+        exact = [event for event in events if abs(event.time - last) <= 1e-9 * last]
+        away = np.array([[abs(float(x - y)) for x, y in zip(_after(event), end, strict=True)] for event in exact])
+        assert (away <= 2 * bound + np.finfo(float).eps * np.abs(motion.after).max(axis=0)).all(axis=1).any()
 
 
 THREADS_SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 12))]

@@ -267,6 +267,28 @@ def test_two_roots_close_together_are_not_passed_over():
         assert search(flow, start, guard, 0.4)[0] == expected
 
 
+@pytest.mark.parametrize("carried", ["modal", "in blocks"])
+def test_a_touch_is_no_crossing_and_a_dip_beyond_rounding_is_one(carried):
+    """An undamped guard that starts at zero comes back to zero after a turn, where rounding alone would split it."""
+    rows = mixed([[0, 3, 0, 0, 0], [-3, 0, 0, 0, 0], [0, 0, 0, 7, 0], [0, 0, -7, 0, 0]])
+    flow = in_blocks(rows) if carried == "in blocks" else flow_of([linear_mode(rows, [1.0] * 4)])
+    assert isinstance(flow, BlockFlow) == (carried == "in blocks")
+    mix = np.array([[1.0, 1, 1, 0], [1, 2, 0, 1], [1, 0, 1, -1], [0, 1, 1, 2]])
+    first, rng, start = np.linalg.inv(mix)[0], np.random.default_rng(5), np.empty(4)
+    for _ in range(300):
+        size, other = rng.uniform(0.1, 10.0), rng.uniform(-1.0, 1.0, 2)
+        state = mix @ [size, 0.0, *other]
+        touches = np.append(-first, first @ state)
+        found, t = search(flow, state, touches, 3.0, on_surface=True)
+        assert found in (Found.GRAZE, Found.NONE)
+        assert found == Found.NONE or abs(t - 2 * np.pi / 3) < 1e-7
+        touches[4] -= 1e-12 * size
+        dispatch.advance(flow, 0, state, 2 * np.pi / 3 - 0.5, start)
+        found, t = search(flow, start, touches, 1.0)
+        assert found == Found.CROSSING
+        assert 0.5 - 1e-6 < t < 0.5
+
+
 def test_settles_where_every_block_dies_away():
     flow = in_blocks(mixed(CHAIN))
     rest = np.linalg.solve(flow.field[0][:, :4], -flow.field[0][:, 4])

@@ -404,6 +404,14 @@ def test_double_root_is_a_graze(margin):
         assert t == pytest.approx(1.0, abs=1e-6)
 
 
+def test_what_crosses_zero_after_it_has_died_away_does_not_touch():
+    """Next to its root the guard falls below zero by 1e-18 of its start, but by a hundredth of what is left of it."""
+    flow, _ = decoupled([(145.0, 24.0), (-1.0,)])
+    found, _, t = search(flow, [1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0])
+    assert found == Found.CROSSING
+    assert t == pytest.approx(math.pi - math.atan(1 / 12), rel=1e-12)
+
+
 def test_the_guard_that_falls_first_is_reported():
     """Two guards fall within one step of the walk; by the time found the later one is still positive."""
     flow, _ = decoupled([(1.0, 0.2), (-1.0,)])

@@ -21,7 +21,7 @@ from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.status import GRAZE_KIND, Status
 from lsvib.engine.motion import follow
 
 CASES = {
@@ -279,6 +279,21 @@ def test_what_is_small_beside_its_terms_keeps_its_digits(index, start):
     outcome = judge(case, np.random.default_rng(0), by_reference=True, truth=quick_path)
     assert outcome.verdict == Verdict.RIGHT
     assert max(outcome.state_error, outcome.time_error) < 1e-10
+
+
+@pytest.mark.parametrize("index", [269, 518, 774])
+def test_an_undamped_contact_that_only_touches_zero_does_not_reverse(index):
+    """From u = w = e = v = 0 N comes back to zero after each turn; rounding alone makes it negative there."""
+    wide = wide_drive("threads", 9901, index, 8)
+    fastest = max(abs(float(x.imag)) for x in rates(wide))
+    case = four_case(wide, 7, fastest)
+    assert not any(case.start)
+    motion = follow(automaton(case), case.start, case.duration)
+    assert motion.kind.size >= 5
+    assert (motion.kind == GRAZE_KIND).all()
+    turns = motion.time * fastest / (2 * math.pi)
+    assert turns == pytest.approx(np.round(turns), rel=1e-9)
+    assert judge(case, np.random.default_rng(0), by_reference=True).verdict == Verdict.RIGHT
 
 
 @pytest.mark.parametrize("name", ["pairs", "real rates", "a growing pair", "a single rate", "a slow rate"])

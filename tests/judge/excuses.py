@@ -8,7 +8,7 @@ import numpy as np
 from lsvib.bench.record import Record
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.families import Case
-from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, same_but_corners, without_clusters
+from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, without_clusters
 
 _INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
 _MOVED = 4  # inputs moved at random; each of them costs a run of the reference
@@ -38,11 +38,12 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
     """Whether motions agree once what is undone at once is left out of both.
 
     With a second body these are modes that are left again for the mode that they came from: an undamped body that was
-    released from rest comes back to rest once in each turn, for no time. With compliant threads N touches zero. Where
-    touches fill the list of events that ends a motion, the events that both have are compared.
+    released from rest comes back to rest once in each turn, for no time. Where touches fill the list of events that
+    ends a motion, the events that both have are compared. Of compliant threads nothing is left out.
     """
-    threads = case.drive.model == "threads"
-    one, two = (without_touches(x, case, TOUCHES) if threads else _without_instants(x, case) for x in (path, exact))
+    if case.drive.model == "threads":
+        return False
+    one, two = (_without_instants(x, case) for x in (path, exact))
     if path.complete or exact.complete:
         return case_judge.agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds)) - 1  # the last one may be the first half of a touch
@@ -56,13 +57,9 @@ def same_corners(path: Record, exact: Record, case: Case) -> bool:
     """
     if path.complete or exact.complete:
         return False
-    gap = _AT_ONCE * case.duration
-    one, two = (without_clusters(x.kinds, x.times, gap) for x in (path, exact))
-    begins, starts = (x.times[np.append(True, np.diff(x.times) > gap)] for x in (path, exact))
-    count = min(len(one), len(two)) - 1  # the last one may not be told to its end
-    late = np.abs(begins[:count] - starts[:count]).max(initial=0.0)
-    alike = same_but_corners(one[:count], two[:count]) and late <= case_judge.TOLERANCE * case.duration
-    return count >= MOST_EVENTS // 4 and alike
+    count = min(len(without_clusters(x.kinds, x.times, _AT_ONCE * case.duration)) for x in (path, exact)) - 1
+    # The last one may not be told to its end.
+    return count >= MOST_EVENTS // 4 and case_judge.same_corners(path, exact, case, count)
 
 
 def dies_away(path: Record, exact: Record, case: Case) -> bool:

@@ -39,7 +39,7 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
 _SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
-_WORK = 30_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
+_WORK = 100_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
 
 
 class BranchFamily(IntEnum):

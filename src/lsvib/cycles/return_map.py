@@ -123,24 +123,14 @@ class ReturnSection(Section):
             # Over so short a step it is rounding whether P′ is below one; the mean over a longer one shows it.
             left, right = (float(self.excess(old + side * WIDEST)[0]) for side in (-1, 1))
             slope = 1 + (right - left) / (2 * WIDEST)
-        if not abs(slope) < 1 or (slope < -CLEAR / SLOPE_STEP and self._keeps_sides(old)):
-            return None  # returns begin on the wrong side of the surface
-        return FixedPoint(self.state(old), slope, width) if self._attracts(old) else None
-
-    def _keeps_sides(self, place: np.ndarray) -> bool:
-        """Whether P cannot have a negative slope: motions in a plane do not cross, unless an event moves them."""
-        orbit, sprags = self.come_back(self.state(place)), self.automaton.sprag_kinds
-        if self.origin.size > 2 or orbit is None or not sprags:  # none is named of motions backwards in time
-            return False
-        return not np.isin(orbit.kind, sprags).any()
+        return FixedPoint(self.state(old), slope, width) if abs(slope) < 1 and self._attracts(old) else None
 
     def _attracts(self, place: np.ndarray) -> bool:
         """Whether motions from both sides of a place on a line come nearer to it by more than rounding.
 
         Or whether all that come back, perhaps from one side only, are there at once, and not by rounding.
         """
-        # Bounds of rounding through many seizures are far too wide; only touches without one pass for attraction.
-        clear = CLEAR * (self.grain(place) if self._keeps_sides(place) else 1.0)
+        clear = CLEAR * self.grain(place)
         for step in _WIDTHS:
             before, after = (float(self.excess(place + side * step)[0]) for side in (-1, 1))
             if before > clear and after < -clear:

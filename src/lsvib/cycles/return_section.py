@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.variational import derivative, eigenvalues, rounding
+from lsvib.cycles.variational import derivative, eigenvalues, field, rounding
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
@@ -140,6 +140,33 @@ class Section:
             self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
         else:
             self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
+        self._reach = self._inner_part() if len(self._axes) == 1 else (-math.inf, math.inf)
+
+    def _inner_part(self) -> tuple[float, float]:
+        """Return the places (first, last) of a line from which motions go into the mode.
+
+        Along the line lies a guard of the mode, whose rate changes its sign at a corner; beyond that motions leave
+        through the surface, and no event ends there.
+        """
+        tables, mode = self.automaton.tables, self.key[1]
+        own = slice(tables.guard_start[mode], tables.guard_start[mode + 1])
+        rows = tables.guard_sign[own, None] * tables.surfaces[tables.guard_surface[own]]
+        normals, offsets, along = rows[:, :-1], rows[:, -1], self.directions[:, 0]
+        met = np.abs(normals @ self.origin + offsets) <= ROUNDING * (np.abs(normals) @ self.size + np.abs(offsets))
+        met &= np.abs(normals @ along) <= ROUNDING * (np.abs(normals) @ np.abs(along))
+        first, last = -math.inf, math.inf
+        (here, here_size), (there, there_size) = (
+            field(self.automaton, mode, state) for state in (self.origin, self.origin + along)
+        )
+        for normal in normals[met]:
+            rate, slope = float(normal @ here), float(normal @ (there - here))
+            size = ROUNDING * float(np.abs(normal) @ np.maximum(here_size, there_size))
+            if abs(slope) > size:
+                corner = -(rate + size) / slope  # a rate above −size may be zero
+                first, last = (max(first, corner), last) if slope > 0 else (first, min(last, corner))
+            elif rate < -size:
+                return math.inf, -math.inf
+        return first, last
 
     @property
     def dimension(self) -> int:
@@ -221,10 +248,10 @@ class Section:
     def outcome(self, place: np.ndarray) -> tuple[np.ndarray, tuple[bytes, bytes] | None]:
         """Return P(y) − y (d) at y = ``place`` (d), and the kinds and modes of the events of that return.
 
-        The result is nan and None if the motion does not come back, or if it leaves the section the moment it starts,
-        because there the surface is crossed the other way.
+        The result is nan and None if the motion does not come back, or if the surface is crossed the other way there.
         """
-        motion = self.come_back(self.state(place))
+        inside = self.dimension != 1 or self._reach[0] <= place[0] <= self._reach[1]
+        motion = self.come_back(self.state(place)) if inside else None
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan), None
         return self.place(motion.end_state) - place, (motion.kind.tobytes(), motion.mode.tobytes())
@@ -246,7 +273,7 @@ class Section:
         for k, count in enumerate(counts.tolist()):
             if count < 0:
                 found.append(self.return_from(float(places[k])))
-            elif count == 0:
+            elif count == 0 or not self._reach[0] <= places[k] <= self._reach[1]:
                 found.append(Return(math.nan, None))
             else:
                 excess = self.place(states[k]) - places[k : k + 1]

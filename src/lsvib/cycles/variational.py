@@ -183,15 +183,19 @@ def derivative(motion: Motion) -> Derivative:
 def rounding(motion: Motion) -> np.ndarray:
     """Return how far (2) the last digits of a planar motion move its end, summed over its arcs.
 
-    Each arc rounds its states by as much as they swing in it; events carry that on. nan if an event has no derivative.
+    Each arc rounds its states by as much as they swing in it, and the derivative of all that follows carries that on:
+    from the last arc backwards, with the signs that let strong growth and strong decay cancel. nan if an event has no
+    derivative.
     """
-    automaton, lost = motion.automaton, np.zeros(2)
+    automaton, lost, onwards = motion.automaton, np.zeros(2), np.eye(2)
     modes, _, states, durations = motion.arcs()
-    for k in range(motion.time.size):
+    for k in reversed(range(motion.time.size)):
         mode, (angle, speed) = int(modes[k]), np.maximum(np.abs(states[k]), np.abs(motion.before[k]))
         turning = automaton.tables.flow[mode, columns.BETA]
         swing = np.array([angle + (speed / turning if turning > 0 else 0.0), speed + turning * angle])
         flow = flow_derivative(automaton, mode, float(durations[k]), (np.eye(3), np.eye(3)))
         event = event_derivative(automaton, mode, int(motion.kind[k]), int(motion.mode[k]), motion.before[k])
-        lost = np.abs(event.matrix @ flow.matrix) @ lost + np.abs(event.matrix) @ (flow_planar.EPS * swing)
+        onwards = onwards @ event.matrix
+        lost = lost + np.abs(onwards) @ (flow_planar.EPS * swing)
+        onwards = onwards @ flow.matrix
     return lost

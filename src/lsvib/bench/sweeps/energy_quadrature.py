@@ -5,12 +5,14 @@ vibration that has not died away would turn too far in them. Twelve nodes integr
 1e-16. Time is counted from the start of each arc: the clock of the whole motion would not resolve a fast transient.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.engine.kernels import columns, dispatch
+from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.motion import Motion
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # the error falls with the 24th power of a panel's width
@@ -87,8 +89,19 @@ def _energy(terms, x):
 
 
 @kernel
-def _power(terms, mode, x, weight, work):
-    """Add weight × each power to ``work``; return the power, and the sum of the sizes that it is rounded by."""
+def _sign(row, x, otherwise):
+    """Sign of an affine function of the state; ``otherwise`` where it is rounding only."""
+    value, size = _at(row, x)
+    return otherwise if abs(value) <= ROUNDING * size else math.copysign(1.0, value)
+
+
+@kernel
+def _power(terms, mode, x, ways, weight, work):
+    """Add weight × each power to ``work``; return the power, and the sum of the sizes that it is rounded by.
+
+    ``ways``: signs of the directions in the middle of the arc. Where a body has just begun to slip, the sign is lost
+    when the state is rounded.
+    """
     total, rounding, count = 0.0, 0.0, terms.left.shape[0]
     for k in range(count):
         left, left_size = _at(terms.left[k], x)
@@ -98,9 +111,8 @@ def _power(terms, mode, x, weight, work):
         rounding += abs(left) * right_size + left_size * abs(right)
     for k in range(terms.sliding.shape[0]):
         force, force_size = _at(terms.pressing[k, mode], x)
-        way, _ = _at(terms.direction[k], x)
         speed, speed_size = _at(terms.sliding[k], x)
-        speed *= -1.0 if way > 0.0 else (1.0 if way < 0.0 else 0.0)
+        speed *= -_sign(terms.direction[k], x, ways[k])
         work[count + k] += weight * abs(force) * speed
         total += abs(force) * speed
         rounding += abs(force) * speed_size + force_size * abs(speed)
@@ -127,6 +139,7 @@ def _width(rates, passed, left, duration):
 def _residual(flow, terms, rates, modes, starts, ends, durations, clock, seized, nodes, weights):
     n = starts.shape[1]
     x, work = np.empty(n), np.zeros(terms.left.shape[0] + terms.sliding.shape[0] + 1)
+    ways = np.empty(terms.sliding.shape[0])
     balance, size = _energy(terms, ends[-1])
     largest, rounding = balance, size
     first, size = _energy(terms, starts[0])
@@ -135,6 +148,9 @@ def _residual(flow, terms, rates, modes, starts, ends, durations, clock, seized,
     for k in range(modes.size):
         mode, half = modes[k], 0.5 * durations[k]
         passed, largest_power = 0.0, 0.0
+        dispatch.advance(flow, mode, starts[k], half, x)
+        for j in range(ways.size):
+            ways[j] = _sign(terms.direction[j], x, 0.0)
         while passed < half:
             width = _width(rates[mode], passed, half - passed, durations[k])
             panels += 1
@@ -145,7 +161,7 @@ def _residual(flow, terms, rates, modes, starts, ends, durations, clock, seized,
                 for j in range(nodes.size):
                     dispatch.advance(flow, mode, starts[k], begin + 0.5 * width * (1.0 + nodes[j]), x)
                     weight = 0.5 * width * weights[j]
-                    power, size = _power(terms, mode, x, weight, work)
+                    power, size = _power(terms, mode, x, ways, weight, work)
                     balance -= weight * power
                     largest_power = max(largest_power, abs(power))
                     rounding += weight * size

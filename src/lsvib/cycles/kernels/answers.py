@@ -19,7 +19,9 @@ from lsvib.cycles.kernels.plan import (
     F_LEFT,
     F_OLD,
     F_OLDER,
+    FIRST,
     KIND,
+    LAST,
     LEFT,
     LEFT_MODE,
     LIMIT,
@@ -230,7 +232,7 @@ def _answer_return(tables, plan, search, room, phase, excess, count):
             return cycle_from(plan, search, room, plan.origin[0], plan.origin[1]) if attracts else OPEN
         if not abs(real[SLOPE]) < 1.0:
             return go_on(plan, room)
-        if not attracts or real[SLOPE] < -search.clear / search.slope_step:  # what no map without seizures has
+        if not attracts:
             return OPEN
         return return_from(plan, search, room, STRAIGHT, 0.0)
     u = plan.origin[0] + plan.direction[0] * real[Y_OLD]
@@ -273,7 +275,8 @@ def answer(tables, facts, search, plan, room, phase, status, mode, count):
     back = status == _STOPPED and math.isfinite(end)
     if phase == ORBIT:
         return CYCLE if back else OPEN
-    if not back or room.times[0] == 0.0:
+    inside = plan.real[FIRST] <= plan.real[PLACE] <= plan.real[LAST]
+    if not back or room.times[0] == 0.0 or not inside:
         return _answer_return(tables, plan, search, room, phase, math.nan, 0)
     excess = place(plan, room.state[0], room.state[1]) - plan.real[PLACE]
     return _answer_return(tables, plan, search, room, phase, excess, count)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.jit import kernel
 
@@ -69,9 +70,10 @@ class Plan(NamedTuple):
 MODE, MOST, LEFT_MODE, CHUNK, USED, KIND, ENTERS, LINE, CHOSEN, SECANTS, WIDER, EVENTS, REPEATS = range(13)
 WHOLES = 13  # how many they are
 # Of ``real``: place that is followed; the last two places and P(y) − y there; half width of the interval; P(y) − y at
-# its left end and at the first place of P′; longest time of a return; P′.
-PLACE, Y_OLDER, F_OLDER, Y_OLD, F_OLD, WIDTH, F_LEFT, F_AFTER, LIMIT, SLOPE = range(10)
-REALS = 10  # how many they are
+# its left end and at the first place of P′; longest time of a return; P′; the places between
+# which motions go into the mode.
+PLACE, Y_OLDER, F_OLDER, Y_OLD, F_OLD, WIDTH, F_LEFT, F_AFTER, LIMIT, SLOPE, FIRST, LAST = range(12)
+REALS = 12  # how many they are
 
 
 class Room(NamedTuple):
@@ -115,6 +117,36 @@ def lay_section(tables, plan, u, w):
         length = max(abs(direction[0] / size[0]), abs(direction[1] / size[1]))
         direction[0], direction[1] = direction[0] / length, direction[1] / length
         plan.whole[CHOSEN] = abs(direction[1] / size[1]) > abs(direction[0] / size[0])
+        _lay_inner_part(tables, plan)
+
+
+@kernel
+def _lay_inner_part(tables, plan):
+    """Find the places of the line from which motions go into the mode; as ``Section`` does."""
+    origin, along, size, real = plan.origin, plan.direction, plan.size, plan.real
+    real[FIRST], real[LAST] = -math.inf, math.inf
+    mode = plan.whole[ENTERS]
+    a_0, a_1, b = tables.flow[mode, A0], tables.flow[mode, A1], tables.flow[mode, B]
+    bend = -a_0 * origin[0] - a_1 * origin[1] + b
+    more = -a_0 * along[0] - a_1 * along[1]
+    far_w = max(abs(origin[1]), abs(origin[1] + along[1]))
+    far_bend = abs(a_0) * max(abs(origin[0]), abs(origin[0] + along[0])) + abs(a_1) * far_w + abs(b)
+    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+        sign, row = tables.guard_sign[guard], tables.surfaces[tables.guard_surface[guard]]
+        met = ROUNDING * (abs(row[0]) * size[0] + abs(row[1]) * size[1] + abs(row[2]))
+        parallel = ROUNDING * (abs(row[0] * along[0]) + abs(row[1] * along[1]))
+        on_it = abs(row[0] * origin[0] + row[1] * origin[1] + row[2]) <= met
+        if on_it and abs(row[0] * along[0] + row[1] * along[1]) <= parallel:
+            rate = sign * (row[0] * origin[1] + row[1] * bend)
+            slope = sign * (row[0] * along[1] + row[1] * more)
+            lost = ROUNDING * (abs(row[0]) * far_w + abs(row[1]) * far_bend)
+            corner = -(rate + lost) / slope if abs(slope) > lost else -math.inf
+            if slope > lost:
+                real[FIRST] = max(real[FIRST], corner)
+            elif slope < -lost:
+                real[LAST] = min(real[LAST], corner)
+            elif rate < -lost:
+                real[FIRST], real[LAST] = math.inf, -math.inf
 
 
 @kernel

@@ -40,18 +40,24 @@ def _multiply(left, right, low, high, factor, one, out):
 
 
 @kernel
-def _exponential(matrix, low, high, t, out, scratch):
-    """Write e^{B t} of the block at ``low:high`` of ``matrix`` to the same place of ``out``."""
-    if high == low + 1:
-        out[low, low] = math.exp(matrix[low, low] * t)
-        return
+def _squarings(matrix, low, high, t):
+    """Return ‖B t‖ of the block at ``low:high`` of ``matrix``, and how often a step of t / 2^s is squared."""
     size = 0.0
     for i in range(low, high):
         row = 0.0
         for j in range(low, high):
             row += abs(matrix[i, j])
         size = max(size, row * t)
-    squarings = max(0, math.ceil(math.log2(size))) if 1.0 < size < math.inf else 0
+    return size, max(0, math.ceil(math.log2(size))) if 1.0 < size < math.inf else 0
+
+
+@kernel
+def _exponential(matrix, low, high, t, out, scratch):
+    """Write e^{B t} of the block at ``low:high`` of ``matrix`` to the same place of ``out``."""
+    if high == low + 1:
+        out[low, low] = math.exp(matrix[low, low] * t)
+        return
+    _, squarings = _squarings(matrix, low, high, t)
     step = t * 0.5**squarings
     for i in range(low, high):
         for j in range(low, high):
@@ -95,16 +101,10 @@ def _increment(matrix, low, high, t, out, scratch):
 
     The norm that is returned is cut off at 1: what rounds the exponential is that part of it.
     """
-    size = 0.0
-    for i in range(low, high):
-        row = 0.0
-        for j in range(low, high):
-            row += abs(matrix[i, j])
-        size = max(size, row * t)
+    size, squarings = _squarings(matrix, low, high, t)
     if high == low + 1:
         out[low, low] = math.expm1(min(matrix[low, low] * t, OVERFLOW))
         return min(size, 1.0)
-    squarings = max(0, math.ceil(math.log2(size))) if 1.0 < size < math.inf else 0
     step = t * 0.5**squarings
     for i in range(low, high):
         for j in range(low, high):

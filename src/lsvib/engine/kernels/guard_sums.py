@@ -38,7 +38,10 @@ class Sums(NamedTuple):
 
     states: np.ndarray  # (ROWS, q and n or more) the modal state at time zero, and spare room
     form: np.ndarray  # (q + 1,) one guard in modal coordinates
-    starts: np.ndarray  # (g,) each guard at time zero, from the state itself
+    starts: np.ndarray  # (g,) each guard at time zero, from the state itself, or as known
+    known: np.ndarray  # (g,) each guard at time zero where more is known than the state holds, else not a number
+    doubts: np.ndarray  # (g,) rounding of each guard at time zero
+    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; their number in the last row
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
     pairs: np.ndarray  # (g, p, 4)
     pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
@@ -59,6 +62,9 @@ def room_for(flow, guards):
         np.empty((flow_modal.ROWS, max(size, n))),
         np.empty(size + 1),
         np.empty(guards),
+        np.full(guards, math.nan),
+        np.empty(guards),
+        np.zeros((guards + 1, 3)),
         np.empty(guards),
         np.empty((guards, pairs, 4)),
         np.empty((guards, pairs, ORDERS, 4)),
@@ -174,6 +180,19 @@ def evaluate(flow, mode, sums, guard, node):
         rate += factors[1] * e
         bend += factors[2] * e
     out[0], out[1], out[2] = value, rate, bend
+
+
+@kernel
+def rounding_at(flow, mode, sums, guard, node):
+    """Return the size of a guard at a node below which it is rounding only: of its parts as far as they are left."""
+    total = abs(sums.constants[guard])
+    for pair in range(flow.pairs[mode]):
+        at = sums.pair_nodes[node, pair]
+        total += bound(sums.pair_bounds[guard, pair, 0], at[3], at[4], at[5])
+    for single in range(flow.singles[mode]):
+        e, integral = sums.single_nodes[node, single, 0], sums.single_nodes[node, single, 1]
+        total += abs(sums.singles[guard, single, 0] * e) + abs(sums.singles[guard, single, 1] * integral)
+    return 8.0 * EPS * total
 
 
 @inlined_kernel

@@ -107,12 +107,35 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
                 return first_below(ahead, b)
             continue
         if outcome == _TOUCHES:
-            return _GRAZE, touched, 0.5 * (a + b)
+            t = _touching(
+                flow, mode, start, weights, constants, touched, starts[touched], b, ahead[touched, 1],
+                ahead[touched, 2], ahead, there, noise, work,
+            )  # fmt: skip
+            for guard in range(count):  # one that falls before that is looked for from here
+                t = -1.0 if t > b and guard != touched and ahead[guard, 0] <= 0.0 else t
+            if t > limit:
+                return _NONE, -1, limit
+            return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
-            first, when = _earliest(
-                flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding
-            )
-            slope = ahead[first, 1]
+            bottom, t = math.inf, math.inf
+            while t >= 0.0:
+                first, when, slope, bend = _earliest(
+                    flow, mode, start, weights, constants, ahead, a, b, there, work, on_surface, rounding
+                )
+                t = -1.0
+                if first >= 0 and slope * slope < 2.0 * SHAKEN * bend * rounding[first]:
+                    t = _touching(
+                        flow, mode, start, weights, constants, first, starts[first], when, slope, bend, ahead,
+                        there, noise, work,
+                    )  # fmt: skip
+                if t >= 0.0:
+                    constants[first] = math.inf  # no root; another guard may have one before it touches
+                    if t < bottom:
+                        touched, bottom = first, t
+                    carry(flow, mode, start, b, there, work)
+                    _values(weights, constants, there, ahead)
+            if bottom < when or first < 0:
+                return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
             if rounding[first] > SHARP * abs(slope) * when:
                 when = _sharpened(
                     flow, mode, start, weights[first, 0], starts[first], rounding[first], slope, when, limit,
@@ -317,10 +340,10 @@ def _never(flow, mode, z, weights, constants, sizes, moved):
 def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_surface, rounding):
     """Find the earliest root on a decided step [a, b] s.
 
-    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard,
-    time [s]); ``ahead`` holds the values of this guard near there.
+    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard
+    or −1, time [s], its first two derivatives there); ``ahead`` is overwritten.
     """
-    first, when, slope = -1, b, 0.0
+    first, when, slope, bend = -1, b, 0.0, 0.0
     for guard in range(constants.size):
         if first >= 0 and ahead[guard, 0] <= 0.0:
             carry(flow, mode, start, when, z, work)
@@ -332,28 +355,60 @@ def _earliest(flow, mode, start, weights, constants, ahead, a, b, z, work, on_su
                     continue
                 low = _top(flow, mode, start, weights, constants, guard, a, when, ahead, z, work)
             first, when = guard, _root(flow, mode, start, weights, constants, guard, low, when, ahead, z, work)
-            slope = ahead[guard, 1]
-    ahead[first, 1] = slope
-    return first, when
+            slope, bend = ahead[guard, 1], ahead[guard, 2]
+    return first, when, slope, bend
+
+
+@kernel
+def _changed(flow, mode, start, weights, value_at_zero, t, moves, sizes, work):
+    """Return a guard with weights (q) at time t [s] as :func:`lsvib.engine.kernels.search_modal._changed` does.
+
+    ``moves``, ``sizes`` (q) and ``work`` are scratch space.
+    """
+    change(flow, mode, start, t, moves, sizes, work)
+    value, total = value_at_zero, abs(value_at_zero)
+    for j in range(start.size):
+        value += weights[j] * moves[j]
+        total += abs(weights[j]) * sizes[j]
+    return value, 8.0 * EPS * total
 
 
 @kernel
 def _sharpened(flow, mode, start, weights, value_at_zero, rounding, slope, t, limit, moves, sizes, work):
-    """Return a root of a guard with weights (q) as :func:`lsvib.engine.kernels.search_modal.sharpened` does.
+    """Return a root of a guard with weights (q) as :func:`lsvib.engine.kernels.search_modal._sharpened` does.
 
     ``rounding``: of the guard as the sum of its parts; ``moves``, ``sizes`` (q) and ``work`` are scratch space.
     """
     for _ in range(REPEATS):
-        change(flow, mode, start, t, moves, sizes, work)
-        value, total = value_at_zero, abs(value_at_zero)
-        for j in range(start.size):
-            value += weights[j] * moves[j]
-            total += abs(weights[j]) * sizes[j]
+        value, noise = _changed(flow, mode, start, weights, value_at_zero, t, moves, sizes, work)
         step = -value / slope if slope != 0.0 else 0.0
-        if not (8.0 * EPS * total < rounding and abs(value) <= SHAKEN * rounding and 0.0 < t + step <= limit):
+        if not (noise < rounding and abs(value) <= SHAKEN * rounding and 0.0 < t + step <= limit):
             break
         t += step
     return t
+
+
+@kernel
+def _touching(flow, mode, start, weights, constants, index, value_at_zero, t, slope, bend, out, moves, sizes, work):
+    """Return the time of a minimum as :func:`lsvib.engine.kernels.search_modal._touching` does, or −1.
+
+    ``weights`` (g, k, q); ``out`` (g, 3), ``moves``, ``sizes`` (q) and ``work`` are scratch space. An exponential of a
+    block loses more than a sum: its coordinates are known to ``_NOISE`` last places, a sum to eight.
+    """
+    for _ in range(REPEATS):
+        t -= slope / bend
+        if not (t > 0.0 and bend > 0.0):
+            return -1.0
+        carry(flow, mode, start, t, moves, work)
+        _values(weights, constants, moves, out)
+        slope, bend = out[index, 1], out[index, 2]
+    lowest, rounding = out[index, 0], _rounding(weights[index, 0], constants[index], moves)
+    off, first = constants[index] - value_at_zero, _rounding(weights[index, 0], constants[index], start)
+    for j in range(start.size):
+        off += weights[index, 0, j] * start[j]
+    value, noise = _changed(flow, mode, start, weights[index, 0], value_at_zero, t, moves, sizes, work)
+    positive = 8.0 * value >= -_NOISE * noise and 8.0 * lowest >= -_NOISE * rounding * (1.0 + abs(off) / first)
+    return t if positive else -1.0
 
 
 @kernel

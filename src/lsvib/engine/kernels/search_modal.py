@@ -63,6 +63,8 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     guard_sums.prepare(flow, mode, state, guards, work)
     for guard in range(count):
         work.starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
+        if work.known[guard] > 0.0:
+            work.starts[guard] = work.values[0, guard, 0] = work.known[guard]
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
@@ -96,12 +98,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                 return first_below(work.values[there, :count], b)
             continue
         if outcome == _TOUCHES:
-            return _GRAZE, touched, 0.5 * (a + b)
+            return _at_touch(flow, mode, work, count, there, touched, guards[touched], a, b, limit)
         if outcome == _ROOT:
-            first, when, slope = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
-            if work.rounding[first] > SHARP * abs(slope) * when:
-                when = sharpened(flow, mode, work, first, guards[first], slope, when, limit)
-            return _CROSSING, first, when
+            return _at_root(flow, mode, work, count, there, guards, a, b, on_surface, rate, limit)
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
@@ -249,13 +248,47 @@ def first_below(values, b):
 
 
 @inlined_kernel
+def _at_touch(flow, mode, work, count, there, touched, row, a, b, limit):
+    """Result of the search where a guard, by its number and its row (n + 1), touches zero about a step [a, b] s."""
+    at = work.values[there, touched]
+    t = _touching(flow, mode, work, touched, row, b, at[1], at[2])
+    for guard in range(count):  # one that falls before that is looked for from here
+        if t > b and guard != touched:
+            guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+            t = -1.0 if work.values[_SPARE, guard, 0] <= 0.0 else t
+    if t > limit:
+        return _NONE, -1, limit
+    return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
+
+
+@inlined_kernel
+def _at_root(flow, mode, work, count, there, guards, a, b, on_surface, rate, limit):
+    """Result of the search on a decided step [a, b] s on which one of the guards has a root, or touches zero."""
+    touched, bottom, t = -1, math.inf, math.inf
+    while t >= 0.0:
+        first, when, slope, bend = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+        t = -1.0
+        if first >= 0 and slope * slope < 2.0 * SHAKEN * bend * work.rounding[first]:
+            t = _touching(flow, mode, work, first, guards[first], when, slope, bend)
+        if t >= 0.0:
+            work.values[there, first, 0] = math.inf  # no root; another guard may have one before it touches
+            if t < bottom:
+                touched, bottom = first, t
+    if bottom < when or first < 0:
+        return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
+    if work.rounding[first] > SHARP * abs(slope) * when:
+        when = _sharpened(flow, mode, work, first, guards[first], slope, when, limit)
+    return _CROSSING, first, when
+
+
+@inlined_kernel
 def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
     """Find the earliest root on a decided step [a, b] s.
 
-    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard,
-    time [s], its slope there).
+    A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard
+    or −1, time [s], its first two derivatives there).
     """
-    first, when, slope = -1, b, 0.0
+    first, when, slope, bend = -1, b, 0.0, 0.0
     for guard in range(count):
         node = there
         if first >= 0 and work.values[there, guard, 0] <= 0.0:
@@ -272,31 +305,63 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
                 guard_sums.evaluate(flow, mode, work, guard, _SPARE)
                 node = _SPARE
             first = guard
-            when, slope = _root(flow, mode, work, guard, node, low, when, rate)
-    return first, when, slope
+            when, slope, bend = _root(flow, mode, work, guard, node, low, when, rate)
+    return first, when, slope, bend
 
 
 @kernel
-def sharpened(flow, mode, work, index, guard, slope, t, limit):
-    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of its parts has lost.
+def _changed(flow, mode, work, index, guard, t):
+    """Return a guard, by its number and its row (n + 1), at time t [s], and the size below which that is rounding only.
 
-    The guard is moved from its value at time zero by the changes of the modal state, which are as small as its own.
+    It is moved from its value at time zero by the changes of the modal state, which are as small as its own. That size
+    is no larger than those of its parts, which may have died away.
     """
-    size, longest = flow_modal.size_of(flow, mode), SHAKEN * work.rounding[index]
+    size = flow_modal.size_of(flow, mode)
     start, moves, sizes = work.states[0, :size], work.states[3, :size], work.states[4, :size]
     form = work.form[: size + 1]
     flow_modal.in_modal_form(flow, mode, guard, form)
+    flow_modal.change(flow, mode, start, t, moves, sizes)
+    value, total = work.starts[index], abs(work.starts[index])
+    for j in range(size):
+        value += form[j] * moves[j]
+        total += abs(form[j]) * sizes[j]
+    return value, 8.0 * EPS * total
+
+
+@kernel
+def _sharpened(flow, mode, work, index, guard, slope, t, limit):
+    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost."""
     for _ in range(REPEATS):
-        flow_modal.change(flow, mode, start, t, moves, sizes)
-        value, total = work.starts[index], abs(work.starts[index])
-        for j in range(size):
-            value += form[j] * moves[j]
-            total += abs(form[j]) * sizes[j]
+        value, noise = _changed(flow, mode, work, index, guard, t)
         step = -value / slope if slope != 0.0 else 0.0
-        if not (8.0 * EPS * total < work.rounding[index] and abs(value) <= longest and 0.0 < t + step <= limit):
+        shaken = abs(value) > SHAKEN * work.rounding[index]
+        if not noise < work.rounding[index] or shaken or not 0.0 < t + step <= limit:
             break
         t += step
     return t
+
+
+@kernel
+def _touching(flow, mode, work, index, guard, t, slope, bend):
+    """Return the time of the minimum of a guard next to t [s], or −1 if it is negative beyond rounding there.
+
+    ``slope`` and ``bend`` are the derivatives at t. Without damping a guard that starts at zero with its first
+    derivative touches zero after a turn, where rounding alone makes two roots of one. It is negative if its sum or its
+    change says so; the sum is as wrong as it was at time zero, as far as its parts are left.
+    """
+    guard_sums.go_to(flow, mode, work, 0.0, _SPARE)
+    guard_sums.evaluate(flow, mode, work, index, _SPARE)
+    off = abs(work.values[_SPARE, index, 0] - work.starts[index])
+    for _ in range(REPEATS):
+        t -= slope / bend
+        if not (t > 0.0 and bend > 0.0):
+            return -1.0
+        guard_sums.go_to(flow, mode, work, t, _SPARE)
+        guard_sums.evaluate(flow, mode, work, index, _SPARE)
+        slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
+    value, noise = _changed(flow, mode, work, index, guard, t)
+    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / work.rounding[index])
+    return t if value >= -noise and work.values[_SPARE, index, 0] >= -rounding else -1.0
 
 
 @kernel
@@ -320,23 +385,23 @@ def _top(flow, mode, work, guard, low, high):
 
 @inlined_kernel
 def _root(flow, mode, work, guard, node, low, high, rate):
-    """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it; and its slope.
+    """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it.
 
-    The values of the guard at ``high`` are those of ``node``.
+    The values of the guard at ``high`` are those of ``node``. Returns (time [s], first two derivatives there).
     """
-    t, slope = high, 0.0
+    t, slope, curvature = high, 0.0, 0.0
     for count in range(300):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:
             low = t
         elif value == 0.0:
-            return t, slope
+            return t, slope, curvature
         else:  # negative, or overflown far beyond the root
             high = t
         t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
-            return t, slope
+            return t, slope, curvature
         node = _SPARE
         guard_sums.go_to(flow, mode, work, t, node)
         guard_sums.evaluate(flow, mode, work, guard, node)
-    return t, slope
+    return t, slope, curvature

@@ -108,4 +108,5 @@ def _distances(axes: Axes, dataset: xr.Dataset) -> None:
         axes.annotate(f"({letter}) ratio {ratio:.4f}", (number[middle], found[middle]), place, ha=side,
                       textcoords="offset points")  # fmt: skip
     axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))
