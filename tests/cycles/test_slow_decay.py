@@ -371,7 +371,7 @@ def test_a_cycle_that_is_small_beside_its_start_is_not_steady_sliding(model, val
 )
 @pytest.mark.parametrize("net_force", [1e-9, 1e-12])
 def test_what_has_shrunk_by_ten_decades_does_not_repeat(translation_damping, support_damping, net_force):
-    """Steady sliding is stable here by a millionth; its neighbours fall so far in a few events that they seem to stand."""
+    """Steady sliding is stable by a millionth; motions fall so far in a few events that they seem to stand."""
     second = {"screw_mass": 1.0, "support_stiffness": 1e8, "axial_support_damping": 3e3}
     automaton = small_net_force("support", translation_damping, net_force, support_damping=support_damping, **second)
     assert steady_state(automaton, np.array([1e-2, 0, 0, 0])).label is Attractor.STEADY_SLIDING
