@@ -10,6 +10,7 @@ from judge import boundary_judge, command, excuses, judges, long_run, threshold_
 from judge.fate import fate
 from judge.linear_judge import rates
 
+from lsvib.bench.record import Record
 from lsvib.bench.reference import rigid_digits
 from lsvib.bench.second_opinions import watch
 from lsvib.bench.sweeps import case_judge
@@ -218,6 +219,54 @@ def test_strides_decide_without_the_reference(drive, start):
     wide = wide_drive(*drive, start + 1)
     _, ask = list(judges.stages(wide, ["motion"]))[start]
     assert ask() == [judges.Finding(judges.RIGHT, start)]
+
+
+@pytest.mark.parametrize(
+    ("model", "index", "start"),
+    [
+        ("support", 72, 13),  # x′ is 1e-10 of r_m tan λ Ω, and a heavy nut hardly changes it
+        ("support", 291, 125),  # k_1 y + c_1 v is 1e-16 of its terms as the support creeps back
+        ("support", 725, 119),  # both
+        ("nut", 102, 110),  # the nut gets the speed of the screw, 1e-9 Ω, where slip begins
+        ("nut", 112, 12),
+        ("threads", 432, 83),  # slip ends soon after N has changed its sign
+        ("nut", 163, 122),  # the screw gets the speed of the nut, 1e-9 Ω, where slip ends
+    ],
+)
+def test_speeds_that_a_state_does_not_hold_are_carried(model, index, start):
+    """w = θ′ − Ω holds few digits of a small θ′, and events were late by 1e-9 to 4e-8 of the duration."""
+    wide = wide_drive(model, 9901, index, start + 1)
+    _, ask = list(judges.stages(wide, ["motion"]))[start]
+    assert ask() == [judges.Finding(judges.RIGHT, start)]
+
+
+def test_corners_have_the_times_of_their_events():
+    """Events at once may be told in many ways, but all others are told when they are."""
+    case = judges.motion_case(wide_drive("rigid", SEED, 0, 1), 0)
+    times = np.array([0.2, 0.4, 0.4 + 1e-8, 0.7]) * case.duration
+    path = Record(["stick", "release", "stick", "release"], times, np.ones(2), np.ones(2))
+    other = replace(path, kinds=["stick", "reversal", "release"], times=times[[0, 2, 3]])
+    assert case_judge.agree_but_corners(path, other, case)
+    for place in range(3):
+        late = replace(other, times=other.times + np.eye(3)[place] * 2e-6 * case.duration)
+        assert not case_judge.agree_but_corners(path, late, case)
+    late = replace(other, times=other.times + np.eye(3)[0] * 2e-9 * case.duration)
+    assert not case_judge.agree_but_corners(path, late, case)
+
+
+def test_a_sensitive_event_excuses_nothing_after_it(monkeypatch):
+    """The last places decide on the first event (9501/8279); what follows must be that of such an input."""
+    wide = wide_drive("rigid", 9501, 8279, 32)
+    case, honest = judges.motion_case(wide, 17), case_judge.engine_path
+
+    def verdict(spoil) -> case_judge.Verdict:
+        monkeypatch.setattr(case_judge, "engine_path", lambda motion, of: spoil(honest(motion, of)))
+        return case_judge.judge(case, np.random.default_rng(0), by_reference=True).verdict
+
+    assert verdict(lambda path: path) is case_judge.Verdict.BEYOND_INPUT
+    assert verdict(lambda path: replace(path, kinds=[*path.kinds[:-1], "seizure"])) is case_judge.Verdict.WRONG
+    late = verdict(lambda path: replace(path, times=path.times + 1e-5 * case.duration * (path.times == path.times[-1])))
+    assert late in (case_judge.Verdict.WRONG, case_judge.Verdict.INACCURATE)
 
 
 def test_a_slip_that_died_away_is_a_corner():

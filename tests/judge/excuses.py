@@ -8,7 +8,7 @@ import numpy as np
 from lsvib.bench.record import Record
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.families import Case
-from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, same_but_corners, without_clusters
+from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, without_clusters
 
 _INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
 _MOVED = 4  # inputs moved at random; each of them costs a run of the reference
@@ -57,13 +57,9 @@ def same_corners(path: Record, exact: Record, case: Case) -> bool:
     """
     if path.complete or exact.complete:
         return False
-    gap = _AT_ONCE * case.duration
-    one, two = (without_clusters(x.kinds, x.times, gap) for x in (path, exact))
-    begins, starts = (x.times[np.append(True, np.diff(x.times) > gap)] for x in (path, exact))
-    count = min(len(one), len(two)) - 1  # the last one may not be told to its end
-    late = np.abs(begins[:count] - starts[:count]).max(initial=0.0)
-    alike = same_but_corners(one[:count], two[:count]) and late <= case_judge.TOLERANCE * case.duration
-    return count >= MOST_EVENTS // 4 and alike
+    count = min(len(without_clusters(x.kinds, x.times, _AT_ONCE * case.duration)) for x in (path, exact)) - 1
+    # The last one may not be told to its end.
+    return count >= MOST_EVENTS // 4 and case_judge.same_corners(path, exact, case, count)
 
 
 def dies_away(path: Record, exact: Record, case: Case) -> bool:

@@ -149,6 +149,18 @@ def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tupl
         return place * equilibrium + constant, place + rate * slow, place + rate * fast
 
 
+def _parts_of_guards(modes: dict[str, Mode], surfaces: dict[str, Surface], n: int, forms: Callable | None):
+    """Return the table ``guard_parts`` of all guards; arguments as of :func:`assemble`."""
+    parts = None
+    if n == 2:
+        parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
+    elif forms:
+        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
+        parts = forms([mode.flow for mode in modes.values()], rows)
+    count = sum(len(mode.guards) for mode in modes.values())
+    return doubles([x for part in parts or () for x in part], (count, len(parts[0]) if parts else 0))
+
+
 def assemble(
     states: tuple[str, ...],
     surfaces: dict[str, Surface],
@@ -157,13 +169,16 @@ def assemble(
     observables: dict[str, dict[str, Row]],
     shortest_stay: Any,
     stack: Callable | None = None,
+    forms: Callable | None = None,
     **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
 
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
-    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); ``facts``, the other attributes of
-    :class:`Automaton`. Branches into modes that the model does not have are an error.
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); with more than two states ``stack``,
+    which makes the flow of those of the modes, and ``forms``, which makes ``guard_parts`` of them and of the guards by
+    mode; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the model does not have are an
+    error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
@@ -182,12 +197,7 @@ def assemble(
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=doubles(
-            [x for mode in modes.values() for guard in mode.guards for x in _guard_parts(mode, guard, surfaces)]
-            if n == 2
-            else [],
-            (len(guards), 3 if n == 2 else 0),
-        ),
+        guard_parts=_parts_of_guards(modes, surfaces, n, forms),
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),

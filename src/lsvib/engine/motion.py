@@ -142,7 +142,7 @@ def follow(
     an_event, a_step = _COSTS[isinstance(automaton.tables.flow, BlockFlow)]
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
-    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / a_step])
+    scale, clock = np.abs(state), _clock(automaton, budget.left / a_step)
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
@@ -171,6 +171,13 @@ def follow(
         automaton, 0.0, start_mode, start_state, *columns,
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
+
+
+def _clock(automaton: Automaton, steps: float) -> np.ndarray:
+    """Return a clock at zero with so many steps left, and room for what one run hands on to the next."""
+    clock = np.zeros(7 + 3 * automaton.tables.guard_sign.size)
+    clock[3] = steps
+    return clock
 
 
 class _Undone(NamedTuple):

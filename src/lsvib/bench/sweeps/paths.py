@@ -29,7 +29,7 @@ _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in rang
 _MOST_STEPS = 100_000  # steps of the stepper; motions that need more go to the reference
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
 TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
-_CORNER = "corner"
+CORNER = "corner"  # stands for events that follow each other at once
 _TWO_BODIES = ("support", "nut")  # models with a second body
 _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
 _SLIPS = {1: "forward", -1: "backward"}
@@ -42,7 +42,7 @@ def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -
     tokens: list[str] = []
     for k, kind in enumerate(kinds):
         if k and times[k] - times[k - 1] <= gap:
-            tokens[-1] = _CORNER
+            tokens[-1] = CORNER
         else:
             tokens.append(kind)
     return tokens
@@ -50,7 +50,7 @@ def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -
 
 def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
     """Whether two results of :func:`without_clusters` agree; a corner agrees with any event."""
-    return len(left) == len(right) and all(a == b or _CORNER in (a, b) for a, b in zip(left, right, strict=True))
+    return len(left) == len(right) and all(a == b or CORNER in (a, b) for a, b in zip(left, right, strict=True))
 
 
 def is_rigid(case: Case) -> bool:

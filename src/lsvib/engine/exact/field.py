@@ -57,11 +57,12 @@ def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mappin
     ``frozen``: coordinates that keep a value in this mode, with that value.
     """
     with mpmath.workdps(DIGITS):
-        matrix = mpmath.matrix([[_exact(x) for x in row] for row in rows])
-        return Field(matrix, np.asarray(sizes, dtype=float), {i: _exact(x) for i, x in (frozen or {}).items()})
+        matrix = mpmath.matrix([[many_digits(x) for x in row] for row in rows])
+        return Field(matrix, np.asarray(sizes, dtype=float), {i: many_digits(x) for i, x in (frozen or {}).items()})
 
 
-def _exact(number):
+def many_digits(number: int | float | Decimal) -> mpmath.mpf:
+    """Return a number in the digits of the context; floats are taken exactly."""
     return mpmath.mpf(number) if isinstance(number, (int, float)) else mpmath.mpf(str(number))
 
 

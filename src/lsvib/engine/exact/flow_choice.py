@@ -18,7 +18,7 @@ import numpy as np
 from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
 from lsvib.engine.exact.field import DIGITS, Field, exact_field
 from lsvib.engine.exact.modal_arrays import ManyModes, modal_modes
-from lsvib.engine.exact.modal_form import ModalMode, modal_flow, modal_mode
+from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow, modal_mode
 from lsvib.engine.exact.pair_arrays import Pairs
 from lsvib.engine.exact.reach import reached
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
@@ -88,3 +88,9 @@ def flow_of(modes: Sequence[Any]) -> ModalFlow | BlockFlow | list[ModalFlow | No
     if any(mode.modal is None for mode in modes):
         return block_flow([mode.blocks for mode in modes])
     return modal_flow([mode.modal for mode in modes])
+
+
+def guard_forms_of(modes: Sequence[LinearMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
+    """Return :func:`lsvib.engine.exact.modal_form.guard_forms` if all modes are in modal form, else None."""
+    forms = [mode.modal for mode in modes if mode.modal is not None]
+    return guard_forms(forms, rows) if len(forms) == len(modes) else None

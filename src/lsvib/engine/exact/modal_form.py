@@ -18,10 +18,11 @@ import mpmath
 import numpy as np
 
 from lsvib.engine.exact.factors import subspaces
-from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification
+from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification, many_digits
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
 
+_LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
@@ -31,7 +32,7 @@ class ModalMode:
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
     :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
-    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x.
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x. ``exact``: V and v₀ before they were rounded, if known.
     """
 
     oscillators: np.ndarray
@@ -41,6 +42,7 @@ class ModalMode:
     from_modal: np.ndarray
     field: np.ndarray
     condition: float
+    exact: mpmath.matrix | None = None
 
     @property
     def time_scales(self) -> list[float]:
@@ -194,21 +196,20 @@ def _row(a0, a1) -> np.ndarray:
 
 def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMode:
     n, count, alive = field.rows.rows, 2 * len(pairs) + len(singles), field.alive
-    to_modal, from_modal = np.zeros((count, n + 1)), np.zeros((n, count + 1))
-    offset = mpmath.zeros(n, 1)
+    to_modal, exact = np.zeros((count, n + 1)), mpmath.zeros(n, count + 1)
     for i, value in field.kept.items():
-        offset[i] = value
+        exact[i, count] = value
     first = 0
     for piece in [*pairs, *singles]:
         for k in range(piece.into.rows):
             for j, i in enumerate(alive):
                 to_modal[first + k, i] = float(piece.into[k, j])
-                from_modal[i, first + k] = float(piece.out[j, k])
+                exact[i, first + k] = piece.out[j, k]
             to_modal[first + k, n] = float(piece.into[k, len(alive)])
         for j, i in enumerate(alive):
-            offset[i] += piece.out[j, piece.into.rows]
+            exact[i, count] += piece.out[j, piece.into.rows]
         first += piece.into.rows
-    from_modal[:, -1] = [float(x) for x in offset]
+    from_modal = np.array(exact.tolist(), dtype=float)
     condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
     if not condition < WORST_CONDITION:
         raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
@@ -219,7 +220,33 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         from_modal,
         field.table(),
         condition,
+        exact,
     )
+
+
+def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
+    """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of decimals by mode.
+
+    An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so.
+    """
+    width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
+    with mpmath.workdps(DIGITS):
+        for mode, guards in zip(modes, rows, strict=True):
+            table, count = mode.from_modal.tolist(), len(mode.to_modal)
+            for guard in guards:
+                *exact, constant = (many_digits(x) for x in guard)
+                *plain, last = (float(x) for x in guard)
+                form = [0.0] * width
+                for j in range(count + 1):
+                    place = j if j < count else -1
+                    true, rounded = (constant, last) if j == count else (mpmath.mpf(0), 0.0)
+                    for i, weight in enumerate(plain):
+                        true += exact[i] * mode.exact[i, place]
+                        rounded += weight * table[i][place]
+                    unsure = abs(true - rounded) > _LOST * abs(true)
+                    form[j], lost = float(true) if unsure else rounded, lost or unsure
+                found.append(form)
+    return found if lost else None
 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:

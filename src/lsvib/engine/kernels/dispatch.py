@@ -12,6 +12,7 @@ from numba import types
 from numba.extending import overload
 
 from lsvib.engine.kernels import (
+    carried,
     flow_blocks,
     flow_modal,
     flow_planar,
@@ -98,6 +99,16 @@ def _planar_is_still(flow, mode, state):
 
 
 @kernel
+def _nothing(flow, *arguments):
+    pass  # only modal flows carry guards from arc to arc
+
+
+@kernel
+def _as_the_state_says(flow, surface, sign, value, size, work):
+    return value, size
+
+
+@kernel
 def _modal_travel(flow, mode, state, stay, scale, work):
     flow_modal.travel(flow, mode, state, stay, scale, work.states)
 
@@ -134,6 +145,14 @@ steps_left = _by_kind(_planar_steps_left, _modal_steps_left, _block_steps_left)
 slopes_at = _by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_modal.slopes_at)
 is_still = _by_kind(_planar_is_still, flow_modal.is_still, flow_modal.is_still)
 search = _by_kind(_planar_search, search_modal.search, _block_search)
+note = _by_kind(_nothing, carried.note, _nothing)
+note_at_once = _by_kind(_nothing, carried.note_at_once, _nothing)
+forget = _by_kind(_nothing, carried.forget, _nothing)
+put_as_noted = _by_kind(_nothing, carried.put_as_noted, _nothing)
+recalled = _by_kind(_as_the_state_says, carried.recalled, _as_the_state_says)
+begin = _by_kind(_nothing, carried.begin, _nothing)
+take_up = _by_kind(_nothing, carried.take_up, _nothing)
+leave_behind = _by_kind(_nothing, carried.leave_behind, _nothing)
 
 
 @allocating_kernel

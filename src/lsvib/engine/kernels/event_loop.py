@@ -2,8 +2,8 @@
 
 A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be
 zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: a
-guard that rises is watched from its first maximum on, and a guard that falls fires at once. No time step and no
-tolerance in time is involved.
+guard that rises is watched from its first maximum on, and a guard that falls fires at once. Of a guard that the state
+does not hold, :mod:`lsvib.engine.kernels.carried` knows more. No time step and no tolerance in time is involved.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.carried import FAINT
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
@@ -50,11 +51,21 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
+        known, doubt = math.nan, 0.0 if on_surface[k] else size
+        if size > FAINT * abs(value):
+            noted, rest = dispatch.recalled(
+                tables.flow, tables.guard_surface[guard], tables.guard_sign[guard], value, size, work
+            )
+            if rest < size and noted > rest:  # more is known than the state holds
+                known, doubt = noted, rest
         if on_surface[k]:
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
-            if value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
+            if known > 0.0:
+                on_surface[k] = rate >= -rate_size
+            elif value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
                 return _CROSSING, guard, 0.0
+        dispatch.begin(tables.flow, k, known, doubt, work)
     if _stays(tables.flow, mode, state) or (touched and dispatch.is_still(tables.flow, mode, state)):
         return _NONE, first_guard, limit
     found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
@@ -129,6 +140,9 @@ def arrive(tables, mode, state, scale, guard, stay, work):
     if stay > 0.0:
         dispatch.travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
+        dispatch.note(tables.flow, tables, mode, guard, stay, state, scale, work)
+    else:
+        dispatch.note_at_once(tables.flow, tables, guard, work)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
 
@@ -157,8 +171,9 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
     Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (4): time [s], its compensation, the number of stays below ``shortest_stay`` so far in a row,
-    and the number of steps that searches may still take, replaced; t_end, which may be infinite; stop_kind and
+    from, replaced; clock (4, or more, see :mod:`lsvib.engine.kernels.carried`): time [s], its compensation, the number
+    of stays below ``shortest_stay`` so far in a row, and the number of steps that searches may still take, replaced;
+    t_end, which may be infinite; stop_kind and
     stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any mode; kind −1: never);
     events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0. If a run
     ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
@@ -171,6 +186,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
     dispatch.allow(tables.flow, work, clock[3])
+    dispatch.take_up(tables.flow, clock, work)
     count = 0
     while True:
         clock[3] = dispatch.steps_left(tables.flow, work)
@@ -186,6 +202,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
+            dispatch.leave_behind(tables.flow, clock, work)
             return Status.EVENTS_FULL, mode, count
         arrive(tables, mode, state, scale, guard, stay, work)
         add_time(clock, stay)
@@ -197,6 +214,11 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
         end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
         if end != GOES_ON:
             return end, mode, count
+        reset = tables.transition_reset[tables.guard_transition[guard]]
+        if reset >= 0 and sign != 0:  # an impulse
+            dispatch.forget(tables.flow, work)
+        elif reset >= 0:
+            dispatch.put_as_noted(tables.flow, tables, reset, state, work)
         if kind == ACCUMULATION_KIND:
             clock[2] = 0.0
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode

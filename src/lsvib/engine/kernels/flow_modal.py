@@ -259,9 +259,16 @@ def slopes_at(flow, mode, state, scale, guard):
 
 @inlined_kernel
 def in_modal_form(flow, mode, guard, out):
-    """Write an affine function of the state (n + 1) as one of the modal coordinates (q + 1) to ``out``."""
+    """Write an affine function of the state (n + 1) as one of the modal coordinates (q + 1) to ``out``.
+
+    A guard may have its modal form behind the n + 1 numbers, with digits that the sums here would lose.
+    """
     table = flow.from_modal[mode]
     n, count = table.shape[0], out.size - 1
+    if guard.size > n + 1:
+        for j in range(count + 1):
+            out[j] = guard[n + 1 + j]
+        return
     for j in range(count):
         total = 0.0
         for i in range(n):

@@ -20,7 +20,7 @@ class Tables(NamedTuple):
     guard_surface: np.ndarray  # (g,)
     guard_sign: np.ndarray  # (g,) sign of the surface function inside the mode, ±1
     guard_transition: np.ndarray  # (g,)
-    guard_parts: np.ndarray  # (g, 3) of planar flows, see ``crossing._shape``; (g, 0) of others
+    guard_parts: np.ndarray  # (g, 3) of planar flows, see ``crossing._shape``; modal forms (g, q + 1), or none (g, 0)
     transition_reset: np.ndarray  # (t,) index of the reset, −1 for none
     resets: np.ndarray  # (r, n, n + 1) affine maps of the state
     branch_start: np.ndarray  # (t + 1,)
