@@ -227,7 +227,6 @@ def test_strides_decide_without_the_reference(drive, start):
         ("support", 72, 13),  # x′ is 1e-10 of r_m tan λ Ω, and a heavy nut hardly changes it
         ("support", 291, 125),  # k_1 y + c_1 v is 1e-16 of its terms as the support creeps back
         ("support", 725, 119),  # both
-        ("support", 678, 87),  # as the threads let go, the slide creeps on at 1e-16 of what it did, and then stops
         ("nut", 102, 110),  # the nut gets the speed of the screw, 1e-9 Ω, where slip begins
         ("nut", 112, 12),
         ("threads", 432, 83),  # slip ends soon after N has changed its sign

@@ -47,7 +47,6 @@ _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 ar
 SHARP = 2.0**-37
 SHAKEN = 16.0  # of this rounding: a guard that is further from zero at its root has another root
 REPEATS = 3  # of Newton's step, whose slope has lost digits as well
-FALSI = 80  # steps of regula falsi, which needs some ten
 HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
@@ -332,8 +331,6 @@ def _changed(flow, mode, work, index, guard, t):
 @kernel
 def _sharpened(flow, mode, work, index, guard, slope, t, limit):
     """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost."""
-    if work.known[index] > 0.0:
-        return _root_from_known(flow, mode, work, index, guard, t, limit)
     for _ in range(REPEATS):
         value, noise = _changed(flow, mode, work, index, guard, t)
         step = -value / slope if slope != 0.0 else 0.0
@@ -342,32 +339,6 @@ def _sharpened(flow, mode, work, index, guard, slope, t, limit):
             break
         t += step
     return t
-
-
-@kernel
-def _root_from_known(flow, mode, work, index, guard, t, limit):
-    """Return as :func:`_sharpened` a root of a guard that begins with less than the rounding of its sum.
-
-    The root t of the sum may be many times too late then, where its slope is none of the root's; so the root is
-    enclosed between time zero and a time at which the guard is negative (regula falsi, Illinois).
-    """
-    low, high, above, below, guess = 0.0, math.inf, work.starts[index], -math.inf, t
-    for _ in range(FALSI):
-        value, noise = _changed(flow, mode, work, index, guard, guess)
-        if not noise < work.rounding[index] or not 0.0 < guess <= limit:
-            return t
-        if value == 0.0:
-            return guess
-        if value > 0.0:
-            low, above, below = guess, value, 0.5 * below
-        else:
-            high, below, above = guess, value, 0.5 * above
-        if high - low <= 4.0 * EPS * high:
-            break
-        guess = low + (high - low) * above / (above - below) if high < math.inf else 4.0 * guess
-        if not low < guess < high:
-            guess = 0.5 * (low + high)
-    return high if high < math.inf else t
 
 
 @kernel
