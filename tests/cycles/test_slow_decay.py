@@ -338,9 +338,9 @@ def test_hammering_beside_a_slow_swing_is_told_by_its_trend_over_whole_turns(ind
 
 def small_net_force(model, translation_damping, net_force, **values):
     """Drive of Table 8.1 with a second body, whose axial force and translation damping nearly balance."""
-    table = lsvib.RigidDrive().parameters
+    table = find_model("rigid").drive.of()
     nut_speed = table.pitch_radius * math.tan(table.lead_angle) * table.input_speed
-    drive = find_model(model).parameters.of(
+    drive = find_model(model).drive.of(
         mass=1.0,
         translation_damping=translation_damping,
         axial_force=translation_damping * nut_speed + net_force,
