@@ -111,3 +111,10 @@ def test_walks_of_quiet_times_cost_little():
     found = steady_state(automaton, state, max_events=300_000)
     assert found.label == Attractor.OTHER_CYCLE
     assert found.residual < 1e-9
+
+
+def test_a_rate_of_zero_beside_what_winds_up_is_told_by_no_parts():
+    """With a support that creeps at 10⁻⁵ 1/s a block has no inverse beside what winds up: once a traceback."""
+    automaton, state = scene("support", 83, 10, 0)
+    blocks = [parts_of(automaton.tables.flow, mode, state) for mode in range(len(automaton.codes))]
+    assert any(found is None for found in blocks)

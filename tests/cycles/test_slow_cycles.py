@@ -15,6 +15,7 @@ from lsvib.basins.mapper import mapper
 from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.family_edges import _beyond
+from lsvib.cycles.recurrences import recurrence
 from lsvib.cycles.return_map import conserves
 from lsvib.drives.registry import find_model
 from lsvib.engine.motion import Budget, follow
@@ -175,3 +176,25 @@ def test_a_motion_comes_to_the_edge_of_a_neutral_family(model, index, start):
     beyond = [_beyond(automaton, home, start) for start in starts[modes == home]]
     assert len(beyond) >= 2
     assert all(one > other > 0 for one, other in pairwise(beyond))
+
+
+def test_a_cycle_that_attracts_by_some_billionths_is_told_by_exact_multipliers():
+    """Seizures beside a slow swing, which takes 8·10⁶ of them to turn; the speed of the nut vanishes on the cycle."""
+    wide = wide_drive("nut", 83, 75, 8)
+    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
+    found, other = (steady_state(automaton, wide.starts[k], max_events=100_000) for k in (5, 2))
+    assert found.label == other.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.period == pytest.approx(other.period, rel=1e-6, abs=0)
+    assert 1 - found.multiplier == pytest.approx(3.62857e-9, rel=1e-4, abs=0)
+    swinging = follow(automaton, wide.starts[5], math.inf, max_events=2000)  # not there yet
+    assert recurrence(automaton, swinging, Budget(1e5)) is None
+
+
+def test_amplitudes_that_come_back_after_a_leap_have_no_trend():
+    """A swing as large as its touches of rest allow: its turns went into two windows alike, and seemed a trend."""
+    wide = wide_drive("nut", 83, 7, 4)
+    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
+    motion = follow(automaton, wide.starts[2], math.inf, max_events=40_000)
+    sizes = [np.abs(part).max(axis=0) for part in np.array_split(motion.after[10_000:], 3)]
+    assert sizes[2] == pytest.approx(sizes[0], rel=1e-6, abs=0)
+    assert steady_state(automaton, wide.starts[2], max_events=700_000).label == Attractor.RECURRENT

@@ -334,3 +334,44 @@ def test_hammering_beside_a_slow_swing_is_told_by_its_trend_over_whole_turns(ind
     """A fast vibration decays while the slide swings slowly, and hardly damped: at 1735 and 0.8 1/s, and alike."""
     automaton, state = scene("support", 83, index, start)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
+
+
+def small_net_force(model, translation_damping, net_force, **values):
+    """Drive of Table 8.1 with a second body, whose axial force and translation damping nearly balance."""
+    table = find_model("rigid").drive.of()
+    nut_speed = table.pitch_radius * math.tan(table.lead_angle) * table.input_speed
+    drive = find_model(model).drive.of(
+        mass=1.0,
+        translation_damping=translation_damping,
+        axial_force=translation_damping * nut_speed + net_force,
+        **values,
+    )
+    return find_model(model).build(drive, find_model(model).options, "contact_sign")
+
+
+@pytest.mark.parametrize(
+    ("model", "values"),
+    [
+        ("support", {"translation_damping": 300, "net_force": 1e-6, "support_damping": 6e-5}),
+        ("nut", {"translation_damping": 100, "net_force": 1e-7, "support_damping": 2e-5}),
+    ],
+)
+def test_a_cycle_that_is_small_beside_its_start_is_not_steady_sliding(model, values):
+    """Steady sliding is unstable here, and in the inside of its mode; the cycle is as small as the net force."""
+    second = {"screw_mass": 1.0, "support_stiffness": 1e6, "axial_support_damping": 100.0}
+    second = second if model == "support" else {"nut_inertia": 1e-5, "nut_stiffness": 1e4, "nut_damping": 1e-2}
+    automaton = small_net_force(model, **values, **second)
+    from_afar, near = (steady_state(automaton, np.array([u, 0, 0, 0])) for u in (1e-2, 1e-9))
+    assert from_afar.label is near.label is Attractor.OTHER_CYCLE
+    assert from_afar.amplitude == pytest.approx(near.amplitude, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("translation_damping", "support_damping"), [(6000, 0.0018614882427863708), (10000, 0.0030938669500318004)]
+)
+@pytest.mark.parametrize("net_force", [1e-9, 1e-12])
+def test_what_has_shrunk_by_ten_decades_does_not_repeat(translation_damping, support_damping, net_force):
+    """Steady sliding is stable by a millionth; motions fall so far in a few events that they seem to stand."""
+    second = {"screw_mass": 1.0, "support_stiffness": 1e8, "axial_support_damping": 3e3}
+    automaton = small_net_force("support", translation_damping, net_force, support_damping=support_damping, **second)
+    assert steady_state(automaton, np.array([1e-2, 0, 0, 0])).label is Attractor.STEADY_SLIDING

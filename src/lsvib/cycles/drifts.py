@@ -90,7 +90,7 @@ def pursue(
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
-    conserved = conserves(automaton)
+    conserved, quarters = conserves(automaton), 0.0
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
         # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
@@ -131,7 +131,7 @@ def pursue(
             rows = 0
         if trend is None:
             window = longer
-        elif trend.consistent:
+        elif trend.consistent and not (window == longest and trend.came_back(before, quarters)):
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             quarters, before, blank, seen = reach(trend, trust), trend, 0, []
             rows = rows + 1 if quarters > QUARTERS else 0
@@ -147,7 +147,7 @@ def pursue(
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
         elif window == longest and not trend.moves:
             seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
-            blank = blank + 1 if trend.none else 0
+            blank = blank + 1 if trend.none or trend.consistent else 0
             if blank == _BLANKS or no_trend(seen):
                 return Recurrence(motion.end_state), leapt
         else:

@@ -60,7 +60,11 @@ def parts_of(flow: ModalFlow | BlockFlow, mode: int, state: np.ndarray) -> Parts
     drift = np.zeros((state.size, 3))
     drift[:, 0] = (flow.from_blocks if in_blocks else flow.from_modal)[mode][:, -1]
     rates, along, condition = [np.zeros(0)], [np.zeros((state.size, 0))], 1.0
-    for matrix, own, start, out in _blocks(flow, mode, place) if in_blocks else _modes(flow, mode, place):
+    try:
+        blocks = list(_blocks(flow, mode, place) if in_blocks else _modes(flow, mode, place))
+    except np.linalg.LinAlgError:  # a rate beside what winds up is zero, too
+        return None
+    for matrix, own, start, out in blocks:
         if own is None:  # a chain of zeros
             once = matrix @ start
             drift += out @ np.column_stack([start, once, 0.5 * matrix @ once])

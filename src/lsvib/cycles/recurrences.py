@@ -10,8 +10,9 @@ from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
+from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import Budget, Motion
 
 PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
@@ -21,9 +22,14 @@ FEWEST = 4  # fewest returns that show where a motion goes, unless they repeat
 _WAY = np.linspace(0.0, 1.0, 9)  # parts of the way to a fixed point at which the events of a return are compared
 _POINTS = 1000  # latest returns that show where a motion goes; over more of them a slow approach is lost in rounding
 _STEPS = 8  # returns in a row that tell a drift from rounding
-# A fixed point smaller than this, in scales of the motion, is the equilibrium itself, on a surface. The first number is
+# A fixed point smaller than this, in scales of the motion, is the equilibrium if that lies on a surface: the first one
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 CORNERS = (1e-9, 1e-5)
+_ON_IT = 1e-6  # distance to a cycle, in its own sizes, within which a motion is on it: rounding over 1 − multiplier
+_ATTRACTS = 1e-11  # least distance of the multipliers of a faint cycle from one, as after leaps by returns
+_LEFT = 1e-3  # most that may be left of the way to it, in sizes of the motion
+_FEW = 64  # events of a return whose derivative is an exact product at little cost
+_NONE = 1e-12  # part of the fastest rate of a mode that is none
 _ROUNDS = 3  # periods with thousands of events after which a motion must have come back
 _BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle
 _NEARER = 0.5  # their largest multiplier: rounding, or a faint damping, does not bring them so near within a period
@@ -85,7 +91,8 @@ def recurrence(
         if size.size > 2 and not _by_the_same_events(section, found):
             continue
         if np.abs(found.state / size).max() < CORNERS[size.size > 2]:
-            if np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max():
+            nearer = np.abs(points[-1] / size).max() < np.abs(before[-1] / size).max()
+            if nearer and not _pushed(motion):
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
@@ -94,11 +101,59 @@ def recurrence(
             if again is not None and (np.abs(again.state - found.state) <= CORNERS[0] * size).all():
                 return cycle_through(there, again)
         return cycle_through(section, found)
+    if size.size > 2:
+        faint = _faintly(automaton, Watched(key, points, size, longest), budget)
+        if faint is not None:
+            return faint
     if not repeats.size or _drifts(points[::-nearest]):
         return None
     found = section.repeated()
     attracts = abs(found.multiplier) < 1 - MARGIN  # no comparison holds with a multiplier that is not known
-    return cycle_through(section, found) if attracts or found.neutral else None
+    return cycle_through(section, found) if found.neutral or (attracts and _on_its_cycle(section)) else None
+
+
+def _faintly(automaton: Automaton, seen: Watched, budget: Budget | None) -> SteadyState | None:
+    """Return the cycle that a motion with more than two states repeats if it attracts, however faintly; else None.
+
+    Its exact multipliers tell, in the sizes of :func:`_natural`, which leave them all their digits. The steps of
+    returns are rounding then, and may seem to drift: what they add up to must be a small way.
+    """
+    key, points, size = seen.key, seen.points, _natural(automaton, seen)
+    changes = (np.abs(points[-1] - points[-2 : -2 - SOLVED : -1]) / size).max(axis=1)
+    if not changes.size or changes.min() > REPEATS[1]:
+        return None
+    section = ReturnSection(automaton, key, points[-1], size, int(np.argmin(changes)) + 1, seen.longest, budget)
+    orbit = section.come_back(section.origin) if section.dimension else None
+    if orbit is None or orbit.time.size > _FEW:
+        return None
+    basis = np.linalg.qr(section.directions / size[:, None])[0]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # it may be next to what it only touches
+        exact = derivative(orbit)
+        slopes = basis.T @ (exact.matrix / size[:, None] * size) @ basis
+        lost = np.abs(basis.T) @ (exact.rounding / size[:, None] * size) @ np.abs(basis) * automaton.condition
+    if not (np.isfinite(slopes).all() and np.isfinite(lost).all()):
+        return None
+    multiplier, margin = largest(slopes), eigenvalues(slopes)[1] * float(np.linalg.norm(lost))
+    if not abs(multiplier) < 1 - max(margin, _ATTRACTS):
+        return None
+    gap = basis.T @ ((orbit.end_state - section.origin) / size)
+    way = size * (basis @ np.linalg.lstsq(np.eye(len(gap)) - slopes, gap, rcond=None)[0])
+    found = FixedPoint(section.origin + way, multiplier, math.nan)
+    near = (np.abs(way) <= _LEFT * size).all() and (np.abs(section.origin) > CORNERS[1] * size).any()
+    near &= np.abs(gap).max() <= REPEATS[1] * (_swing(orbit) / size).max()
+    return cycle_through(section, found) if near and _by_the_same_events(section, found) else None
+
+
+def _natural(automaton: Automaton, seen: Watched) -> np.ndarray:
+    """Return sizes (n) of a motion in which a speed that vanishes counts: what the slowest rate makes of its place."""
+    matrix, size = automaton.tables.flow.field[seen.key[1]][:, :-1], seen.size.copy()
+    rates = np.abs(np.linalg.eigvals(matrix))
+    slow = rates[rates > _NONE * rates.max()].min(initial=math.inf)
+    for place, row in enumerate(matrix):
+        if slow < math.inf and row.max() == row.sum() == np.abs(row).sum() == 1:  # the rate of one is the other
+            speed = int(np.argmax(row))
+            size[speed] = max(size[speed], slow * seen.size[place])
+    return size
 
 
 def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
@@ -116,10 +171,11 @@ def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
     rows = _in_a_row(motion)
     found, often = np.unique(rows[rows.size // 2 :], return_counts=True)
     at = np.flatnonzero(rows == found[np.argmin(often)]) + 1
-    states = motion.after[at]
+    states, late = motion.after[at], np.abs(motion.after[rows.size // 2 :]).max(axis=0)
+    late[late == 0] = 1.0
     for apart in range(1, min(SOLVED, (at.size - 1) // _ROUNDS) + 1):
         rounds = states[-1] - states[-1 - apart * _ROUNDS : -1 : apart]
-        if (np.abs(rounds) <= REPEATS[1] * seen.size).all():
+        if (np.abs(rounds) <= REPEATS[1] * late).all():
             break
     else:
         return None
@@ -154,6 +210,34 @@ def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
     target = section.place(found.state)
     events = [section.outcome(part * target)[1] for part in _WAY]
     return events[0] is not None and all(one == events[0] for one in events)
+
+
+def _pushed(motion: Motion) -> bool:
+    """Whether a mode of the later half of a motion has its equilibrium elsewhere than at steady sliding.
+
+    Then steady sliding lies on no surface, and no events are left near it: what is small is a cycle.
+    """
+    flow, modes = motion.automaton.tables.flow, np.unique(motion.mode[motion.time.size // 2 :])
+    return bool((flow[modes, columns.EQUILIBRIUM] if isinstance(flow, np.ndarray) else flow.field[modes, :, -1]).any())
+
+
+def _on_its_cycle(section: ReturnSection) -> bool:
+    """Whether the origin is a fixed point of the return map as far as the size of its own orbit tells.
+
+    What has fallen by ten decades since the first event seems to repeat while it still moves by parts of itself. The
+    fixed point, if there is one, is (1 − P′)⁻¹ (P(y) − y) away.
+    """
+    here, orbit = np.zeros(section.dimension), section.come_back(section.origin)
+    (slopes, _), gap = section.slopes(here), section.excess(here)
+    if orbit is None or not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
+        return False
+    away = section.directions @ np.linalg.lstsq(np.eye(section.dimension) - slopes, gap, rcond=None)[0]
+    return bool(np.abs(away / section.size).max() <= _ON_IT * (_swing(orbit) / section.size).max())
+
+
+def _swing(orbit: Motion) -> np.ndarray:
+    """Return how far (n) the states of a motion lie apart."""
+    return np.ptp(orbit.at(orbit.end_time * _WAY)[0], axis=0)
 
 
 def _drifts(states: np.ndarray) -> bool:

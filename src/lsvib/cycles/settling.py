@@ -22,7 +22,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     The mode is a sum of oscillators: one with two states, one for each pair of rates with more. The attractor is rest
     in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows; and a
     neutral family if one of them goes on for ever. The family has a period if only one does: several frequencies have
-    none in common.
+    none in common. With more than two states a damping below 1e-30 of the frequency counts as none.
     """
     flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
     if automaton.codes[mode] in automaton.rest_codes:

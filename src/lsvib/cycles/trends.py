@@ -25,6 +25,7 @@ _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # a multiple of its own spread.
 _NO_TREND = 3e-3
 _NOISE = 3.0
+_BACK = 0.05  # part of the change that a leap has made with which amplitudes have come back
 _LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
 _FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
@@ -36,8 +37,8 @@ _STILL = 1e-12  # added to a change that divides: a trend that is as small is le
 class Trend(NamedTuple):
     """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
 
-    ``quarters`` (4, t) are these logarithms of pairs that turn; ``turns``, how often the slowest of them does in the
-    window; ``moves``, whether a coordinate drifts.
+    ``quarters`` (4, t) are these logarithms of the pairs that turn, ``turning`` (t); ``turns``, how often the slowest
+    of them does in the window; ``moves``, whether a coordinate drifts.
     """
 
     mode: int
@@ -47,6 +48,7 @@ class Trend(NamedTuple):
     none: bool
     moves: bool
     quarters: np.ndarray
+    turning: np.ndarray
     turns: float
 
     def continues(self, before: "Trend | None") -> bool:
@@ -55,6 +57,17 @@ class Trend(NamedTuple):
             return False
         one, other = (t.step / np.abs(t.step).max() for t in (before, self))
         return bool(np.abs(one - other).max() <= _STEADY)
+
+    def came_back(self, before: "Trend | None", leap: float) -> bool:
+        """Whether amplitudes are what they were before a leap of so many quarters, which should have changed them.
+
+        What is attracted by them, such as a torus, has no trend: its turns went into the windows alike.
+        """
+        if before is None or before.mode != self.mode:
+            return False
+        foreseen = leap * np.abs(before.step[before.turning])
+        change = np.abs(self.quarters.mean(axis=0) - before.quarters.mean(axis=0))
+        return bool((change[foreseen > 0] <= _BACK * foreseen[foreseen > 0]).all())
 
 
 def trend_of(motion: Motion) -> Trend | None:
@@ -94,7 +107,7 @@ def trend_of(motion: Motion) -> Trend | None:
     scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
     consistent = bool(steady.any() and (steady | scatters).all())
     turns = (motion.end_time - motion.start_time) / turn
-    return Trend(home, full, bend, consistent and not none, none, moves, quarters, turns)
+    return Trend(home, full, bend, consistent and not none, none, moves, quarters, turning, turns)
 
 
 def no_trend(windows: list[Trend]) -> bool:
