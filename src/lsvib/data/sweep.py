@@ -24,7 +24,8 @@ from lsvib.errors import InputError
 
 Progress = Callable[[int, int], None]
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
-# To each parameter whose range depends on another one: that one, and which of its values goes with all of them.
+# The range of each depends on the other. Frictions are tried with the largest angle, which leaves them the least room,
+# and angles with the smallest friction, so that of a pair which does not go together the friction is refused.
 _COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
 _MOST = 10_000_000  # points, of which each has some hundred bytes
 

@@ -28,7 +28,7 @@ COARSE = (36, 27)  # cells of the map of any other model, of which every motion 
 _SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
 _PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn
 _MARGIN = 0.12  # of the window around what it holds
-_DECADES = 1e3  # from its low to its high end, beyond which a parameter is drawn over its logarithm
+_DECADES = 1e3  # ratio of its ends beyond which a parameter is drawn over its logarithm
 _ALPHA = 0.45  # of the map, so that the motion and the lines show on it
 
 
@@ -88,7 +88,8 @@ def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np
 def labels(drive: RigidParameters, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
 
-    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; a third is saved by it.
+    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; that saves a third of
+    the time.
     """
     return _mapper(drive, rounding).cells(grid_of(window, cells), quantities=("label",))["label"]
 

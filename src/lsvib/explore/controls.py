@@ -101,7 +101,7 @@ class Controls:
         """Give a slider its ends around a value, and the value."""
         end = _REACH * abs(value) or _FROM_ZERO.get(key, 1.0)
         step = 2 * end / _STEPS if key in _SIGNED else end / _STEPS
-        zero = 0.0 if allowed_range(kind, key).startswith("0 <=") else step  # what zero is allowed for
+        zero = 0.0 if allowed_range(kind, key).startswith("0 <=") else step  # zero only where it is allowed
         start = -end if key in _SIGNED else zero
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 

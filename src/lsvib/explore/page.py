@@ -24,9 +24,9 @@ from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-_THROTTLE = 8  # ms that requests are gathered for which came while an answer was made
-_PAUSE = 0.02  # s after an answer; a request that comes later is alone, and is answered at once
-_REST = 500  # ms without a request, after which the hand is taken to rest
+_THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
+_PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once
+_REST = 500  # ms without a request after which the hand counts as at rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
 LOOK = 300  # ms after which it is looked again whether an engine is compiled
 _COMPILING = (
@@ -34,9 +34,9 @@ _COMPILING = (
     "drive as soon as that is done; until then the drawings are those of the drive before."
 )
 _FRAME = 80  # ms of a frame of the animation
-_FRAMES = 100  # of the animation of a motion, 8 s
+_FRAMES = 100  # of the animation of a motion, which so lasts 8 s
 _POINTS = {"rigid": 61}  # of the amplitude curve
-_FEW_POINTS = 21  # of that of other models, a point of which may take half a second
+_FEW_POINTS = 21  # of the amplitude curve of other models, a point of which may take half a second
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
 if (link) window.history.replaceState(null, "", link.getAttribute("href"));
@@ -63,12 +63,12 @@ class Page:
         self.view = view
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
-        self.seconds = 0.0  # of the last answer at once
+        self.seconds = 0.0  # that the last immediate answer took
         self._asked: dict[str, str] = {}
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._wanted: View | None = None  # waits for its engine
+        self._wanted: View | None = None  # asked for, while its engine is being compiled
         self._slow: Iterator[None] = iter(())
         self._stepping = False
         self._shares: dict[Attractor, float] = {}

@@ -63,7 +63,7 @@ class PromptSocket(WSHandler):
 
 
 class Icon(RequestHandler):
-    """Answers a browser that asks for an icon that there is none."""
+    """Tells a browser that asks for an icon that there is none."""
 
     def get(self) -> None:
         """Send nothing."""

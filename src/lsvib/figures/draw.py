@@ -40,5 +40,5 @@ def caption_of(figure: str, picture: Figure) -> str:
     These are the words under the picture, which say what is printed and what is assumed, without mathematics.
     """
     words = caption_file(figure).read_text(encoding="utf-8").strip()
-    values = re.sub(r"([*`|_\\])", r"\\\1", plain(picture.get_supxlabel()))  # they mean themselves
+    values = re.sub(r"([*`|_\\])", r"\\\1", plain(picture.get_supxlabel()))  # so that they mean themselves
     return f"{words}\n\nValues: {values}\n" if values else f"{words}\n"

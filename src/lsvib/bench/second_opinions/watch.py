@@ -40,7 +40,7 @@ _ON_LINE = 1e-15  # of its terms; Q below this is zero
 _AT_END = 1e-13  # of its terms; u beyond the band of rest
 _TURNS = 1e6  # half turns after which the phase is not known well enough
 _DOUBLINGS = 2000  # of a time that begins at 1e-3 of the fastest; it is infinite before
-_STEPS = 200  # of a root; bisection alone ends in 60 per doubling of the bracket
+_STEPS = 200  # of a root: 53 halvings of a bracket leave a double, and one more for each power of two nearer to zero
 
 
 class WatchConstants(NamedTuple):

@@ -1,6 +1,7 @@
 r"""Cases of compliant threads at the edge: contacts over eleven decades, and rates of slip that coincide.
 
-With ν = cos λ (cos λ + s μ sin λ) the characteristic polynomial of slip under law s is (`models.linear.threads_model`)
+With ν = cos λ (cos λ + s μ sin λ) the characteristic polynomial of slip under law s is (see
+:func:`lsvib.steady_sliding.linearised.threads_model`)
 
     g(σ) + (k_c + c_c σ) h(σ),      g = (I σ² + c σ + k)(m σ² + c_x σ),      h = ν (Γ_s σ² + C_s σ + k).
 

@@ -114,7 +114,7 @@ def guide(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 
 
     To be called when the panel has its limits. ``size`` of the arrows in points; the words are a little smaller.
     N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
-    follows law −, for which N θ′ < 0, and beyond the line there is no solution: a name stands where motions slip.
+    follows law −, for which N θ′ < 0, and beyond the line there is no solution: only the side of slip has a name.
     """
     draw_arrows(axes, case, cycle, size)
     paths = _paths(case, cycle)
