@@ -17,8 +17,8 @@ from lsvib.drives import friction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.resumption import Resume
 
-_NEAR = 1e-6  # of the distance to the nearest event: linear, and well above rounding
-_FAR = 10.0  # of the sum of all lengths of the drive along u
+_NEAR = 1e-6  # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
+_FAR = 10.0  # u of the far start, in sums of all lengths of the drive along u
 
 
 class Behaviour(IntEnum):

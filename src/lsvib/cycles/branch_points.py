@@ -25,7 +25,7 @@ from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, InputError
 
 _NEWTON = 30  # steps; where the derivative jumps as an event appears they converge slowly at first
-_PARTS = 1.0  # a step of Newton's method as long as the motion itself has lost the branch
+_PARTS = 1.0  # size of a step of Newton's method, in sizes of the motion, beyond which it has left the branch
 _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
 _ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
 _PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
