@@ -11,7 +11,7 @@ from lsvib.cycles.periodic import Cycle
 
 _HALVINGS = 50  # more than a step needs to shrink to _NARROW
 _SECANTS = 60  # more than halving alone takes from a step to rounding
-_AT_FOLD = 1e-13  # a tangent whose part along p is no larger stands still in p
+_AT_FOLD = 1e-13  # part of the tangent along p that counts as none: the branch turns there
 _NARROW = 1e-12  # length of the branch within which a change is located
 
 
