@@ -157,11 +157,17 @@ def put_as_noted(flow, tables, reset, state, work):
 
 @kernel
 def recalled(flow, surface, sign, value, size, work):
-    """Return a guard and its rounding as noted, if that is closer than ``value`` with ``size``, else these."""
-    for k in range(int(work.noted[work.noted.shape[0] - 1, 0])):
-        if work.noted[k, 0] == surface and work.noted[k, 2] < size and abs(sign * work.noted[k, 1] - value) <= size:
-            return sign * work.noted[k, 1], work.noted[k, 2]
-    return value, size
+    """Return a guard as noted, not a number if the state holds it as well, and the rounding of what is known of it.
+
+    ``value`` and ``size`` are the guard and its rounding by the state; a guard on its surface has no rounding.
+    """
+    known, doubt = math.nan, 0.0 if value <= size else size
+    if size > FAINT * abs(value):
+        for k in range(int(work.noted[work.noted.shape[0] - 1, 0])):
+            noted, rest = sign * work.noted[k, 1], work.noted[k, 2]
+            if work.noted[k, 0] == surface and rest < size and abs(noted - value) <= size:
+                return (noted, rest) if noted > rest else (known, doubt)
+    return known, doubt
 
 
 @inlined_kernel

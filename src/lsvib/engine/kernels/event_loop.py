@@ -12,7 +12,6 @@ import numpy as np
 
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.carried import FAINT
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
@@ -51,13 +50,9 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
-        known, doubt = math.nan, 0.0 if on_surface[k] else size
-        if size > FAINT * abs(value):
-            noted, rest = dispatch.recalled(
-                tables.flow, tables.guard_surface[guard], tables.guard_sign[guard], value, size, work
-            )
-            if rest < size and noted > rest:  # more is known than the state holds
-                known, doubt = noted, rest
+        known, doubt = dispatch.recalled(
+            tables.flow, tables.guard_surface[guard], tables.guard_sign[guard], value, size, work
+        )
         if on_surface[k]:
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
