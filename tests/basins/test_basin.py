@@ -14,12 +14,14 @@ from mpmath import findroot, mp, mpf, quad
 
 from lsvib.basins import backward_motions
 from lsvib.basins.clipping import Window
-from lsvib.basins.curves import Arc, state_on
+from lsvib.basins.curves import Arc, Segment, area, state_on
 from lsvib.basins.exact_basin import Boundary, basin
 from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
+from lsvib.engine.automaton import oscillator
+from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
 
 DIGITS = 40
@@ -233,6 +235,58 @@ def test_area_in_a_window_is_the_sum_over_its_parts():
             size = (right - left) * (top - bottom)
             assert abs(upright - whole) < 1e-13 * size
             assert abs(across - whole) < 1e-13 * size
+
+
+@pytest.mark.parametrize("scene", ["touching slip", "repelling cycle of slip", "Fig. 8.14b beyond m_cr"])
+def test_share_of_windows_of_any_width_about_the_boundary(scene):
+    """Beside random points of the window: within five standard errors of their share, or refused as too narrow."""
+    found, generator, refused = basin(drive_of(scene)), np.random.default_rng(6), 0
+    points = found.line(Window(-0.3, 0.3, -150.0, 150.0))
+    points = points[np.isfinite(points).all(axis=1)]
+    for place in generator.choice(points, 60):
+        size = np.abs(points).max(axis=0) * 10 ** generator.uniform(-12, 0, 2)
+        low = place - generator.uniform(0, 1, 2) * size
+        window = Window(low[0], low[0] + size[0], low[1], low[1] + size[1])
+        try:
+            share = found.fraction(window)
+        except InputError:
+            refused += 1
+            continue
+        assert 0 <= share <= 1
+        states = generator.uniform(low, low + size, (200, 2))
+        counted = np.mean([found.contains(state) for state in states])
+        assert abs(counted - share) <= 5 * math.sqrt((share * (1 - share) + 1 / 200) / 200)
+    assert 5 < refused < 40
+
+
+def test_share_of_a_speck_is_that_of_its_place():
+    found = basin(drive_of("Fig. 8.14b beyond m_cr"))
+    u, w = next(piece.end for piece in found.curves[0] if isinstance(piece, Arc))
+    with pytest.raises(InputError, match="is too narrow for the boundary that passes through it"):
+        found.fraction(Window(u - 1e-14, u + 1e-14, w - 1, w + 1))
+    assert found.fraction(Window(-1e-200, 1e-200, -1e-200, 1e-200)) == 1
+    assert found.fraction(Window(9.0, 9.0 + 1e-14, -1e-200, 1e-200)) == 0
+
+
+def test_share_at_critical_damping_is_the_limit_of_the_shares_beside_it():
+    """The double root: 4 k Γ = C² to the last bit of the table of the flow."""
+    drive = RigidParameters.of(mass=11, axial_force=-1, coupling_stiffness=0.050787821425607456)
+    window, critical = Window(-1.0, 1.0, -100.0, 100.0), 0.001587119419550233
+    below, at, above = (basin(drive.replace(support_damping=critical * factor)) for factor in (1 - 1e-8, 1.0, 1 + 1e-8))
+    assert any(a1 * a1 == 4 * a0 for a0, a1 in at.flow[:, [columns.A0, columns.A1]])
+    assert at.fraction(window) == pytest.approx((below.fraction(window) + above.fraction(window)) / 2, rel=1e-13)
+
+
+def test_area_without_damping_is_the_limit_of_little_damping():
+    """Slip on a boundary is damped, but a double may lose one of 5e-324."""
+    areas = []
+    for damping in (0.0, 1e-30, 1e-300):
+        flow = oscillator(2, damping, 3, 1)[None, :]
+        arc = Arc(0, np.array([-1.0, 0.5]), np.zeros(2), 1.1)
+        arc = Arc(0, arc.start, state_on(flow, arc, 1.1), 1.1)
+        areas.append(area(flow, [[arc, Segment(arc.end, arc.start)]]))
+    assert areas[0] > 0
+    assert areas == pytest.approx([areas[0]] * 3, rel=1e-14)
 
 
 def test_size_grows_with_the_force_until_nothing_bounds_it():

@@ -78,6 +78,13 @@ def test_nothing_and_everything_is_survived():
         assert json.loads(json.dumps(stable.to_json(), allow_nan=False))["energy"] is None
 
 
+def test_nothing_is_survived_where_steady_sliding_is_neutral():
+    found = lsvib.RigidDrive(support_damping=0, axial_force=-10).resilience(WINDOW)
+    assert (found.boundary, found.energy, found.fraction) == ("neutral", 0, 0)
+    assert lsvib.RigidDrive(mass=11, axial_force=10).resilience().boundary == "unstable"
+    assert lsvib.RigidDrive(mass=11, support_damping=0, axial_force=10).resilience().boundary == "unstable"
+
+
 def test_wilson():
     """Textbook values: 0 of 10, 5 of 10, 10 of 10."""
     low, high = wilson(np.array([0, 5, 10]), np.array([10, 10, 10]))

@@ -8,6 +8,7 @@ without rest. 1e-12 is asked of the closed forms (they are rounded once or summe
 map (its fixed point is known to rounding over 1 − multiplier = 0.4).
 """
 
+import json
 import math
 
 import numpy as np
@@ -174,6 +175,20 @@ def test_effective_inertia_changes_sign_at_the_critical_mass():
     )
     assert critical_mass(RigidParameters.of(friction_coefficient=0.05)) is None  # not self-locking
     assert critical_friction(RigidParameters.of(mass=1e-6), 11.6) is None
+
+
+@pytest.mark.parametrize(
+    ("values", "name"),
+    [
+        ({"lead_angle": 1e-160, "friction_coefficient": 3e-160}, "critical_mass"),
+        ({"lead_angle": 0.005367, "screw_inertia": 2.13e-287, "mass": 3.2e-238}, "global_stability_force"),
+    ],
+)
+def test_a_threshold_that_doubles_do_not_hold_is_absent_with_a_reason(values, name):
+    table = threshold_table({**values, "input_speed": 1e9})
+    assert table[name]["value"] is None
+    assert "doubles" in table[name]["reason"]
+    json.dumps(table, allow_nan=False)
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])

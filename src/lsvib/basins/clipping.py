@@ -28,6 +28,14 @@ class Window(NamedTuple):
         """Whether a state (2) lies inside."""
         return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
 
+    def widened(self, width: float, height: float) -> "Window":
+        """Return the window about the same middle that is at least so wide [rad] and high [rad/s]."""
+        (left, right), (bottom, top) = (
+            (low, high) if high - low >= least else (0.5 * (low + high - least), 0.5 * (low + high + least))
+            for low, high, least in ((self.left, self.right, width), (self.bottom, self.top, height))
+        )
+        return Window(left, right, bottom, top)
+
 
 def clip(flow: np.ndarray, curves: Sequence[Curve], window: Window) -> list[Curve]:
     """Return the closed curves around the part of a region that lies in a window.

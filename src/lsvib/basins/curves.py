@@ -6,7 +6,7 @@ energy of the oscillator  u″ + a₁ u′ + a₀ u = b
 
     ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
 
-evaluated with 40 digits, of which a small a₁ may cost some. Along a line w = const, from u = −∞ on, the region is
+evaluated with 60 digits, and more for a small a₁. Along a line w = const, from u = −∞ on, the region is
 entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
 """
 
@@ -21,7 +21,7 @@ from lsvib.engine.kernels import columns, flow_planar, search_planar
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Found
 
-_DIGITS = 40  # digits of an area: the strips under the pieces of a boundary nearly cancel, which may cost 24 digits
+_DIGITS = 60  # of an area: the strips under its boundary nearly cancel, in a narrow window to 24 digits and 20 more
 
 
 @dataclass(frozen=True)
@@ -72,24 +72,47 @@ def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
 
 
 def area(flow: np.ndarray, curves: Iterable[Curve]) -> float:
-    """Return the area [rad²/s] to the right of closed curves (flow table, curves), by Green's theorem."""
+    """Return the area [rad²/s] to the right of closed curves (flow table, curves), by Green's theorem.
+
+    Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
+    """
+    total = mpf(0)
     with mp.workdps(_DIGITS):
-        return float(mp.fsum(_strip(flow, piece) for curve in curves for piece in curve))
+        for curve in curves:
+            for piece, following in zip(curve, [*curve[1:], curve[0]], strict=True):
+                strip, end = _strip(flow, piece)
+                total += strip + _under_line(end, _digits(following.start))
+    return float(total)
 
 
-def _strip(flow: np.ndarray, piece: Piece):
-    """∫ w du along a piece."""
-    (u, w), (u_end, w_end) = ([mpf(float(x)) for x in point] for point in (piece.start, piece.end))
+def _digits(point) -> tuple[mpf, mpf]:
+    return mpf(float(point[0])), mpf(float(point[1]))
+
+
+def _under_line(start: tuple[mpf, mpf], end: tuple[mpf, mpf]) -> mpf:
+    """∫ w du along a straight line."""
+    return (start[1] + end[1]) * (end[0] - start[0]) / 2
+
+
+def _strip(flow: np.ndarray, piece: Piece) -> tuple[mpf, tuple[mpf, mpf]]:
+    """∫ w du along a piece, and its end: of the end in double, the difference of energies would keep too few digits."""
+    u, w = _digits(piece.start)
     if isinstance(piece, Segment):
-        return (w + w_end) * (u_end - u) / 2
+        end = _digits(piece.end)
+        return _under_line((u, w), end), end
     a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (columns.A0, columns.A1, columns.B))
-    # The end to 40 digits: of the state in double, the difference of energies would keep too few.
-    time, root = mpf(piece.duration), mp.sqrt(mp.mpc(a1 * a1 / 4 - a0))
-    y, first, second = u - b / a0, -a1 / 2 + root, -a1 / 2 - root
-    s = (mp.exp(first * time) - mp.exp(second * time)) / (first - second)
-    s_rate = (first * mp.exp(first * time) - second * mp.exp(second * time)) / (first - second)
-    y_end, w_end = mp.re(y * (s_rate + a1 * s) + w * s), mp.re(w * s_rate - a0 * y * s)
-    return (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
+    little = mp.log10(a1 * a1 / abs(a0)) / 2 if a1 else 0
+    with mp.workdps(_DIGITS + max(0, -int(little))):  # the division by a₁ costs as many digits
+        time, root, y = mpf(piece.duration), mp.sqrt(mp.mpc(a1 * a1 / 4 - a0)), u - b / a0
+        decay = mp.exp(-a1 * time / 2)
+        s = mp.re(decay * (mp.sinh(root * time) / root if root else time))  # critical damping has a double root
+        even = mp.re(decay * mp.cosh(root * time))  # S′ = even − a₁ S / 2 of the response S to a blow
+        y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
+        if a1:
+            strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
+        else:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
+            strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
+    return strip, (y_end + b / a0, w_end)
 
 
 def contains(flow: np.ndarray, curves: Iterable[Curve], state) -> bool:

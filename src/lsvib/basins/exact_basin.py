@@ -32,11 +32,16 @@ from lsvib.drives.rigid import MotionMode, rigid_automaton
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import EngineError, InputError
 
+_NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
 _NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
 
 
 class AttractsNothing(InputError):
-    """Steady sliding is not asymptotically stable, so it has no basin."""
+    """Steady sliding is not asymptotically stable, so it has no basin; ``neutral``: motions near it do not grow."""
+
+    def __init__(self, sentence: str, neutral: bool) -> None:
+        super().__init__(sentence)
+        self.neutral = neutral
 
 
 class Boundary(IntEnum):
@@ -86,8 +91,32 @@ class Basin:
         return area(self.flow, self.curves) if self.bounded else math.inf
 
     def fraction(self, window: Window) -> float:
-        """Return the share [1] of a window that belongs to the basin."""
-        return self.area(window) / window.area
+        """Return the share [1] of a window that belongs to the basin.
+
+        Raises ``InputError`` where the boundary passes through a window that is too narrow for doubles.
+        """
+        if not self.curves:
+            return 1.0
+        narrow = _NARROW * self._size(window)
+        wide = window.widened(*narrow)
+        if wide != window:
+            if any(inside(self.flow, self.curves, wide)):
+                name, low, high, least = (
+                    ("u", window.left, window.right, narrow[0])
+                    if window.right - window.left < narrow[0]
+                    else ("w", window.bottom, window.top, narrow[1])
+                )
+                raise InputError(
+                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
+                    f"through it; the allowed range of high - low is at least {least:g} there."
+                )
+            return float(self.contains([0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)]))
+        return min(max(self.area(window) / window.area, 0.0), 1.0)
+
+    def _size(self, window: Window) -> np.ndarray:
+        """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
+        points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
+        return np.where(np.isfinite(points), points, 0.0).max(axis=0)
 
 
 def basin(drive: RigidParameters) -> Basin:
@@ -113,7 +142,8 @@ def _require_attraction(c: Coefficients) -> None:
         )
     if c.damping[c.steady_law] <= 0 or c.gamma[c.steady_law] <= 0:
         raise AttractsNothing(
-            "steady sliding attracts nothing in this drive: its effective damping or inertia is not positive."
+            "steady sliding attracts nothing in this drive: its effective damping or inertia is not positive.",
+            neutral=c.damping[c.steady_law] == 0 < c.gamma[c.steady_law],
         )
 
 
@@ -179,8 +209,8 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
             return None
         if at_stand >= 0 or kappa <= 0:
             raise InputError(
-                f"translation_damping = {d.translation_damping:g} is so large that slip crosses the line of no contact "
-                "force in another sense than is usual; the basin of such a drive is not covered."
+                f"translation_damping = {drive.translation_damping:g} is so large that slip crosses the line of no "
+                "contact force in another sense than is usual; the basin of such a drive is not covered."
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w

@@ -32,10 +32,10 @@ from lsvib.engine.kernels import columns
 class Resilience:
     """What steady sliding of a rigid drive survives; infinite where every push is survived, zero where none is.
 
-    ``boundary`` of its basin in words; smallest fatal push in the deflection ``angle`` [rad] alone, in the ``speed``
-    [rad/s] alone, by its ``energy`` [J], which leads to ``state`` (u [rad], w [rad/s]), nan if there is none;
-    ``fraction`` [1] of the ``window`` that settles, nan without a window; ``sampled``, the same from random starts
-    (:mod:`lsvib.basins.sampling`), if they are asked for.
+    ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; smallest fatal push in
+    the deflection ``angle`` [rad] alone, in the ``speed`` [rad/s] alone, by its ``energy`` [J], which leads to
+    ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that settles, nan without a
+    window; ``sampled``, the same from random starts (:mod:`lsvib.basins.sampling`), if they are asked for.
     """
 
     boundary: str
@@ -72,9 +72,9 @@ def resilience(drive: RigidParameters, window: Window | None = None) -> Resilien
         return _all(Boundary.NONE, window)  # every motion settles, however slowly: no boundary is looked for
     try:
         region = basin(drive)
-    except AttractsNothing:
+    except AttractsNothing as nothing:
         share = math.nan if window is None else 0.0
-        return Resilience("unstable", 0.0, 0.0, 0.0, (0.0, 0.0), share, window)
+        return Resilience("neutral" if nothing.neutral else "unstable", 0.0, 0.0, 0.0, (0.0, 0.0), share, window)
     if not region.curves:
         return _all(region.boundary, window)
     energy, state = least_energy(region)

@@ -7,6 +7,7 @@ from lsvib.drives import friction
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.exact.precision import PLACES
+from lsvib.errors import NoThreshold
 
 
 def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
@@ -35,11 +36,19 @@ def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
 
 
 def critical_mass(drive: RigidParameters) -> float | None:
-    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
+    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking.
+
+    Raises ``NoThreshold`` where doubles do not hold it.
+    """
     d = drive.exact()
     with localcontext(prec=PLACES):
         xi = friction.friction_factor(d.friction_coefficient, d.tan_lead, 1)
-        return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2)) if xi > 0 else None
+        if xi <= 0:
+            return None
+        mass = float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2))
+    if not 0 < mass < math.inf:
+        raise NoThreshold("the mass at which it would lie is outside the range of doubles.")
+    return mass
 
 
 def critical_friction(drive: RigidParameters, screw_mass: float = math.inf) -> float | None:

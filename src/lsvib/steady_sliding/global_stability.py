@@ -6,6 +6,8 @@ that does not settle either rests again and again, or slips for ever between sei
 larger forces. So the threshold is the smaller one of the forces at which the first of each begins.
 """
 
+import math
+
 from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar
@@ -13,6 +15,7 @@ from lsvib.errors import NoThreshold
 from lsvib.steady_sliding.threshold_motions import ReturnEquations, Start
 
 _GRID = 240  # durations of slip in equal ratios, of which the best is refined
+_FARTHEST = 700.0  # logarithm of the ratio of the longest duration to the shortest; that of the largest double is 709
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _REFINEMENTS = 40  # They leave 4e-9 of the bracket; near a maximum the value is then wrong by the square of that.
 _NEWTON = 200  # steps at most; on a convex function they approach the root from one side, at last quadratically
@@ -24,13 +27,19 @@ def start(forward: ForwardDrive) -> Start:
     """Return the threshold with its equations; its force is infinite if there is none below R_on.
 
     Requires Γ₊ ≤ 0 and C₋ > 0. Raises ``NoThreshold`` for the drives with q_w < 0 for which cycles without rest cannot
-    be excluded, and where Newton's method does not come to its end.
+    be excluded, where Newton's method does not come to its end, and where slip is beyond the range of doubles.
     """
     if forward.outward <= 0:
         return _NONE  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
     found = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
-        widest, _, time = widest_return(forward)
+        try:
+            widest, _, time = widest_return(forward)
+        except (ZeroDivisionError, OverflowError):
+            raise NoThreshold(
+                "the force from which slip seizes again and again is not known: its durations lie so far apart that "
+                "doubles do not hold them."
+            ) from None
         found = min(
             found, Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), key=lambda at: at.force
         )
@@ -97,6 +106,8 @@ def widest_return(forward: ForwardDrive):
     slowest = row[columns.TIME_SCALE] if turns else -1 / row[columns.R1]
     low = 0.1 * min(q_u / (a0 * q_w), slowest)
     high = 2 * float(many.pi) / row[columns.BETA] if turns else 40 * slowest
+    if not 0 < low < high < many.inf or math.log(high) - math.log(low) > _FARTHEST:
+        raise OverflowError
     times = [low * (high / low) ** (k / _GRID) for k in range(_GRID)]
     heights = [height(time) for time in times]
     count = next((k for k, value in enumerate(heights) if value == -many.inf), len(heights))
