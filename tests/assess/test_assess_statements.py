@@ -15,7 +15,7 @@ from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
 from lsvib.assess.friction import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
-from lsvib.assess.mechanisms import NAMES, drive_of, reserves
+from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
 from lsvib.assess.plain_values import as_json
 from lsvib.assess.report import report
 from lsvib.assess.vibration import springy_push, survived_push
@@ -23,6 +23,7 @@ from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model
+from lsvib.drives.rigid import rigid_automaton
 from lsvib.steady_sliding.conditions import conditions
 
 TANGENT = math.tan(math.radians(5.57))
@@ -113,7 +114,7 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
         "support": {"stiffness": "1e7 N/m", "damping": "100 N*s/m"},
     }
     level, falling = sheet(**given), sheet(**given, friction={"coefficient": 0.218, "slope": "-0.2 s/m"})
-    assert all(one.reserve[0] > 0 for one in worst(level, values_of(level)).values())
+    assert all(worst(level, values_of(level))[name].reserve[0] > 0 for name in applicable(level))
     found = worst(falling, values_of(falling))
     assert found["falling_friction"].reserve[0] < 0
     assert found["mode_coupling"].reserve[0] > 0
@@ -229,6 +230,95 @@ def test_friction_that_rises_is_said_to_be_missing_from_the_motion():
     assert (found.verdict, found.nominal.vibration.attractor) == ("steady", "neutral family")
     page = report(found, charts(given, found.values))
     assert "the damping that its rise with speed adds is not in this motion" in page
+
+
+PUSHED = [
+    (
+        {
+            "load": {"mass": "9.9 kg", "force": "-10 N"},
+            "damping": {"rotational": "2e-4 N*m*s/rad", "translational": "1e3 N*s/m"},
+        },
+        23.65,
+    ),
+    (
+        {
+            "thread": {"lead_angle": "4.97611 deg", "pitch_diameter": "2.89556 mm"},
+            "screw": {"inertia": "1.36909e-5 kg*m^2"},
+            "coupling": {"stiffness": "34530.4 N*m/rad"},
+            "load": {"mass": "137.517 kg"},
+            "operation": {"speed": ["0.001 m/s", "3.80049 m/s"]},
+            "friction": {"coefficient": 0.5},
+            "damping": {"translational": "0.360939 N*s/m"},
+        },
+        None,
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "survived"), PUSHED)
+def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes, survived):
+    """C₊ < 0 < Γ₊ and R̃ Ω < 0: the basin ends at a cycle, so that a push starts a vibration."""
+    found = assess(sheet(**changes), samples=64)
+    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "push_needed")
+    assert found.verdict == "steady until pushed"
+    assert as_json(found)["after_a_push"] == {"possible": True, "probability": 1.0, "interval": [1.0, 1.0]}
+    assert found.nominal.vibration.vibrates
+    assert found.nominal.push[0] == (None if survived is None else pytest.approx(survived, abs=0.01))
+
+
+def test_a_verdict_of_steady_is_never_given_where_a_push_starts_vibration():
+    """Random drives that a load with drag resists: every motion after pushes of either sign comes back."""
+    rng = np.random.default_rng(5)
+    verdicts = []
+    for _ in range(40):
+        damping = {"rotational": f"{10 ** rng.uniform(-4.5, -3.2)} N*m*s/rad"}
+        damping["translational"] = f"{10 ** rng.uniform(2.7, 3.3)} N*s/m"
+        load = {"mass": f"{rng.uniform(7, 10.4)} kg", "force": f"{rng.uniform(-20, 0)} N"}
+        given = sheet(load=load, damping=damping)
+        found = assess(given, samples=64)
+        verdicts.append(found.verdict)
+        if found.verdict != "steady":
+            continue
+        automaton = rigid_automaton(drive_of(given, found.values, *corners(given, found.values)[0]))
+        for push in (-200.0, -39.0, 20.0, 400.0):
+            assert steady_state(automaton, [0.0, push]).label == Attractor.STEADY_SLIDING
+    assert min(verdicts.count("steady"), verdicts.count("steady until pushed")) > 4
+
+
+def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():
+    """From 10.7 to 10.8 mm/s of a window from 10 to 20 mm/s; elsewhere friction is level."""
+    curve = [["0 m/s", 0.16], ["0.110 m/s", 0.16], ["0.112 m/s", 0.14], ["3 m/s", 0.14]]
+    given = {"load": {"mass": "10 kg", "force": "100 N"}, "friction": {"curve": curve}}
+    lever = 5.18e-3 * TANGENT
+    for ends, falls in (((10, 20), True), ((10, 10.65), False), ((10.9, 20), False)):
+        operation = {"speed": [f"{end} mm/s" for end in ends], "direction": "out"}
+        found = assess(sheet(**given, operation=operation), samples=64)
+        assert found.mechanisms["falling_friction"].occurs == falls
+        if falls:
+            assert 0.0106 < lever * found.mechanisms["falling_friction"].corner[1] < 0.0109
+
+
+def test_a_curve_without_friction_is_a_coefficient_of_zero():
+    """Whatever it is multiplied with."""
+    curve = {"curve": [["0 m/s", 0], ["1 m/s", 0]], "curve_factor": [0.5, 1.5]}
+    none, level = (assess(sheet(friction=friction), samples=64) for friction in (curve, {"coefficient": 0}))
+    assert none.verdict == level.verdict
+    assert none.efficiency["lifting"] == level.efficiency["lifting"] == pytest.approx(1.0, rel=1e-15)
+
+
+def test_a_flank_angle_is_changed_within_those_of_threads_only():
+    """Friction rises with it up to a right angle; beyond, the formulas would have it fall again."""
+    thread = {"lead_angle": "3.0624 deg", "pitch_diameter": "10.36 mm"}
+    heavy = {"load": {"mass": "20000 kg", "force": "100 N"}, "operation": {"speed": "10 mm/s", "direction": "back"}}
+    for half_angle, wanted in ((60, "less"), (59, "less"), (5, "more")):
+        given = sheet(thread={**thread, "half_angle": f"{half_angle} deg"}, friction={"coefficient": 0.0505}, **heavy)
+        values = values_of(given)
+        row = next(row for row in margins(given, values)[ANY] if row.quantity == "half_angle")
+        assert row.value is not None
+        assert row.value < math.radians(60)
+        assert (row.factor < 1) == (wanted == "less")
+    stiff = sheet(thread={**thread, "half_angle": "30 deg"}, friction={"coefficient": 0.2}, **heavy)
+    assert next(row for row in margins(stiff, values_of(stiff))[ANY] if row.quantity == "half_angle").factor is None
 
 
 def test_every_end_of_a_motion_has_plain_words():

@@ -1,7 +1,8 @@
 """The whole verdict on one data sheet, as values ready for the report, the dataset and JSON."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ _BEYOND = (
     "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
     "yet, only the onset."
 )
+
+_UNTOLD = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
 
 WorstCase = tuple[float, NDArray[np.float64]]
 """Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it."""
@@ -102,14 +105,16 @@ def assess(
     found = _mechanisms(sheet, values, spread, edges)
     angle, friction = map(float, square_thread(sheet, values))
     worst_cases = _worst_cases(sheet, found, spread)
-    verdict = _verdict(found, spread, worst_cases)
     lowering = float(lowering_efficiency(friction, angle))
     nominal = _motion(sheet, _critical(found), entries)
+    if not any(one.occurs for one in found.values()) and _upset(nominal):
+        found["push_needed"] = _possible(found["push_needed"], nominal, spread)
+    worst_motion = _worst_motion(sheet, found, worst_cases) if worst_cases else nominal
     return Assessment(
         sheet=sheet,
         seed=seed,
         values=values,
-        verdict=verdict,
+        verdict=_verdict(found, spread, worst_cases, worst_motion),
         efficiency={
             "lifting": float(lifting_efficiency(friction, angle)),
             "lowering": lowering if lowering > 0 else None,
@@ -121,7 +126,7 @@ def assess(
         margins=edges[ANY],
         uncertainty=spread,
         nominal=nominal,
-        worst=_worst_motion(sheet, found, worst_cases) if worst_cases else nominal,
+        worst=worst_motion,
     )
 
 
@@ -175,18 +180,17 @@ def _most_pushed(
 ) -> tuple[bool, tuple[int, float, float]]:
     """Whether some push starts a vibration of the rigid drive at a corner, and the corner where the smallest does.
 
-    Beyond a certain force against the motion none does (end of Sect. 8.7), although Γ₊ is negative.
+    Beyond a certain force against the motion none does (end of Sect. 8.7), although Γ₊ or C₊ is negative. Where it is
+    not known of a corner it counts as possible.
     """
-    pushes = {
-        (int(place[0]), float(place[1]), float(place[2])): survived_push(sheet, values, place)[0]
-        for place in places
-        if mechanisms.reserves(sheet, values, *place)["push_needed"] < 0
-    }
+    pushed = [place for place in places if mechanisms.reserves(sheet, values, *place)["push_needed"] < 0]
+    once = dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in pushed)
+    pushes = {place: survived_push(sheet, values, place)[0] for place in once}
     known = {place: push for place, push in pushes.items() if push is not None}
     if not known:
         return True, corner
     first = min(known, key=known.__getitem__)
-    return bool(np.isfinite(known[first])), first
+    return len(known) < len(pushes) or bool(np.isfinite(known[first])), first
 
 
 def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, reserve: float) -> bool:
@@ -202,6 +206,25 @@ def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, res
     return occurs
 
 
+def _upset(motion: Motion) -> bool:
+    """Whether a push is known to start a vibration: by where the motion ends, or by the push that is survived.
+
+    A drive that nothing damps survives none, yet none starts more than a swing of its size: there only a push above
+    zero tells.
+    """
+    push, end = motion.push[0], motion.vibration.attractor
+    fatal = push is not None and math.isfinite(push)
+    if end in _UNTOLD:
+        return fatal and push > 0
+    return fatal or end != "steady sliding"
+
+
+def _possible(pushed: Mechanism, nominal: Motion, spread: Uncertainty) -> Mechanism:
+    """Vibration after a push as the motion at the middle values shows it, whatever its reserve says."""
+    pushed = replace(pushed, occurs=True, corner=nominal.corner)
+    return replace(pushed, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else pushed
+
+
 def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> dict[str, WorstCase]:
     """Lowest reserve within the uncertainties of each mechanism, and the shares (d) of the unit cube that have it.
 
@@ -214,7 +237,9 @@ def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty)
     return {name: (float(evaluated(sheet, at[:, None])[name].reserve[0]), at) for name, at in places.items()}
 
 
-def _verdict(found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase]) -> str:
+def _verdict(
+    found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase], worst_motion: Motion
+) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "push_needed"]
     if any(one.occurs for one in steady):
@@ -223,7 +248,7 @@ def _verdict(found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict
         return "may vibrate"
     if found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
         return "steady until pushed"
-    if any(reserve < 0 for reserve, _ in worst_cases.values()):
+    if any(reserve < 0 for reserve, _ in worst_cases.values()) or _upset(worst_motion):
         return "steady but for rare values"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 

@@ -154,25 +154,31 @@ def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) 
     The axis leans by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the
     package acts along outward travel, whence the sign.
     """
-    radius = 0.5 * values["pitch_diameter"]
-    angle = np.arctan(values["lead"] / (2 * math.pi * radius))
+    parameters = without_friction(values, direction, speed, force)
+    radius, angle = parameters["pitch_radius"], parameters["lead_angle"]
     coefficient, slope = values["friction"], values["friction_slope"]
     if sheet.friction.curve is not None:
-        scale = coefficient / float(np.mean(sheet.friction.curve.coefficients))
+        mean = float(np.mean(sheet.friction.curve.coefficients))
+        scale = coefficient / mean if mean > 0 else 1.0  # a curve that is zero throughout stays so, whatever the factor
         coefficient, slope = (scale * x for x in _along(sheet, sliding_speed(speed, radius, angle)))
-    parameters = {
+    parameters["friction_coefficient"] = square_coefficient(coefficient, angle, values["half_angle"])
+    return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
+
+
+def without_friction(values: Values, direction: int, speed: Any, force: Any) -> dict[str, Any]:
+    """Return the parameters of a point of operation but for friction, arguments as :func:`point`."""
+    radius = 0.5 * values["pitch_diameter"]
+    return {
         "pitch_radius": radius,
-        "lead_angle": angle,
+        "lead_angle": np.arctan(values["lead"] / (2 * math.pi * radius)),
         "screw_inertia": values["inertia"],
         "coupling_stiffness": values["coupling_stiffness"],
         "support_damping": values["rotational_damping"],
-        "friction_coefficient": square_coefficient(coefficient, angle, values["half_angle"]),
         "input_speed": direction * speed,
         "mass": values["mass"],
         "translation_damping": values["translational_damping"],
         "axial_force": -(force + values["mass"] * GRAVITY * np.sin(values["tilt"])),
     }
-    return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
 
 
 def square_thread(sheet: Sheet, values: Values) -> tuple[Any, Any]:

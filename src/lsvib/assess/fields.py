@@ -45,7 +45,8 @@ def _positive(high: float) -> Allowed:
 # The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
 Length = _field("m", allowed={"m": _positive(100.0)})
 LeadAngle = _field("rad", allowed={"rad": _positive(math.radians(80))})
-HalfAngle = _field("rad", allowed={"rad": Allowed(0.0, math.radians(60))})
+LARGEST_HALF_ANGLE = math.radians(60)
+HalfAngle = _field("rad", allowed={"rad": Allowed(0.0, LARGEST_HALF_ANGLE)})
 Mass = _field("kg", allowed={"kg": _positive(1e9)})
 Density = _field("kg/m^3", allowed={"kg/m^3": _positive(3e4)})
 Inertia = _field("kg m^2", allowed={"kg m^2": _positive(1e6)})

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
@@ -30,8 +31,8 @@ class Margin:
     """The nearest change of one quantity, in relation, at which a mechanism sets in or, if it occurs, vanishes.
 
     ``factor`` [1] is what the quantity is multiplied with, ``value`` the quantity then (the larger end of a window);
-    both None if no factor from 0.001 to 1000 does it. Of a damping that is zero only the ``value`` is known, if one up
-    to the critical damping does it.
+    both None if no factor from 0.001 to 1000 does it, of a flank angle none up to the largest of a sheet. Of a damping
+    that is zero only the ``value`` is known, if one up to the critical damping does it.
     """
 
     quantity: str
@@ -90,11 +91,15 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
     result: dict[str, list[Margin]] = {}
     steps = np.linspace(0.0, _DECADES, _DECADES * _PER_DECADE + 1)
     for name, keys in changeable(values).items():
-        sides = [_occurs(sheet, values, keys, 10.0 ** (sign * steps)) for sign in (1, -1)]
+        scans = [10.0**steps, 10.0**-steps]
+        if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
+            most = max(LARGEST_HALF_ANGLE / values[name], 1.0)
+            scans[0] = np.append(scans[0][scans[0] < most], most)
+        sides = [_occurs(sheet, values, keys, factors) for factors in scans]
         for mechanism in sides[0]:
             found = [
-                _edge(sheet, values, keys, mechanism, 10.0 ** (sign * steps), side[mechanism])
-                for sign, side in zip((1, -1), sides, strict=True)
+                _edge(sheet, values, keys, mechanism, factors, side[mechanism])
+                for factors, side in zip(scans, sides, strict=True)
             ]
             factors = [factor for factor in found if factor is not None]
             factor = min(factors, key=lambda f: abs(np.log(f)), default=None)

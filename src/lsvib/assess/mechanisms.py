@@ -49,8 +49,9 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
 
     ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
     [rad/s] and ``force`` [N]; ``direction`` of travel ±1. Besides the mechanisms: ``law``, s_0 = ±1, and
-    ``push_needed``, the reserve of Γ₊ (Γ̃₊ with a support) under law −: below zero steady sliding is stable but no
-    longer the only motion (Sect. 8.7). NaN where μ is not below cot λ.
+    ``push_needed``, the lower of those of Γ₊ (Γ̃₊ with a support) and C₊ under law −: below zero steady sliding is
+    stable but need not be the only motion (Sect. 8.7), since slip under law + seizes or grows. NaN where μ is not below
+    cot λ.
     """
     at = sheets.point(sheet, values, direction, speed, force)
     p = at.parameters
@@ -88,9 +89,13 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
     plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
-    of_plus = friction.effective_inertia(p["screw_inertia"], mass, p["pitch_radius"], tangent, plus)
-    reserve = _balance(p["screw_inertia"], of_plus - p["screw_inertia"])
-    found["push_needed"] = np.where(law < 0, reserve, 1.0)
+    geometry = (p["pitch_radius"], tangent, plus)
+    of_plus = friction.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
+    fed = friction.effective_damping(0.0, p["translation_damping"], *geometry)
+    # Without damping of the load there is nothing that law + could turn round.
+    damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
+    reserve = _balance(p["screw_inertia"], of_plus)
+    found["push_needed"] = np.where(law < 0, np.where(np.real(damped) < np.real(reserve), damped, reserve), 1.0)
     valid = np.real(p["friction_coefficient"] * tangent) < 1
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
 

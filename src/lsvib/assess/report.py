@@ -6,6 +6,7 @@ from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
 from lsvib.assess.drive import UNITS
+from lsvib.assess.friction import flank_coefficient
 from lsvib.assess.motions import motions, rigid, where
 from lsvib.assess.numbers import change, percent, shown, signed
 from lsvib.assess.page import Html
@@ -115,14 +116,17 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         low, high = one.interval
         spread = "" if low == high else f" (95 % sure: {percent(low)} to {percent(high)})"
         best = next((row for row in one.margins if row.factor is not None), None)
-        if best is None:
+        if name == "push_needed" and one.occurs != (one.reserve < 0):  # by its motions, to which the reserve is blind
+            margin = "not known"
+        elif best is None:
             margin = "no single change brings it about" if not one.occurs else "no single change ends it"
         else:
             margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
         place = where(one, assessment) if one.occurs else ""
         verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
         if name == "push_needed" and one.occurs and not rigid(assessment):
-            verdict = Html(f"possible{page.small('computed with stiff threads and support; ' + place)}")
+            how = "computed with stiff threads and support" if one.reserve < 0 else "found by motions after pushes"
+            verdict = Html(f"possible{page.small(f'{how}; {place}')}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
         rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin))
@@ -255,7 +259,8 @@ def _uncertainty(assessment: Assessment) -> list[Html]:
     return [*parts, page.side_by_side(*charts)]
 
 
-def _locking(assessment: Assessment) -> list[Html]:
+def locking_sentence(assessment: Assessment) -> str:
+    """Say how well the thread lifts, whether it holds its load, and what the rule of thumb says of that."""
     lifting, lowering = assessment.efficiency["lifting"], assessment.efficiency["lowering"]
     holds = (
         "The thread is self-locking: friction alone holds the load, and the motor has to drive it down as well as up."
@@ -269,15 +274,20 @@ def _locking(assessment: Assessment) -> list[Html]:
     low, high = spread.lifting
     ends = f" (from {percent(low)} to {percent(high)} within the uncertainties)" if low < high else ""
     third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
+    # The rule knows no friction, which decides: the thread holds where that of its flanks is above this.
+    enough = flank_coefficient(math.tan(assessment.lead_angle), assessment.lead_angle, assessment.values["half_angle"])
     rule = (
-        f"By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
-        f"{'self-locking' if third else 'back-drivable'}; the rule is right for friction above 0.106 only."
+        "By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
+        f"{'self-locking' if third else 'back-drivable'}; with this lead that is right for friction "
+        f"{'above' if third else 'below'} {enough:.3f} only."
     )
+    return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
+
+
+def _locking(assessment: Assessment) -> list[Html]:
     return [
         page.heading("Efficiency and self-locking"),
-        page.paragraph(
-            f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
-        ),
+        page.paragraph(locking_sentence(assessment)),
         page.picture(
             pictures.embedded(pictures.locking_chart, assessment),
             "Friction at which a thread holds its load by itself.",

@@ -63,10 +63,16 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
             return figure, ""
         raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
-        return figure / 100, ""
+        return _hundredth(match[1]), ""
     if len(unit) > _LONGEST or not _LETTERS.fullmatch(unit):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
     return _converted(figure, unit, units, value)
+
+
+def _hundredth(digits: str) -> float:
+    """A number of per cent as a double: the one that is nearest, as 0.999 for 99.9, which a division may miss."""
+    mantissa, _, power = digits.lower().partition("e")
+    return float(f"{mantissa}e{int(power or 0) - 2}")
 
 
 def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:

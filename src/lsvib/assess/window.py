@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import is_window, point
+from lsvib.assess.drive import is_window, without_friction
+from lsvib.assess.friction import sliding_speed
 from lsvib.assess.mechanisms import applicable, reserves
 from lsvib.assess.sheet import Sheet
 
-# A curve bends within the window, where friction may be worst; straight lines have their extremes at the corners.
+# The slope of a curve is constant between its points, all of which are looked at from both sides; between them only the
+# level of friction changes, for which equal steps do.
 _SPEEDS_OF_CURVE = 17
+_BESIDE_POINT = 1e-9  # relative, how near: far above rounding, far below any change of the level that counts
 _FORCES_OF_SLOPE, _BESIDE = 9, 1e-9  # forces on each side of R̃ = 0, and how near the first one is, as a share
 
 
@@ -35,11 +38,14 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
     sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
     monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide; with a support, whose reserve
-    need not be, 9 forces on each side are looked at, and with a curve of friction 17 speeds.
+    need not be, 9 forces on each side are looked at, and with a curve of friction 17 speeds and either side of each of
+    its points, where its slope changes.
     """
     low, high = values["speed_low"], values["speed_high"]
     count = 1 if not is_window(sheet, "operation.speed") else 2 if sheet.friction.curve is None else _SPEEDS_OF_CURVE
     speeds = [low + share * (high - low) for share in np.linspace(0.0, 1.0, count)]
+    if count == _SPEEDS_OF_CURVE:
+        speeds += _beside_points(sheet, values)
     return [
         (direction, speed, force)
         for direction in directions(sheet)
@@ -48,13 +54,28 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     ]
 
 
+def _beside_points(sheet: Sheet, values: Mapping[str, Any]) -> list[Any]:
+    """Speeds of the screw [rad/s] just below and just above each point of the curve that lies in the window."""
+    low, high = values["speed_low"], values["speed_high"]
+    radius = 0.5 * values["pitch_diameter"]
+    one = sliding_speed(1.0, radius, np.arctan(values["lead"] / (2 * np.pi * radius)))
+    speeds = []
+    for sliding in sheet.friction.curve.speeds:
+        for side in (1 - _BESIDE_POINT, 1 + _BESIDE_POINT):
+            speed = side * sliding / one
+            inside = (np.real(low) < np.real(speed)) & (np.real(speed) < np.real(high))
+            if np.any(inside):  # of the drives that have it outside, the end of the window is looked at twice
+                speeds.append(np.where(inside, speed, low))
+    return speeds
+
+
 def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any) -> list[Any]:
     low, high = values["force_low"], values["force_high"]
     if not is_window(sheet, "load.force"):
         return [low]
     if sheet.friction.curve is None and sheet.friction.slope is None:
         return [low, high]
-    p = point(sheet, values, direction, speed, 0.0).parameters
+    p = without_friction(values, direction, speed, 0.0)
     free = p["axial_force"] - p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
     forces = [low, high]
     for end in (low, high):

@@ -101,7 +101,9 @@ LEFT_OUT = (
     "A springy support and springy threads at once, and springy threads with friction that falls with speed: each is "
     "judged with the others as stiff, and with the friction of the running speed.",
     "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
-    "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small swings.",
+    "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small swings, "
+    "except where friction falls with speed: what the guides resist with is pressed through the threads as well, and "
+    "the fall feeds a swing the more, the larger the force on them.",
     "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",
     "The dynamics of the motor and its controller: the motor is taken to turn at constant speed.",
     "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",
