@@ -11,7 +11,6 @@ SOURCE = Path(__file__).parents[2] / "src" / "lsvib"
 NAMED_ALIKE = {  # names that several classes share, and why
     "Settings": "the type of a figure's settings is found by this name in its folder",
     "_Piece": "a part of the modal form, of one drive and of many at once",
-    "Motion": "that of the engine, and one with what an assessment tells of it",
 }
 
 

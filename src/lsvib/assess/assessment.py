@@ -49,7 +49,7 @@ class Mechanism:
 
 
 @dataclass(frozen=True)
-class Motion:
+class AssessedMotion:
     """A motion to show: of which mechanism, with which values, where in the window, and what came of it."""
 
     mechanism: str
@@ -81,8 +81,8 @@ class Assessment:
     mechanisms: dict[str, Mechanism]
     margins: list[Margin]
     uncertainty: Uncertainty
-    nominal: Motion
-    worst: Motion
+    nominal: AssessedMotion
+    worst: AssessedMotion
 
 
 def assess(
@@ -206,7 +206,7 @@ def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, res
     return occurs
 
 
-def _upset(motion: Motion) -> bool:
+def _upset(motion: AssessedMotion) -> bool:
     """Whether a push is known to start a vibration: by where the motion ends, or by the push that is survived.
 
     A drive that nothing damps survives none, yet none starts more than a swing of its size: there only a push above
@@ -219,7 +219,7 @@ def _upset(motion: Motion) -> bool:
     return fatal or end != "steady sliding"
 
 
-def _possible(pushed: Mechanism, nominal: Motion, spread: Uncertainty) -> Mechanism:
+def _possible(pushed: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> Mechanism:
     """Vibration after a push as the motion at the middle values shows it, whatever its reserve says."""
     pushed = replace(pushed, occurs=True, corner=nominal.corner)
     return replace(pushed, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else pushed
@@ -238,7 +238,7 @@ def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty)
 
 
 def _verdict(
-    found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase], worst_motion: Motion
+    found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase], worst_motion: AssessedMotion
 ) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "push_needed"]
@@ -260,7 +260,7 @@ def _critical(found: dict[str, Mechanism]) -> str:
     return "push_needed" if own[name].reserve > 0 and found["push_needed"].occurs else name
 
 
-def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
+def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotion:
     values = _values(sheet, entries)
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = _corner(places, lowest[name])
@@ -271,7 +271,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
         part = "contact"
     if name == "falling_friction" and lowest[name].reserve[0] < 0:
         beyond = Vibration("rigid", "unknown", reason=_BEYOND)
-        return Motion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
+        return AssessedMotion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
     strong = {"push": -STRONG} if name == "push_needed" else {}
     moved = vibration(sheet, values, corner, part, **strong)
     if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
@@ -279,10 +279,10 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> Motion:
     push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
     if part == "contact" and sheet.support is None:
         push = springy_push(sheet, values, corner, push[0])
-    return Motion(name, dict(entries), values, corner, moved, push)
+    return AssessedMotion(name, dict(entries), values, corner, moved, push)
 
 
-def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], worst_cases: dict[str, WorstCase]) -> Motion:
+def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], worst_cases: dict[str, WorstCase]) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
     own = {name: reserve for name, (reserve, _) in worst_cases.items() if name != "push_needed"}
     name = min(own, key=lambda key: (-found[key].probability, own[key]))

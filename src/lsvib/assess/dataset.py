@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.assess.assessment import Assessment, Motion
+from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
@@ -84,7 +84,7 @@ def _margins(assessment: Assessment, changes: list[str]) -> dict[str, tuple]:
     }
 
 
-def _motion(name: str, motion: Motion) -> tuple[tuple, dict[str, Any]]:
+def _motion(name: str, motion: AssessedMotion) -> tuple[tuple, dict[str, Any]]:
     """Time and samples of a motion; a motion that is not known has none."""
     moved, dim = motion.vibration, f"{name}_time"
     where = {"nominal": "at the middle values", "worst": "in the worst case"}[name]

@@ -5,14 +5,14 @@ import math
 import yaml
 
 from lsvib.assess import page, pictures
-from lsvib.assess.assessment import Assessment, Mechanism, Motion
+from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.drive import point, random_entries
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
 from lsvib.assess.words import ATTRACTORS, entry_name
 
 
-def where(one: Mechanism | Motion, assessment: Assessment) -> str:
+def where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
     """Return the point of operation of a mechanism or motion in words."""
     direction, speed, force = one.corner
     lead = assessment.values["lead"] / (2 * math.pi)
@@ -40,7 +40,7 @@ def motions(assessment: Assessment) -> list[Html]:
     return parts
 
 
-def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
+def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> list[Html]:
     start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
     parts = [
         page.heading(title, 3),
@@ -63,7 +63,7 @@ def _motion(title: str, motion: Motion, assessment: Assessment) -> list[Html]:
     ]
 
 
-def _what_it_does(motion: Motion, start: str) -> Html:
+def _what_it_does(motion: AssessedMotion, start: str) -> Html:
     """Say what becomes of the motion, whose ``start`` is given in words; of a vibration how large and fast it is."""
     moved = motion.vibration
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
@@ -92,7 +92,7 @@ def _what_it_does(motion: Motion, start: str) -> Html:
     return page.table(["", start[0].upper() + start[1:]], rows)
 
 
-def _push_survived(motion: Motion) -> list[Html]:
+def _push_survived(motion: AssessedMotion) -> list[Html]:
     """Say which sudden change of speed steady running survives, if that is known."""
     push, sentence = motion.push
     if push is None or push <= 0:
@@ -106,7 +106,7 @@ def _push_survived(motion: Motion) -> list[Html]:
     return [page.paragraph(sentence)]
 
 
-def _picture_and_scene(title: str, motion: Motion) -> list[Html]:
+def _picture_and_scene(title: str, motion: AssessedMotion) -> list[Html]:
     """Draw the motion, and tell how to run it, as far as it was computed."""
     moved, parts = motion.vibration, []
     if moved.time.size:
@@ -125,7 +125,7 @@ def _picture_and_scene(title: str, motion: Motion) -> list[Html]:
     return parts
 
 
-def _taken(motion: Motion, assessment: Assessment) -> str:
+def _taken(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
     sheet, model = assessment.sheet, motion.vibration.model
     parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}

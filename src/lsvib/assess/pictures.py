@@ -12,7 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from lsvib.assess.assessment import Assessment, Motion
+from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
@@ -106,7 +106,7 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     return figure
 
 
-def motion_chart(motion: Motion) -> Figure:
+def motion_chart(motion: AssessedMotion) -> Figure:
     """Phase plane of the screw and time history of the load, of one motion."""
     figure = style.new_figure(WIDTH, 4.6)
     plane, history = figure.subplots(2, 1)

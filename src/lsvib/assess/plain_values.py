@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess.assessment import Assessment, Motion
+from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.drive import UNITS
 from lsvib.assess.margins import Margin
 from lsvib.assess.words import VERDICTS
@@ -64,7 +64,7 @@ def _margins_json(rows: list[Margin]) -> dict[str, Any]:
     return {row.quantity: {"factor": row.factor, "value": row.value, "unit": UNITS[row.quantity]} for row in rows}
 
 
-def _motion_json(motion: Motion) -> dict[str, Any]:
+def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
     moved, (push, sentence) = motion.vibration, motion.push
     return {
         "mechanism": motion.mechanism,
