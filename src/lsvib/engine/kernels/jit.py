@@ -107,3 +107,4 @@ allocating_kernel = _compiler(_nrt=True)
 # together they took half of the time of a run, and would make threads wait for each other.
 kernel = _compiler(_nrt=False)
 inlined_kernel = _compiler(_nrt=False, forceinline=True)
+merged_kernel = _compiler(_nrt=False, inline="always")
