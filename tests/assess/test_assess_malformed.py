@@ -11,7 +11,7 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.units import quantity
+from lsvib.assess.units import NotQuantity, quantity
 from lsvib.command.assess import app
 from lsvib.command.terminal import told
 
@@ -185,6 +185,24 @@ def test_a_percentage_is_the_nearest_double():
         assert quantity(text, "") == (expected, "")
     friction = Sheet.of(changed("friction", {"efficiency": ["10 %", "99.9 %"]})).friction
     assert (friction.efficiency.low, friction.efficiency.high) == (0.1, 0.999)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("30 N*m*deg", "N m/rad"),
+        ("30 N*m*rad", "N m/rad"),
+        ("30 N*m/deg^2", "N m/rad"),
+        ("1 N*m*s*deg", "N m s/rad"),
+        ("1 deg*deg/s", "rad/s"),
+        ("1 sr", "rad"),
+        ("1 deg^2", "rad"),
+    ],
+)
+def test_a_power_of_an_angle_is_not_the_angle(text, unit):
+    """Pint counts no radian, so that N m deg would pass for 0.017 N m/rad."""
+    with pytest.raises(NotQuantity):
+        quantity(text, unit)
 
 
 @pytest.mark.parametrize(

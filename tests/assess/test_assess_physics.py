@@ -193,6 +193,49 @@ def test_no_point_of_the_window_is_worse_than_its_corners(more):
                 assert one.reserve[0] <= inside[name].min() + 1e-9, name
 
 
+def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
+    """Friction that rises with speed damps the less, the smaller |R̃|: enough at 10 and 150 rad/s, not at 98."""
+    given = sheet(
+        load={"mass": "1 kg", "force": "-50 N"},
+        operation={"speed": ["10 rad/s", "150 rad/s"], "direction": "out"},
+        friction={"coefficient": 0.218, "slope": "0.3 s/m"},
+        damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"},
+    )
+    values = values_of(given)
+    found = worst(given, values)["negative_damping"]
+    direction, speed, force = corners(given, values)[found.corner[0]]
+    ends = [reserves(given, values, 1, end, -50.0)["negative_damping"] for end in (10.0, 150.0)]
+    assert found.reserve[0] < 0 < min(ends)
+    drive = drive_of(given, values, direction, speed, force)
+    c = coefficients(drive)
+    assert float(c.damping[1]) < 0  # and the slope of friction adds next to nothing
+    assert abs(float(c.net_force)) < 1e-6 < float(coefficients(drive.replace(input_speed=10.0)).net_force)
+    assert assess(given, samples=64).verdict == "vibrates"
+
+
+@pytest.mark.parametrize("slope", ["-0.05 s/m", "0.05 s/m"])
+@pytest.mark.parametrize("support", [False, True])
+def test_no_speed_under_one_force_is_worse_than_those_that_are_looked_at(slope, support):
+    rng = np.random.default_rng(11)
+    more = {"support": {"stiffness": "1e5 N/m", "damping": "3 N*s/m"}} if support else {}
+    for _ in range(15):
+        given = sheet(
+            load={"mass": f"{rng.uniform(0.5, 14)} kg", "force": f"{rng.uniform(-80, 80)} N"},
+            operation={"speed": [f"{rng.uniform(1, 20)} rad/s", f"{rng.uniform(25, 190)} rad/s"]},
+            damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{rng.uniform(0, 1500)} N*s/m"},
+            screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
+            friction={"coefficient": 0.218, "slope": slope},
+            **more,
+        )
+        values = values_of(given)
+        found = worst(given, values)
+        speed = rng.uniform(values["speed_low"], values["speed_high"], 3000)
+        for direction in (1, -1):
+            inside = reserves(given, values, direction, speed, values["force_low"])
+            for name, one in found.items():
+                assert one.reserve[0] <= inside[name].min() + 1e-9, name
+
+
 @pytest.mark.parametrize(("force", "verdict"), [(50, "steady"), (10, "steady until pushed")])
 def test_a_push_starts_vibration_in_fig_8_14b_and_not_in_a(force, verdict):
     """R = −50 N is globally attracting, R = −10 N is not: the push that is survived leads back, a larger one not."""

@@ -10,6 +10,7 @@ from reference.classes import damped_class
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, nut_conditions, support_conditions
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
+from lsvib.steady_sliding.stability_table import stability_table
 
 
 @settings(max_examples=100)
@@ -77,6 +78,29 @@ def test_critical_friction_to_12_digits(screw_mass):
 
         root = mpmath.findroot(smallest, (closed * 0.999, closed * 1.001), solver="anderson", tol=1e-60)
         assert abs(root / closed - 1) < 1e-15
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_printed_flutter_stiffnesses_hold_beside_the_critical_mass(side):
+    """Γ_0 is 10⁻¹² of I there: doubles would leave the upper branch four digits; the table has them all."""
+    mass = conditions.critical_mass(SupportParameters()) * (1 + side * 1e-12)
+    drive = SupportParameters.of(mass=mass)
+    found = stability_table(drive, "support")["without_damping"]["quantities"]
+    with mpmath.workdps(60):
+        p = {key: mpmath.mpf(value) for key, value in drive}
+        tan = mpmath.tan(p["lead_angle"])
+        lever = p["pitch_radius"] ** 2 * tan * (p["friction_coefficient"] - tan) / (1 + p["friction_coefficient"] * tan)
+        whole, total = p["screw_inertia"] - p["mass"] * lever, p["mass"] + p["screw_mass"]
+        reduced = p["screw_inertia"] - p["mass"] * p["screw_mass"] / total * lever
+        both = mpmath.sqrt(total * reduced) + p["mass"] * mpmath.sqrt(lever)
+        assert found["lower_flutter_stiffness"]["value"] == float(p["coupling_stiffness"] * (total / both) ** 2)
+        assert found["upper_flutter_stiffness"]["value"] == float(p["coupling_stiffness"] * (both / whole) ** 2)
+
+
+def test_a_quantity_beyond_the_range_of_doubles_is_none():
+    """The kinematic mass of a thread that hardly rises; infinity is no number, and not JSON."""
+    drive = NutParameters.of(lead_angle=5e-324, screw_inertia=5e4)
+    assert stability_table(drive, "nut")["quantities"]["kinematic_mass"] == {"value": None, "unit": "kg"}
 
 
 def test_no_critical_friction_where_the_reduced_mass_is_too_small():

@@ -37,6 +37,7 @@ def test_critical_values_are_those_of_the_closed_forms():
     drive = lsvib.RigidDrive(mass=15)
     assert drive.threshold("kinematic").value == critical_mass(drive)
     assert drive.threshold("kinematic", "friction_coefficient").value == critical_friction(drive)
+    assert drive.thresholds()["critical_friction"].value == critical_friction(drive)  # of this drive, without m_1
     support = lsvib.SupportDrive(mass=15)
     assert support.threshold("kinematic", "friction_coefficient").value == critical_friction(support, 11.6)
 

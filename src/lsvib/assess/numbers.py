@@ -44,8 +44,12 @@ def percent(value: float | None) -> str:
     """Return a share as a percentage, with enough digits near its ends."""
     if value is None:
         return "–"
-    share = 100 * value
-    return f"{share:.3g} %" if share <= 99 or share == 100 else f"{share:.4g} %"
+    share, digits = 100 * value, 4
+    if share <= 99 or value >= 1:
+        return f"{_figure(share, 3)} %"
+    while (text := f"{share:.{digits}g}") == "100":  # only what is sure is 100 %
+        digits += 1
+    return f"{text} %"
 
 
 def signed(value: float, places: int) -> str:

@@ -81,16 +81,21 @@ def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> 
         given = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*").replace(" ", "*")))
     except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
         raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
-    angular = any(name in str(given.to_base_units().units) + unit for name in ("rad", "deg", "turn", "rev", "rpm", "°"))
+    angles = _angles(given)
     for wanted in units:
-        if wanted and given.is_compatible_with(wanted) and angular == (wanted in ("rad", "rad/s") or "/rad" in wanted):
+        if wanted and given.is_compatible_with(wanted) and angles == _angles(registry.Quantity(1.0, wanted)):
             with_unit = registry.Quantity(figure, given.units).to(wanted)
             return float(with_unit.magnitude), wanted
     # A torsional stiffness may be written in N m, its radian being understood.
     for wanted in units:
-        if "/rad" in wanted and not angular and given.is_compatible_with(wanted):
+        if "/rad" in wanted and angles == 0 and given.is_compatible_with(wanted):
             return float(registry.Quantity(figure, given.units).to(wanted).magnitude), wanted
     raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+
+
+def _angles(given: Any) -> int:
+    """The power of the radian in a quantity: 1 of an angle and of rpm, −1 of N m/deg, 2 of a square degree."""
+    return int(dict(given.to_base_units().unit_items()).get("radian", 0))
 
 
 def _wanted(units: tuple[str, ...]) -> str:

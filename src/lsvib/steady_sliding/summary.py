@@ -1,5 +1,6 @@
 """Thresholds of a drive as plain values, ready for JSON."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -14,7 +15,7 @@ from lsvib.steady_sliding.support_conditions import critical_friction_by_eigenva
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
-    "critical_friction": lambda drive: critical_friction(drive, drive.screw_mass),
+    "critical_friction": lambda drive: critical_friction(drive, getattr(drive, "screw_mass", math.inf)),
     "onset_force": thresholds.onset_force,
     "stick_force": thresholds.stick_force,
     "detach_force": thresholds.detach_force,
@@ -41,14 +42,16 @@ def threshold_table(
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
     A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For another
-    ``model`` than the rigid one see :func:`lsvib.steady_sliding.boundaries.model_thresholds`. A change of
-    ``screw_mass`` counts for the critical friction alone, the only threshold of the drive with axial support; there
-    ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. Returns by name: ``value`` and ``unit``, the
+    ``model`` than the rigid one see :func:`lsvib.steady_sliding.boundaries.model_thresholds`. The chapter's critical
+    friction, alone among its thresholds, is that of a drive with axial support (8.28): for it alone a change of
+    ``screw_mass`` counts, and ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. That of a rigid
+    drive that stands for itself is where its own Γ₊ vanishes (8.20). Returns by name: ``value`` and ``unit``, the
     chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if
     ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –,
     ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0.
     Raises ``InputError`` for unacceptable parameters.
     """
+    itself = isinstance(changes, RigidParameters)
     model, changes = model_of(changes, model), parameters_of(changes)
     if model != "rigid":
         return model_thresholds(find_model(model).drive.of(changes))
@@ -56,6 +59,8 @@ def threshold_table(
         name: _entry(name, changes, claim.drive, claim.unit, claim.source, claim)
         for name, claim in chapter.THRESHOLDS.items()
     }
+    if itself:
+        table["critical_friction"] = _entry("critical_friction", changes, {}, "1", "eq. 8.20")
     name = "global_stability_force"
     return table | {name: _entry(name, changes, chapter.GLOBAL_STABILITY, "N", "end of Sect. 8.7")}
 
@@ -69,7 +74,7 @@ def _entry(
     claim: chapter.Claim | None = None,
 ) -> dict[str, Any]:
     """The entry of a threshold of the drive ``start`` with changes; ``claim``: what the chapter prints, if it does."""
-    kind = SupportParameters if name == "critical_friction" else RigidParameters
+    kind = SupportParameters if "screw_mass" in start else RigidParameters
     original = kind.of(start)
     drive = original.replace(
         **{key: value for key, value in changes.items() if key != "screw_mass" or kind is SupportParameters}

@@ -4,7 +4,7 @@ Functions take the ``Values`` of a drive (:mod:`lsvib.steady_sliding.linearised`
 χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
 """
 
-from decimal import localcontext
+from decimal import Decimal, localcontext
 from typing import Any
 
 import numpy as np
@@ -42,12 +42,18 @@ def printed_class(drive: Values, law: int) -> NDArray[np.int8]:
     return np.select(np.broadcast_arrays(*conditions), kinds, UndampedClass.STABLE).astype(np.int8)
 
 
+def reduced_mass(drive: Values) -> Any:
+    """Return m̃ = m m_1 / (m + m_1) [kg]."""
+    p = values_of(drive, 1)
+    with localcontext(prec=PLACES):
+        return p.mass * p.screw_mass / (p.mass + p.screw_mass)
+
+
 def reduced_inertia(drive: Values, law: int) -> Any:
-    """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²], m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)."""
+    """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
     with localcontext(prec=PLACES):
-        mass = p.mass * p.screw_mass / (p.mass + p.screw_mass)
-        return friction.effective_inertia(p.screw_inertia, mass, p.pitch_radius, p.tan_lead, p.factor)
+        return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
 def rigid_inertia(drive: Values, law: int) -> Any:
@@ -87,6 +93,24 @@ def flutter_boundaries(drive: Values, law: int) -> NDArray[np.float64]:
         both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
         branches = (total / both, both / rigid_inertia(drive, law))
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
+
+
+def exact_flutter_boundaries(drive: SupportParameters, law: int) -> tuple[Decimal | None, Decimal | None]:
+    """Return :func:`flutter_boundaries` of one drive [N/m] from 50 digits, None where there is none.
+
+    In doubles Γ_0 and Γ̃_0 lose, next to where they vanish, all digits that the stiffness is printed with.
+    """
+    d = drive.exact()
+    p = values_of(d, law)
+    with localcontext(prec=PLACES):
+        reduced, whole = reduced_inertia(d, law), rigid_inertia(d, law)
+        lever = p.factor * p.pitch_radius**2 * p.tan_lead
+        if lever < 0 or reduced < 0:
+            return None, None
+        total = p.mass + p.screw_mass
+        both = (total * reduced).sqrt() + p.mass * lever.sqrt()
+        upper = None if whole == 0 else p.coupling_stiffness * (both / whole) ** 2
+        return p.coupling_stiffness * (total / both) ** 2, upper
 
 
 def critical_friction_by_eigenvalues(drive: SupportParameters) -> float | None:

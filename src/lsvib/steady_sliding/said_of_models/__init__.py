@@ -1,5 +1,6 @@
 """What the chapter says of a model beyond its eigenvalues: a file for each model, found by its name."""
 
+import math
 from decimal import Decimal
 from fractions import Fraction
 from importlib import import_module
@@ -29,5 +30,5 @@ def condition(**margins: Decimal | Fraction | float | None) -> dict[str, Any]:
 
 
 def quantity(value: Decimal | Fraction | float | None, unit: str) -> dict[str, Any]:
-    """Return a quantity with its unit; None where there is none."""
-    return {"value": None if value is None else float(value), "unit": unit}
+    """Return a quantity with its unit; None where there is none, and where it is beyond the range of doubles."""
+    return {"value": None if value is None or math.isinf(float(value)) else float(value), "unit": unit}

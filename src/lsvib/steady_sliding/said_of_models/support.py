@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-
 from lsvib.drives.linear_parts import Polynomial
 from lsvib.drives.parameters import SupportParameters
 from lsvib.steady_sliding import support_conditions
@@ -21,12 +19,12 @@ def said(drive: SupportParameters, law: int, polynomial: Polynomial, flutter: fl
     undamped = drive.replace(**_UNDAMPED)
     undamped_class, _, undamped_polynomial = spectrum(undamped, law)
     a_4, minus_a_2, discriminant = neutral_margins(tuple(p / scale(drive, law) for p in undamped_polynomial))
-    lower, upper = (float(x) if np.isfinite(x) else None for x in support_conditions.flutter_boundaries(drive, law))
+    lower, upper = support_conditions.exact_flutter_boundaries(drive, law)
     return {
         "conditions": {"kinematic": condition(negative_reduced_inertia=-inertia)},
         "quantities": {
             "reduced_inertia": quantity(inertia, "kg m2"),
-            "reduced_mass": quantity(drive.mass * drive.screw_mass / (drive.mass + drive.screw_mass), "kg"),
+            "reduced_mass": quantity(support_conditions.reduced_mass(drive.exact()), "kg"),
             "kinematic_friction": quantity(critical_friction(drive, drive.screw_mass) if law > 0 else None, "1"),
         },
         "without_damping": {
