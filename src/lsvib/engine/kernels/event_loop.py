@@ -12,7 +12,7 @@ import numpy as np
 
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel, merged_kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 _NONE = int(Found.NONE)
@@ -29,7 +29,7 @@ MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulatio
 LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its square is close to overflow
 
 
-@inlined_kernel
+@merged_kernel
 def next_event(tables, mode, state, scale, limit, room, zeros, work):
     """Find the first guard of ``mode`` that fires within ``limit`` [s].
 
@@ -129,7 +129,7 @@ def apply_reset(tables, transition, state, scratch):
         state[i] = scratch[i]
 
 
-@inlined_kernel
+@merged_kernel
 def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
     if stay > 0.0:
@@ -142,7 +142,7 @@ def arrive(tables, mode, state, scale, guard, stay, work):
         scale[i] = max(scale[i], abs(state[i]))
 
 
-@inlined_kernel
+@merged_kernel
 def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     """Reset ``state`` in place where the guard has fired, and choose what follows.
 

@@ -107,3 +107,6 @@ allocating_kernel = _compiler(_nrt=True)
 # together they took half of the time of a run, and would make threads wait for each other.
 kernel = _compiler(_nrt=False)
 inlined_kernel = _compiler(_nrt=False, forceinline=True)
+# A kernel with one caller, put into it before types are inferred: it is not compiled alone, with all that it calls, as
+# every other one is. Of kernels with several callers that would make more to compile.
+merged_kernel = _compiler(_nrt=False, inline="always")
