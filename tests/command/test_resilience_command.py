@@ -29,6 +29,15 @@ def test_resilience(run):
         assert found.fatal_speed.values.tolist() == [float("inf"), expected.speed]
 
 
+def test_where_every_push_is_survived_none_is_fatal(run):
+    """In words, not as infinite numbers and states that are none; JSON has null for them."""
+    text = run("resilience", "--set", "mass=1")[1]
+    assert text.count(": none\n") == 4  # the boundary of the region, and three pushes
+    assert "inf" not in text.replace("boundary of the region of attraction", "")
+    assert "nan" not in text
+    assert json.loads(run("resilience", "--set", "mass=1", "--json")[1])["energy"] is None
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

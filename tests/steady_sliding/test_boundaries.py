@@ -107,6 +107,8 @@ def test_no_critical_friction_where_the_reduced_mass_is_too_small():
     drive = SupportParameters.of(mass=0.01, screw_mass=0.01)
     assert conditions.critical_friction(drive, 0.01) is None
     assert support_conditions.critical_friction_by_eigenvalues(drive) is None
+    lightest = drive.replace(mass=5e-324, coupling_stiffness=5e-324)  # its eigenvalue is beyond doubles
+    assert support_conditions.critical_friction_by_eigenvalues(lightest) is None
 
 
 def random_nuts(count: int) -> dict[str, np.ndarray]:

@@ -1,5 +1,6 @@
 """The command about what steady sliding survives."""
 
+import math
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -68,12 +69,18 @@ def resilience(
 
 def _print(found: Any) -> None:
     print(f"boundary of the region of attraction: {found.boundary.replace('_', ' ')}")
-    print(f"smallest fatal push in the deflection: {found.angle:.12g} rad")
-    print(f"smallest fatal push in the speed: {found.speed:.12g} rad/s")
+    print(f"smallest fatal push in the deflection: {_shown(found.angle, 'rad')}")
+    print(f"smallest fatal push in the speed: {_shown(found.speed, 'rad/s')}")
     u, w = found.state
-    print(f"smallest fatal push by energy: {found.energy:.12g} J, to u = {u:.12g} rad, w = {w:.12g} rad/s")
+    state = f", to u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
+    print(f"smallest fatal push by energy: {_shown(found.energy, 'J')}{state}")
     if found.window is not None:
         print(f"share of the window that settles: {found.fraction:.12g}")
     if found.sampled is not None:
         s = found.sampled
         print(f"of {s.samples} random starts: {s.share:.6g}, with 95 % between {s.low:.6g} and {s.high:.6g}")
+
+
+def _shown(push: float, unit: str) -> str:
+    """A push with its unit; where all are survived, which is an infinite one in files, there is none."""
+    return f"{push:.12g} {unit}" if math.isfinite(push) else "none"

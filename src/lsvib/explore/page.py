@@ -330,7 +330,7 @@ class Page:
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
         mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
-        words = f"t = {shown.time[k]:.4f} s: {mode}, N = {shown.force[k]:.4g} N"
+        words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
 
     def _move(self) -> None:

@@ -32,7 +32,7 @@ def eigenvalues(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) ->
     gamma, c, k = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (inertia, damping, stiffness)))
     discriminant = _discriminant(gamma, c, k)
     sign = np.where(c < 0, -1.0, 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         root = np.sqrt(np.abs(discriminant))
         q = -(c + sign * root) / 2
         first = q / gamma
