@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from judge.wide_drives import wide_drive
 
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import residual
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.nut import nut_automaton
