@@ -43,7 +43,8 @@ SCENES = {
 def motion_of(name, **changes):
     kind, parameters, physics = SCENES[name]
     drive = kind.of({**parameters, **changes})
-    automaton = find_model(drive.model).build(drive, physics, "contact_sign")
+    model = find_model(drive.model)
+    automaton = model.build(drive, (*model.options, *physics), "contact_sign")
     return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
 
 
