@@ -86,9 +86,9 @@ def whole_between(name: str, value: Any, least: int, most: int) -> int:
     return result
 
 
-def workers(name: str, value: Any) -> int:
+def workers(value: Any) -> int:
     """Return a number of threads or processes, as :func:`whole_between` does."""
-    return whole_between(name, value, 1, MOST_WORKERS)
+    return whole_between("workers", value, 1, MOST_WORKERS)
 
 
 def start(name: str, value: Any) -> float:

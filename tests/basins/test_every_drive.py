@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 from judge.fate import fate
+from judge.second_opinions import watch
+from judge.wide_drives import wide_drive
 
 from lsvib.basins.mapper import mapper
-from lsvib.bench.second_opinions import watch
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton

@@ -6,7 +6,7 @@ import pytest
 from lsvib.bench.ablation import leaving_out
 from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
-from lsvib.drives.second_body.support import support_automaton
+from lsvib.drives.second_body.support import MODEL
 from lsvib.drives.threads import threads_automaton
 
 SCENES = leaving_out.scenes(0.3)
@@ -44,7 +44,7 @@ def test_without_rest_there_is_no_rest_in_the_tables():
 
 def test_without_friction_of_the_slide_there_are_no_modes_of_it():
     drive = SupportParameters.of(screw_mass=1.0, slide_friction=0.0)
-    pared = support_automaton(drive, slide=False, bearing=False)
-    loaded = support_automaton(drive.replace(slide_friction=5.0), slide=True, bearing=False)
+    pared = MODEL.build(drive, (), "contact_sign")
+    loaded = MODEL.build(drive.replace(slide_friction=5.0), ("slide_friction",), "contact_sign")
     assert pared.codes.size == 6
     assert loaded.codes.size == 3 * 6

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from judge.wide_drives import wide_drive
 
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import residual
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.second_body.nut import nut_automaton
-from lsvib.drives.second_body.support import support_automaton
 from lsvib.drives.threads import threads_automaton
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns
@@ -22,32 +21,30 @@ PARADOX = {"mass": 15.0, "axial_force": 100.0}
 SOFT = {"contact_stiffness": 1e7, "contact_damping": 1e4}
 START = (0.1, 0.0, 0.0, 0.0)
 SCENES = {
-    "stick-slip": (RigidParameters, rigid_automaton, LOADED, ()),
-    "sprag-slip": (RigidParameters, rigid_automaton, PARADOX, ()),
-    "compliant threads": (ThreadsParameters, threads_automaton, {**PARADOX, **SOFT}, ()),
-    "support": (SupportParameters, support_automaton, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
+    "stick-slip": (RigidParameters, LOADED, ()),
+    "sprag-slip": (RigidParameters, PARADOX, ()),
+    "compliant threads": (ThreadsParameters, {**PARADOX, **SOFT}, ()),
+    "support": (SupportParameters, {**LOADED, "screw_mass": 3.0, "axial_support_damping": 30.0}, ()),
     "support, rubbing": (
         SupportParameters,
-        support_automaton,
         {**LOADED, "screw_mass": 3.0, "slide_friction": 8.0, "bearing_friction": 0.02},
         ("slide_friction", "bearing_friction"),
     ),
-    "support, seizing": (SupportParameters, support_automaton, {**PARADOX, "screw_mass": 50.0}, ()),
+    "support, seizing": (SupportParameters, {**PARADOX, "screw_mass": 50.0}, ()),
     "nut, rubbing": (
         NutParameters,
-        nut_automaton,
         {**LOADED, "slide_friction": 8.0, "bearing_friction": 0.02},
         ("slide_friction", "bearing_friction"),
     ),
-    "nut, seizing": (NutParameters, nut_automaton, {**PARADOX, "mass": 11.0}, ()),
-}  # fmt: skip
+    "nut, seizing": (NutParameters, {**PARADOX, "mass": 11.0}, ()),
+}
 
 
 def motion_of(name, **changes):
-    kind, make, parameters, physics = SCENES[name]
+    kind, parameters, physics = SCENES[name]
     drive = kind.of({**parameters, **changes})
-    frictions = {word.removesuffix("_friction"): True for word in physics}
-    automaton = make(drive, **frictions)
+    model = find_model(drive.model)
+    automaton = model.build(drive, (*model.options, *physics), "contact_sign")
     return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
 
 

@@ -7,12 +7,11 @@ from reference.figure_checks import assert_drawn_from_file, set_to
 from lsvib.bench.figures.stability_sweeps import dataset as stability_sweeps
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import simulate
-from lsvib.bench.second_opinions import taylor
-from lsvib.bench.second_opinions.endings import KINDS
-from lsvib.bench.sweeps import case_judge
+from lsvib.bench.sweeps import case_judge, taylor
 from lsvib.bench.sweeps.case_judge import Judge, judge
 from lsvib.bench.sweeps.cases import THRESHOLDS, cases
 from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
+from lsvib.bench.sweeps.taylor import KINDS
 from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 

@@ -1,16 +1,16 @@
 """Why an attractor is unresolved is said wherever its label is: by the search, the mapper, the commands and the judge.
 
-The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter's.
+The drives are those of ``judge.wide_drives``, far from the chapter's.
 """
 
 import pytest
 from judge import command, judges
+from judge.wide_drives import wide_drive
 from reference.wide_scenes import scene
 
 from lsvib.basins import slice_mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.command.printing import print_map, print_motion
 from lsvib.cycles.attractors import Attractor, Doubt, steady_state
 from lsvib.data import attraction_map, simulation

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from judge.wide_drives import wide_drive
 
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.endings import Endings, _block_endings, all_endings, ending
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters

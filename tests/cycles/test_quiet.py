@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
+from judge.wide_drives import wide_drive
 from reference.wide_scenes import assert_slides_steadily, scene
 
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.quiet import parts_of, quiet_until
 from lsvib.engine.kernels import dispatch

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from judge.wide_drives import wide_drive
 
 from lsvib.basins.mapper import mapper
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.family_edges import _beyond
 from lsvib.cycles.recurrences import recurrence

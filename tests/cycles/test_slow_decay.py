@@ -1,6 +1,6 @@
 """Motions with four states that hardly move from turn to turn: leaps end where the motion itself goes.
 
-The drives are those of ``lsvib.bench.sweeps.wide_drives``, far from the chapter's; each was once left open, or wrong.
+The drives are those of ``judge.wide_drives``, far from the chapter's; each was once left open, or wrong.
 """
 
 import math
@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from judge.judges import BAD, stages
 from judge.long_run import constants_of, fate
+from judge.wide_drives import wide_drive
 from reference.wide_scenes import assert_slides_steadily, scene
 
 import lsvib
 from lsvib.basins.mapper import mapper
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles import drifts
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.cones import shrinking

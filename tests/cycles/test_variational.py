@@ -7,10 +7,10 @@ the library's own bound of its rounding, with a factor for the rounding of the e
 
 import numpy as np
 import pytest
+from judge.wide_drives import wide_drive
 from mpmath import mp, mpf
 
 from lsvib.bench.reference import rigid_digits, threads_digits
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.variational import derivative, rounding
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton

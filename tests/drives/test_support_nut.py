@@ -15,16 +15,17 @@ from reference.two_bodies_steps import SteppedDrive, simulate
 import lsvib
 from lsvib.bench.reference import two_bodies_digits
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.second_body.nut import NutEvent, NutMode, nut_automaton
-from lsvib.drives.second_body.support import SupportEvent, SupportMode, support_automaton
+from lsvib.drives.second_body.nut import NutEvent, NutMode
+from lsvib.drives.second_body.support import SupportEvent, SupportMode
 from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.kernels.status import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
 from lsvib.steady_sliding import linearised
 
-KINDS = {"support": (SupportParameters, support_automaton, SupportMode), "nut": (NutParameters, nut_automaton, NutMode)}
+KINDS = {"support": (SupportParameters, SupportMode), "nut": (NutParameters, NutMode)}
 MODELS = sorted(KINDS)
 EVENTS = {"support": SupportEvent, "nut": NutEvent}
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
@@ -46,15 +47,15 @@ START = (0.1, 0.0, 0.0, 0.0)
 
 def build(model, slide=False, bearing=False, **parameters):
     """Drive, automaton and reference of one set of parameters."""
-    kind, make, _ = KINDS[model]
-    drive = kind.of(parameters)
-    frictions = [name for name, there in zip(FRICTIONS, (slide, bearing), strict=True) if there]
-    return drive, make(drive, slide=slide, bearing=bearing), SteppedDrive(model, dict(drive), frictions)
+    drive = KINDS[model][0].of(parameters)
+    frictions = tuple(name for name, there in zip(FRICTIONS, (slide, bearing), strict=True) if there)
+    automaton = find_model(model).build(drive, frictions, "contact_sign")
+    return drive, automaton, SteppedDrive(model, dict(drive), frictions)
 
 
 def key_of(model, automaton, mode):
     """Mode in the words of the reference: (direction of slip, sign of N, direction of the second body)."""
-    words = KINDS[model][2](int(automaton.codes[mode])).name.lower().split("_")
+    words = KINDS[model][1](int(automaton.codes[mode])).name.lower().split("_")
     numbers = [WORDS[word] for word in words if word in WORDS]
     if words[0] == "slip":
         return numbers[0], numbers[1], (numbers[2] if len(numbers) > 2 else None)
@@ -423,7 +424,7 @@ def test_scene_starts_and_reports_the_other_coordinate(model, extra):
     for name, value in extra.items():
         assert motion[name].values[0] == pytest.approx(value, rel=1e-12)
     mode = motion["mode"].values
-    slips = mode == KINDS[model][2].SLIP_FORWARD_POSITIVE
+    slips = mode == KINDS[model][1].SLIP_FORWARD_POSITIVE
     drive = KINDS[model][0]()
     push = math.cos(drive.lead_angle) + drive.friction_coefficient * math.sin(drive.lead_angle)
     assert slips.mean() > 0.1

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
+from judge.wide_drives import wide_drive
 from reference.wide_scenes import scene
 
 from lsvib.bench.sweeps.case_judge import allowed_residual
 from lsvib.bench.sweeps.energy_balance import balance
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import steady_state
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow

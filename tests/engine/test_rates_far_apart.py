@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from judge.judges import four_case
 from judge.linear_judge import rates
+from judge.second_paths import quick_path
+from judge.wide_drives import wide_drive
 from mpmath import mp
 
 from lsvib.bench.record import Verdict
 from lsvib.bench.sweeps.case_judge import judge
 from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
-from lsvib.bench.sweeps.paths import automaton, quick_path
-from lsvib.bench.sweeps.wide_drives import wide_drive
+from lsvib.bench.sweeps.paths import automaton
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton

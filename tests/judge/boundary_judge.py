@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from judge import linear_judge
-from lsvib.bench.sweeps.wide_drives import WideDrive
+from judge.wide_drives import WideDrive
 from lsvib.errors import InputError
 from lsvib.steady_sliding.summary import threshold_table
 

@@ -22,7 +22,7 @@ from pathlib import Path
 
 from judge.judges import BAD, QUESTIONS, REFUSED, UNRESOLVED
 from judge.processes import STARTS, Line, judged, run
-from lsvib.bench.sweeps.wide_drives import MODELS
+from judge.wide_drives import MODELS
 
 __all__ = ["STARTS", "judged", "kinds", "main", "passed", "run", "summary"]
 

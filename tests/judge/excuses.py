@@ -5,13 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from lsvib.bench.record import Record
+from lsvib.bench.record import Record, Verdict
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.families import Case
 from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, without_clusters
 
 _INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
 _AT_ONCE = 1e-6  # relative to the duration; where an undamped contact touches N = 0, N changes its sign twice within it
+
+
+def agree(path: Record, other: Record, case: Case) -> bool:
+    """Whether two motions have the same events, at the same times, and end in the same state."""
+    outcome = case_judge.CaseOutcome(Verdict.WRONG, case_judge.Judge.NONE)
+    return case_judge.compare(outcome, path, other, case) is Verdict.RIGHT
 
 
 def at_corner(path: Record, other: Record, case: Case) -> bool:
@@ -24,7 +30,7 @@ def at_corner(path: Record, other: Record, case: Case) -> bool:
     if same_after_an_instant(path, other, case):
         return True
     undamped = case.drive.support_damping == 0 == case.drive.translation_damping
-    if undamped and case_judge.agree(*(without_touches(x, case, TOUCHES) for x in (path, other)), case):
+    if undamped and agree(*(without_touches(x, case, TOUCHES) for x in (path, other)), case):
         return True
     pairs = zip(path.kinds, other.kinds, strict=False)
     same = next((k for k, (one, two) in enumerate(pairs) if one != two), min(len(path.kinds), len(other.kinds)))
@@ -43,7 +49,7 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
         return False
     one, two = (_without_instants(x, case) for x in (path, exact))
     if path.complete or exact.complete:
-        return case_judge.agree(one, two, case)
+        return agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds)) - 1  # the last one may be the first half of a touch
     return count >= MOST_EVENTS // 4 and same_first(one, two, count, case)
 
@@ -99,7 +105,7 @@ def same_after_an_instant(path: Record, other: Record, case: Case) -> bool:
         late = one.times > _INSTANT * case.duration
         kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
         later.append(replace(one, kinds=kinds, times=one.times[late]))
-    return case_judge.agree(*later, case)
+    return agree(*later, case)
 
 
 def same_first(path: Record, other: Record, count: int, case: Case) -> bool:

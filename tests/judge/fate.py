@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.endings import HALVINGS
-from lsvib.bench.second_opinions.watch import WatchConstants
+from judge.second_opinions import watch
+from judge.second_opinions.watch import WatchConstants
+from lsvib.bench.sweeps.taylor import HALVINGS
 
 _FIRST, _MOST = 256, 16_384  # events looked at first, and before a motion without a pattern is given up
 _PERIODS = 64  # events in the longest pattern

@@ -13,19 +13,19 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
-from judge import boundary_judge, excuses, linear_judge, long_run, threshold_judge
+from judge import boundary_judge, excuses, linear_judge, long_run, second_paths, threshold_judge
 from judge.fate import Fate, fate
+from judge.second_opinions import watch
+from judge.second_opinions.stride_constants import Ladders
+from judge.wide_drives import WideDrive, wide_drive
 from lsvib.basins.mapper import mapper
 from lsvib.basins.slice_mapper import Destiny
 from lsvib.bench.record import Record, Verdict
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.stride_constants import Ladders
 from lsvib.bench.sweeps import case_judge, paths
 from lsvib.bench.sweeps.energy_balance import balance, terms
 from lsvib.bench.sweeps.energy_quadrature import Terms
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup
-from lsvib.bench.sweeps.wide_drives import WideDrive, wide_drive
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
@@ -36,8 +36,10 @@ from lsvib.errors import InputError, LsvibError
 from lsvib.steady_sliding.stability_table import stability_table
 
 GOOD = RIGHT, CORNER, BEYOND_INPUT = tuple(v.words for v in (Verdict.RIGHT, Verdict.CORNER, Verdict.BEYOND_INPUT))
-BAD = WRONG, CRASHED, LATE = tuple(v.words for v in (Verdict.WRONG, Verdict.CRASHED, Verdict.LATE))
-REFUSED, UNRESOLVED, UNDECIDED = (v.words for v in (Verdict.REFUSED, Verdict.UNRESOLVED, Verdict.UNDECIDED))
+# Crashed: an error that is not one of the library's sentences, or a process that died. Late: more processor time than
+# is allowed. Unresolved: the program says that it does not know. Undecided: the judge does not know.
+BAD = WRONG, CRASHED, LATE = Verdict.WRONG.words, "crashed", "late"
+REFUSED, UNRESOLVED, UNDECIDED = Verdict.REFUSED.words, "unresolved", "undecided"
 UNNOTED = *GOOD, Verdict.NOT_RUN.words  # findings that are only counted
 QUESTIONS = ("stability", "motion", "attractor", "threshold", "label")
 _EDGE = ("neutral_family", "stick_slip_cycle", "other_cycle")  # all right for the orbit that touches θ′ = 0
@@ -73,7 +75,7 @@ def _stages(wide: WideDrive, wanted: set[str]) -> Iterator[Stage]:
     yield "stability", lambda: [_stability(wide)]
     if wide.model != "rigid":
         cases = lru_cache(lambda: four_cases(wide))
-        constants = lru_cache(lambda: paths.case_ladders(cases()[0], max(case.duration for case in cases())))
+        constants = lru_cache(lambda: second_paths.case_ladders(cases()[0], max(case.duration for case in cases())))
         model = lru_cache(lambda: paths.automaton(cases()[0]))
         energies = lru_cache(lambda: terms(model(), wide.drive, wide.physics))
         for k in range(len(wide.starts)):
@@ -126,9 +128,9 @@ def _motion(
     path = paths.engine_path(motion, case)
     if case.start == (0.0, 0.0) and fate(constants, 0.0, 0.0).name == "steady_sliding":  # on Q = 0 if R̃ = 0
         return Finding(WRONG if path.kinds or path.end.any() else RIGHT, k, "leaves the equilibrium")
-    other = paths.watched_path(case, constants, path.size)
+    other = second_paths.watched_path(case, constants, path.size)
     if other is not None:
-        same = case_judge.agree(path, other, case)
+        same = excuses.agree(path, other, case)
         if (same or excuses.at_corner(path, other, case)) and _balanced(motion, wide, energies):
             return Finding(RIGHT if same else CORNER, k)
     exact = paths.exact_path(case, wide.drive, case.start)
@@ -164,8 +166,8 @@ def _four_motion(
     path = paths.engine_path(motion, case)
     if not any(case.start) and linear_judge.carries_no_force(wide):  # the equilibrium, on N = 0
         return [Finding(WRONG if path.kinds or path.end.any() else RIGHT, k)]
-    other = paths.strides_path(case, constants)
-    if other is not None and case_judge.agree(path, other, case) and _balanced(motion, wide, energies):
+    other = second_paths.strides_path(case, constants)
+    if other is not None and excuses.agree(path, other, case) and _balanced(motion, wide, energies):
         return [Finding(RIGHT, k)]
 
     def judged() -> list[Finding]:
@@ -210,7 +212,7 @@ def _by_strides(wide: WideDrive, k: int, case: Case, path: Record, other: Record
     if other is not None:
         if excuses.touches_only(path, other, case) and balanced:
             return Finding(CORNER, k)
-        finding = _by_reference(wide, k, case, paths.quick_path)
+        finding = _by_reference(wide, k, case, second_paths.quick_path)
         if finding.verdict in (CORNER, BEYOND_INPUT):
             return finding
     return _by_reference(wide, k, case)
@@ -299,7 +301,7 @@ def _confirmed(wide: WideDrive, k: int) -> bool:
     """Whether the reference has the first events that the watcher has, at the same times."""
     case = motion_case(wide, k)
     exact = paths.exact_path(case, wide.drive, case.start)
-    watched = None if exact is None else paths.watched_path(case, watch.constants(dict(wide.drive)), exact.size)
+    watched = None if exact is None else second_paths.watched_path(case, watch.constants(dict(wide.drive)), exact.size)
     if watched is None:
         return False
     count = min(len(exact.kinds), len(watched.kinds), _CONFIRMING)

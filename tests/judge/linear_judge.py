@@ -5,9 +5,9 @@ from functools import lru_cache
 
 from mpmath import mp
 
+from judge.wide_drives import WideDrive
 from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
-from lsvib.bench.sweeps.wide_drives import WideDrive
 from lsvib.drives.parameters import RigidParameters
 
 _DIGITS = 120  # so that a double rate has 60

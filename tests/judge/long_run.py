@@ -1,7 +1,7 @@
 """What becomes of a motion of a drive with four states in the end, judged by a long run of strides.
 
 It shares nothing with the engine: Newton's laws are those of the references, the method is that of
-:mod:`lsvib.bench.second_opinions.strides`. The motion
+:mod:`judge.second_opinions.strides`. The motion
 
 * *settles* if it has come to a mode whose own rates, found with many digits, leave all its conditions positive for
   ever: each is bounded by its value at the mode's equilibrium less the amplitudes of all parts. Then it is steady
@@ -20,11 +20,11 @@ from mpmath import mp
 
 from judge import linear_judge
 from judge.fate import Fate
+from judge.second_opinions import strides
+from judge.second_opinions.endings import AMBIGUOUS, LATE, TIME_REACHED
+from judge.second_opinions.stride_constants import ABSENT, Ladders, ladders
+from judge.wide_drives import WideDrive
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions import strides
-from lsvib.bench.second_opinions.endings import AMBIGUOUS, LATE, TIME_REACHED
-from lsvib.bench.second_opinions.stride_constants import ABSENT, Ladders, ladders
-from lsvib.bench.sweeps.wide_drives import WideDrive
 
 _EVENTS, _STRIDES = 20_000, 200_000  # most events and most strides of one run
 _LONG = 1000.0  # slowest times near steady sliding, within which a damped motion dies away

@@ -20,7 +20,7 @@ from numba.core.event import Listener, register
 
 from judge import judges
 from judge.judges import CRASHED, LATE, QUESTIONS, UNNOTED, Finding
-from lsvib.bench.sweeps.wide_drives import wide_drive
+from judge.wide_drives import wide_drive
 
 STARTS = 4  # starts of each drive by default
 _CHUNK = 16  # drives that a process is given at once, so that it never waits for the next one

@@ -18,8 +18,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from judge.fate import Fate, fate
-from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.endings import KINDS
+from judge.second_opinions import watch
+from lsvib.bench.sweeps.taylor import KINDS
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 

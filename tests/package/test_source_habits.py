@@ -1,4 +1,4 @@
-"""Habits of the sources: constants and long functions have their reasons, and a class name means one thing."""
+"""Habits of the sources and of the judge: constants and long functions have reasons, a class name means one thing."""
 
 import ast
 import re
@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parents[2] / "src" / "lsvib"
+ROOT = Path(__file__).parents[2]
+SOURCES = sorted(path for folder in ("src/lsvib", "tests/judge") for path in (ROOT / folder).rglob("*.py"))
 NAMED_ALIKE = {  # names that several classes share, and why
     "Settings": "the type of a figure's settings is found by this name in its folder",
     "_Piece": "a part of the modal form, of one drive and of many at once",
@@ -55,8 +56,8 @@ def test_the_rule_itself(text, found):
 
 def test_numeric_constants_have_their_reason():
     found = [
-        f"{path.relative_to(SOURCE)}:{line}"
-        for path in sorted(SOURCE.rglob("*.py"))
+        f"{path.relative_to(ROOT)}:{line}"
+        for path in SOURCES
         for line in without_reason(path.read_text(encoding="utf-8"))
     ]
     assert not found, found
@@ -65,8 +66,8 @@ def test_numeric_constants_have_their_reason():
 def test_long_functions_say_why():
     """A function above sixty lines says in its docstring why it is one loop, or long."""
     found = [
-        f"{path.relative_to(SOURCE)}: {node.name}"
-        for path in sorted(SOURCE.rglob("*.py"))
+        f"{path.relative_to(ROOT)}: {node.name}"
+        for path in SOURCES
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.FunctionDef) and (node.end_lineno or 0) - node.lineno >= 60
         if not re.search(r"\b(loop|long)\b", ast.get_docstring(node) or "", re.IGNORECASE)
@@ -76,9 +77,9 @@ def test_long_functions_say_why():
 
 def test_a_class_name_means_one_thing():
     places: dict[str, list[str]] = {}
-    for path in sorted(SOURCE.rglob("*.py")):
+    for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
-                places.setdefault(node.name, []).append(str(path.relative_to(SOURCE)))
+                places.setdefault(node.name, []).append(str(path.relative_to(ROOT)))
     twice = {name: found for name, found in places.items() if len(found) > 1}
     assert twice.keys() == NAMED_ALIKE.keys(), {k: v for k, v in twice.items() if k not in NAMED_ALIKE}

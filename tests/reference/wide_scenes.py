@@ -1,10 +1,10 @@
-"""Motions of the random drives of ``lsvib.bench.sweeps.wide_drives``, by seed, drive and start."""
+"""Motions of the random drives of ``judge.wide_drives``, by seed, drive and start."""
 
 import math
 
 import numpy as np
+from judge.wide_drives import wide_drive
 
-from lsvib.bench.sweeps.wide_drives import wide_drive
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.patience import follow_patiently
 from lsvib.drives.registry import find_model

@@ -2,6 +2,7 @@
 
 import math
 
+_DIGITS = 3  # of a quantity
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _PREFIXED = {"N": "N", "m": "m", "m/s": "m/s", "Hz": "Hz", "N s": "N s", "N/m": "N/m", "N m/rad": "N m/rad", "s": "s"}
 _READABLE = {
@@ -17,7 +18,7 @@ _READABLE = {
 }
 
 
-def shown(value: float | None, unit: str, digits: int = 3) -> str:
+def shown(value: float | None, unit: str) -> str:
     """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm.
 
     ``unit`` in the spelling of datasets (``N m s rad-1``) or of people; an empty text or 1 for plain numbers.
@@ -27,17 +28,17 @@ def shown(value: float | None, unit: str, digits: int = 3) -> str:
     if math.isinf(value):
         return "any" if value > 0 else "none"
     if unit in ("rad s-1", "rad/s"):
-        return f"{_figure(value * 60 / (2 * math.pi), digits)} rpm"
+        return f"{_figure(value * 60 / (2 * math.pi))} rpm"
     if unit == "rad":
-        return f"{_figure(math.degrees(value), digits)}°"
+        return f"{_figure(math.degrees(value))}°"
     unit = _READABLE.get(unit, unit)
     if unit in ("", "1"):
-        return _figure(value, digits)
+        return _figure(value)
     if unit in _PREFIXED and value != 0:
-        size = abs(value) * (1 + 0.5 * 10.0**-digits)  # so that 999.7 becomes 1 k
+        size = abs(value) * (1 + 0.5 * 10.0**-_DIGITS)  # so that 999.7 becomes 1 k
         factor, prefix = next((pair for pair in _PREFIXES if size >= pair[0]), _PREFIXES[-1])
-        return f"{_figure(value / factor, digits)} {prefix}{unit}"
-    return f"{_figure(value, digits)} {unit}"
+        return f"{_figure(value / factor)} {prefix}{unit}"
+    return f"{_figure(value)} {unit}"
 
 
 def percent(value: float | None) -> str:
@@ -66,10 +67,10 @@ def change(factor: float | None) -> str:
     return f"{abs(factor - 1) * 100:.3g} % {'larger' if factor > 1 else 'smaller'}"
 
 
-def _figure(value: float, digits: int) -> str:
+def _figure(value: float) -> str:
     if value == 0:
         return "0"
-    text = f"{value:.{digits}g}"
+    text = f"{value:.{_DIGITS}g}"
     if "e" not in text:
         return text.replace("-", "−")
     mantissa, _, exponent = text.partition("e")

@@ -35,7 +35,7 @@ def assess_file(
     ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
     samples, seed = _samples(samples, seed)
-    at_once = numbers.workers("workers", workers)
+    at_once = numbers.workers(workers)
     sheet = Sheet.read(path)
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)

@@ -24,10 +24,6 @@ class Verdict(IntEnum):
     OTHER_EVENTS = 7  # events missed or invented, but the motion goes on or ends as it should
     OTHER_MOTION = 8  # another end or another steady amplitude, or motion where there is none
     GAVE_UP = 9  # too much time or effort, a step that cannot be made, an endless chain of events, overflow
-    CRASHED = 10  # an error that is not one of the library's sentences, or a process that died
-    LATE = 11  # more processor time than is allowed
-    UNRESOLVED = 12  # who was asked says that it does not know
-    UNDECIDED = 13  # the judge does not know
 
     @property
     def words(self) -> str:

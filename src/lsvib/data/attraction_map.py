@@ -55,7 +55,7 @@ def map_attraction(
     progress: Progress | None = None,
 ) -> AttractionMap:
     """Map the region of attraction of a drive as :meth:`RigidDrive.attraction`; the seconds are without compiling."""
-    at_once = numbers.workers("workers", workers)
+    at_once = numbers.workers(workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):

@@ -202,7 +202,7 @@ def chart(
     label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers("workers", workers)
+    plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
     if processes > 1 and plane.x.count * plane.y.count >= _WORTH:
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:

@@ -56,7 +56,7 @@ def sweep(
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
     """
-    kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers("workers", workers)
+    kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
     axes = axes_of(over, kind.drive, _MOST)
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 from lsvib.api import DRIVES
@@ -24,9 +23,9 @@ _LISTS = {  # key of a section: the parameter that it lists values of
 _DEFAULT = View()
 
 
-def presets(settings: Path = DEFAULT) -> dict[str, View]:
+def presets() -> dict[str, View]:
     """Return a view for each drive of each figure of the chapter, by a name such as "Figure 8.9: m = 11 kg"."""
-    sections = read_yaml(settings)
+    sections = read_yaml(DEFAULT)
     found: dict[str, View] = {}
     for name, section in sections.items():
         if name.startswith("fig8_"):

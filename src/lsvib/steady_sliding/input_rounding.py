@@ -1,7 +1,6 @@
 """What the rounding of Table 8.1 does to a threshold: half a unit of each last digit, by exact derivatives."""
 
 import math
-from collections.abc import Mapping
 
 from lsvib.results import SolvedThreshold
 
@@ -19,10 +18,10 @@ ROUND = ("coupling_stiffness", "support_damping", "input_speed")
 """Values with no digit but the leading one, 1, 2e-4 and 40: they look chosen, and half a unit is up to half of them."""
 
 
-def propagated(threshold: SolvedThreshold, half_units: Mapping[str, float] = HALF_UNITS) -> dict[str, float]:
+def propagated(threshold: SolvedThreshold) -> dict[str, float]:
     """Return the change of a threshold by half a unit of each parameter, ∂f/∂p · h, by name [unit of the threshold].
 
-    Arguments: the threshold, solved at the drive with the printed values; the half units h [SI, angle in degrees].
+    The threshold is solved at the drive with the printed values; the half units h are in SI, the angle's in degrees.
     Its own parameter changes nothing.
     """
     slopes = threshold.derivatives
@@ -32,4 +31,4 @@ def propagated(threshold: SolvedThreshold, half_units: Mapping[str, float] = HAL
             return math.radians(slope("lead_angle"))
         return 0.0 if name == threshold.unknown else slopes[name].value or 0.0
 
-    return {name: slope(name) * h for name, h in half_units.items()}
+    return {name: slope(name) * h for name, h in HALF_UNITS.items()}

@@ -15,7 +15,7 @@ import numpy as np
 from lsvib.drives.once import forget
 from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.second_body.support import support_automaton
+from lsvib.drives.second_body.support import MODEL as SUPPORT
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import columns
@@ -75,8 +75,8 @@ def scenes(duration: float) -> dict[str, Ablated]:
         "sprag_slip": rigid("law + slip, contact state", sprag, True),
         "axial_support": Ablated(
             "friction of the slide",
-            lambda: support_automaton(support, slide=False, bearing=False),
-            lambda: support_automaton(loaded, slide=True, bearing=False),
+            lambda: SUPPORT.build(support, (), "contact_sign"),
+            lambda: SUPPORT.build(loaded, ("slide_friction",), "contact_sign"),
             (four, four),
             duration,
         ),

@@ -6,7 +6,7 @@ from mpmath import mp, mpf
 from lsvib.bench.record import Record, count_stops
 from lsvib.bench.reference import rigid_digits, threads_digits
 from lsvib.bench.rivals.race_scenes import RaceScene
-from lsvib.bench.second_opinions.endings import DIGITS
+from lsvib.bench.sweeps.taylor import DIGITS
 
 
 def reference(scene: RaceScene) -> Record:

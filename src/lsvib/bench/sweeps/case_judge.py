@@ -1,7 +1,7 @@
 """Judge the engine on cases at the edge of the domain: status, events, times, states, and what the input itself allows.
 
 A case passes if the engine reports the events of an independent computation, in order, and its final state and event
-times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.bench.second_opinions.taylor`; where it
+times to 1e-9 of the motion. The first judge of a rigid drive is :mod:`lsvib.bench.sweeps.taylor`; where it
 disagrees, or the drive is too stiff for it, the reference with 40 digits decides (always, for the other models). Where
 the engine disagrees with the reference as well, the reference is asked again with every parameter moved by up to 16
 units of its last place, the size below which the engine takes a sum for zero: if one of these inputs leads to all that
@@ -132,7 +132,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     outcome.energy = balance(motion, case.drive, case.physics)
     quick = stepper_path(case, path.size) if is_rigid(case) else None
     if quick is not None:
-        outcome.stepper_agrees = _compare(outcome, path, quick, case) is Verdict.RIGHT
+        outcome.stepper_agrees = compare(outcome, path, quick, case) is Verdict.RIGHT
         if outcome.stepper_agrees and not (thorough or by_reference):
             outcome.verdict, outcome.judge = Verdict.RIGHT, Judge.STEPPER
             return outcome
@@ -141,7 +141,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
         return outcome
     if quick is not None:
         outcome.stepper_agrees = quick.kinds == exact.kinds or agree_but_corners(quick, exact, case)
-    outcome.verdict = _compare(outcome, path, exact, case)
+    outcome.verdict = compare(outcome, path, exact, case)
     if outcome.verdict is Verdict.WRONG and agree_but_corners(path, exact, case):
         outcome.verdict = Verdict.CORNER
         outcome.state_error = distance(path.end, exact)
@@ -153,12 +153,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool, by_reference: b
     return outcome
 
 
-def agree(path: Record, other: Record, case: Case) -> bool:
-    """Whether two motions have the same events, at the same times, and end in the same state."""
-    return _compare(CaseOutcome(Verdict.WRONG, Judge.NONE), path, other, case) is Verdict.RIGHT
-
-
-def _compare(outcome: CaseOutcome, path: Record, other: Record, case: Case) -> Verdict:
+def compare(outcome: CaseOutcome, path: Record, other: Record, case: Case) -> Verdict:
     """Write the errors of a path against another one to ``outcome`` and return the verdict on it."""
     outcome.state_error = outcome.time_error = math.nan
     if path.kinds != other.kinds or path.complete != other.complete:

@@ -7,7 +7,7 @@ import numpy as np
 
 from lsvib.bench.sweeps import cases_threads, cases_two_bodies
 from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup, power, sign
-from lsvib.bench.sweeps.wide_drives import rigid_values
+from lsvib.bench.sweeps.wide_values import rigid_values
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds

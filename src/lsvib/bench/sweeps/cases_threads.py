@@ -13,8 +13,8 @@ import math
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.second_opinions.endings import DIGITS
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
+from lsvib.bench.sweeps.taylor import DIGITS
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.engine.exact.factors import multiplied
 from lsvib.steady_sliding.linearised import threads_model

@@ -13,9 +13,7 @@ from lsvib.bench.reference import rigid_digits as rigid_reference
 from lsvib.bench.reference import threads_digits as threads_reference
 from lsvib.bench.reference import two_bodies_digits
 from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive as TwoBodies
-from lsvib.bench.second_opinions import strides, taylor, watch
-from lsvib.bench.second_opinions.endings import KINDS
-from lsvib.bench.second_opinions.stride_constants import FORCE, Ladders, ladders
+from lsvib.bench.sweeps import taylor
 from lsvib.bench.sweeps.families import Case
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
@@ -70,10 +68,10 @@ def engine_path(motion: Motion, case: Case) -> Record:
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
     if case.drive.model in _TWO_BODIES:
         pairs = zip(motion.mode[counted], motion.kind[counted] == kind.events["SEIZURE"], strict=True)
-        kinds = [_token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
+        kinds = [token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
     else:
         kinds = [kind.events(event).name.lower() for event in motion.kind[counted]]
-    return _path(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
+    return shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 
 def stepper_path(case: Case, size: np.ndarray) -> Record | None:
@@ -84,58 +82,8 @@ def stepper_path(case: Case, size: np.ndarray) -> Record | None:
         return None
     times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
     complete, count, u, w = taylor.run(constants, *case.start, case.duration, times, kinds)
-    names = [KINDS[kind] for kind in kinds[:count]]
-    return _path(case, names, times[:count], (u, w), size, complete)
-
-
-def watched_path(case: Case, constants: watch.WatchConstants, size: np.ndarray) -> Record | None:
-    """The motion in closed form, or None where double precision does not tell; ``size``: as for the stepper."""
-    times, states = np.empty(MOST_EVENTS), np.empty((MOST_EVENTS, 2))
-    kinds, modes = np.empty(MOST_EVENTS, dtype=np.int64), np.empty(MOST_EVENTS, dtype=np.int64)
-    end, count, u, w, _ = watch.watch(
-        constants, *case.start, watch.ANYWHERE, case.duration, False, times, kinds, modes, states
-    )
-    if end not in (watch.TIME_REACHED, watch.EVENTS_FULL):
-        return None
-    names = [KINDS[kind] for kind in kinds[:count]]
-    return _path(case, names, times[:count], (u, w), size, end == watch.TIME_REACHED)
-
-
-def case_ladders(case: Case, longest: float) -> Ladders:
-    """Constants of a drive with four states for :func:`strides_path`, for motions up to ``longest`` [s]."""
-    return ladders(case.drive.model, dict(case.drive), case.physics, longest)
-
-
-def strides_path(case: Case, constants: Ladders) -> Record | None:
-    """The motion of a drive with four states by strides of propagators, or None where they do not tell."""
-    times, size, end = np.empty(MOST_EVENTS), np.empty(4), np.empty(4)
-    before, after, fired = (np.empty(MOST_EVENTS, dtype=np.int64) for _ in range(3))
-    status, count, _ = strides.follow(
-        constants, np.array(case.start), case.duration, strides.MOST_STRIDES, times, before, after, fired,
-        np.empty((0, 4)), end, size,
-    )  # fmt: skip
-    if status not in (strides.TIME_REACHED, strides.EVENTS_FULL):
-        return None
-    kinds = []
-    for one, other, kind in zip(before[:count], after[:count], fired[:count], strict=True):
-        if case.drive.model == "threads":
-            if constants.direction[one] == 0:
-                kinds.append("release")
-            elif kind == FORCE:
-                kinds.append("contact_reversal")
-            else:
-                kinds.append("reversal" if constants.direction[other] else "stick")
-        else:
-            seconds = constants.second[other] if constants.has_second else None
-            mode = (constants.direction[other], constants.contact[other], seconds)
-            kinds.append(_token(_name(mode, case.drive.model), kind == strides.SEIZURE))
-    return _path(case, kinds, times[:count], end, size, status == strides.TIME_REACHED)
-
-
-def quick_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
-    """:func:`strides_path` in the place of :func:`exact_path`."""
-    moved = case._replace(drive=drive, start=start)
-    return strides_path(moved, case_ladders(moved, case.duration))
+    names = [taylor.KINDS[kind] for kind in kinds[:count]]
+    return shortened(case, names, times[:count], (u, w), size, complete)
 
 
 @lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
@@ -163,20 +111,21 @@ def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], di
         result = two_bodies_digits.simulate(
             dict(drive), drive.model, case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
         )
-        kinds = [_token(_name(event.mode_after, drive.model), event.seizure) for event in result.events]
+        kinds = [token(mode_name(event.mode_after, drive.model), event.seizure) for event in result.events]
         visited = [event.state for event in result.events]
         visited += result.sampled(_SAMPLES)
         end, complete = result.state, result.complete
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
     times = np.array([float(event.time) for event in result.events])
-    return _path(case, kinds, times, end, size, complete)
+    return shortened(case, kinds, times, end, size, complete)
 
 
-def _token(mode: str, seized: bool) -> str:
+def token(mode: str, seized: bool) -> str:
+    """Name of an event of a drive with a second body: the mode after it, and whether it is a seizure."""
     return mode + ("_by_seizure" if seized else "")
 
 
-def _name(mode: tuple, model: str) -> str:
+def mode_name(mode: tuple, model: str) -> str:
     """Name of a mode (d, q, a) of the reference."""
     slip, contact, second = mode
     name = f"slip_{_SLIPS[slip]}{_CONTACTS[contact]}" if slip else f"rest{_CONTACTS[contact]}"
@@ -193,7 +142,7 @@ def _least(drive: RigidParameters, physics: tuple[str, ...]) -> np.ndarray:
     return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
 
 
-def _path(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
+def shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
     """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events.
 
     A motion with a second body that is small counts as large as a part of steady sliding.

@@ -29,7 +29,7 @@ from lsvib.engine.kernels.status import Test
 
 @once
 def automaton_of(
-    model: type[TwoBodies], drive: SupportParameters | NutParameters, slide: bool = False, bearing: bool = False
+    model: type[TwoBodies], drive: SupportParameters | NutParameters, slide: bool, bearing: bool
 ) -> Automaton:
     """Return the automaton of a drive; ``slide``, ``bearing``: with F_0, with T_0.
 

@@ -33,14 +33,12 @@ the rule for the motion after an impact does not cover it.
 
 from collections.abc import Mapping
 from decimal import Decimal
-from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.parameters import NutParameters
 from lsvib.drives.second_body.body_powers import TwoBodyPowers
 from lsvib.drives.second_body.mechanics import Solution, constant, event_enum, mode_enum, plus, solved
-from lsvib.drives.second_body.modes_and_guards import automaton_of
 from lsvib.drives.second_body.registration import two_body_model
 from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton, scaled
@@ -136,9 +134,6 @@ class _Nut(TwoBodies):
         speed = constant(-self.d.input_speed) if second else (0, 1, 0, 0, 0)
         common = constant(0) if second else self.speed
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), common if slip else (0, 0, 0, 1, 0)
-
-
-nut_automaton = partial(automaton_of, _Nut)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:

@@ -29,14 +29,12 @@ infinite, and the motion is not determined.
 
 import math
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.parameters import SupportParameters
 from lsvib.drives.second_body.body_powers import TwoBodyPowers
 from lsvib.drives.second_body.mechanics import Solution, constant, event_enum, mode_enum, plus, solved
-from lsvib.drives.second_body.modes_and_guards import automaton_of
 from lsvib.drives.second_body.registration import two_body_model
 from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton, scaled
@@ -130,9 +128,6 @@ class _Support(TwoBodies):
         speed = constant(-self.d.input_speed) if slip else (0, 1, 0, 0, 0)
         held = constant(0) if slip else scaled(self.speed, -self.reach)
         return (1, 0, 0, 0, 0), speed, (0, 0, 1, 0, 0), held if second else (0, 0, 0, 1, 0)
-
-
-support_automaton = partial(automaton_of, _Support)
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:

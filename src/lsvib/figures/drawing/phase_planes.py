@@ -27,7 +27,7 @@ def single(dataset: xr.Dataset) -> Figure:
     mark_origin(axes)
     widen(axes, case)
     draw_lines(axes, case)
-    guide(axes, case, cycle=style.BLACK)
+    guide(axes, case)
     label_axes(axes, dataset)
     axes.set_title(f"$R$ = {number(case.axial_force)} N")
     style.state_values(figure, dataset)
@@ -109,15 +109,15 @@ def _parted(u, w, jumps) -> tuple[np.ndarray, np.ndarray]:
     return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
 
 
-def guide(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 10.0) -> None:
+def guide(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """Name the sides of the line N = 0 of one case, and draw the arrows of :func:`draw_arrows`.
 
     To be called when the panel has its limits. ``size`` of the arrows in points; the words are a little smaller.
     N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
     follows law −, for which N θ′ < 0, and beyond the line there is no solution: only the side of slip has a name.
     """
-    draw_arrows(axes, case, cycle, size)
-    paths = _paths(case, cycle)
+    draw_arrows(axes, case, size)
+    paths = _paths(case)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
     paths.append((sides, np.full(2, stop), None))
@@ -131,17 +131,17 @@ def guide(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 
         _name_sides(axes, angle, slope, (low, min(high, stop)), ("$N > 0$", ""), paths, size)
 
 
-def draw_arrows(axes: Axes, case: xr.Dataset, cycle: str | None = None, size: float = 10.0) -> None:
-    """Draw an arrow of time on each motion of one case, and on its limit cycle if that is given a colour ``cycle``.
+def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
+    """Draw an arrow of time on each motion of one case, and on its limit cycle.
 
     To be called when the panel has its limits.
     """
     angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
     rates = np.array(axes.get_ylim())
-    arrows.draw_arrows(axes, [*_paths(case, cycle), (angle + slope * rates, rates, None)], size)
+    arrows.draw_arrows(axes, [*_paths(case), (angle + slope * rates, rates, None)], size)
 
 
-def _paths(case: xr.Dataset, cycle: str | None) -> list[arrows.Line]:
+def _paths(case: xr.Dataset) -> list[arrows.Line]:
     """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
     paths: list[arrows.Line] = []
     for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
@@ -150,7 +150,7 @@ def _paths(case: xr.Dataset, cycle: str | None) -> list[arrows.Line]:
         paths.append((*_parted(u, w, (np.diff(time) == 0) & (np.diff(w) != 0)), colour))
     u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
     if np.isfinite(u).any():
-        paths.append((*_parted(u, w, cycle_jumps(case)), cycle))
+        paths.append((*_parted(u, w, cycle_jumps(case)), style.BLACK))
     return paths
 
 

@@ -68,7 +68,7 @@ def _inset(small: Axes, case: xr.Dataset) -> None:
     phase_planes.mark_origin(small)
     phase_planes.widen(small, case, 0.2)
     phase_planes.draw_lines(small, case)
-    phase_planes.guide(small, case, cycle=style.BLACK, size=7.5)
+    phase_planes.guide(small, case, size=7.5)
     small.locator_params(nbins=4)
     title = small.set_title(f"$R$ = {phase_planes.number(case.axial_force)} N", fontsize=7, pad=4)
     title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})

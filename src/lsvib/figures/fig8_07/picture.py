@@ -47,7 +47,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     axes.set(xlim=dataset.grid_angle_deviation[[0, -1]], ylim=dataset.grid_velocity_deviation[[0, -1]])
     phase_planes.draw_lines(axes, case)
-    phase_planes.draw_arrows(axes, case, cycle=style.BLACK)
+    phase_planes.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
     phase_planes.label_axes(axes, dataset)
     style.state_values(figure, dataset)

@@ -22,7 +22,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         left, right = axes.get_xlim()
         axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
         phase_planes.draw_lines(axes, case)
-        phase_planes.draw_arrows(axes, case, cycle=style.BLACK)
+        phase_planes.draw_arrows(axes, case)
         _name_sides(axes, index == 0)
         phase_planes.label_axes(axes, dataset)
         axes.locator_params(axis="x", nbins=3)

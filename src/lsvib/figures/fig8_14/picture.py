@@ -36,7 +36,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _widen(panels[0], dataset)
     for index, axes in enumerate(panels):
         phase_planes.draw_lines(axes, dataset.isel(case=index))
-        phase_planes.guide(axes, dataset.isel(case=index), cycle=style.BLACK)
+        phase_planes.guide(axes, dataset.isel(case=index))
         phase_planes.label_axes(axes, dataset)
         axes.label_outer()
     close, distance = below.subplots(1, 2)

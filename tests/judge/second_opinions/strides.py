@@ -9,10 +9,10 @@ digits; but what is between the places it looks at is interpolated, not proved. 
 
 import numpy as np
 
-from lsvib.bench.jit import allocating_kernel, kernel
-from lsvib.bench.second_opinions.double_doubles import add, affine, finite, moved, multiply
-from lsvib.bench.second_opinions.endings import AMBIGUOUS, EVENTS_FULL, LATE, TIME_REACHED
-from lsvib.bench.second_opinions.stride_constants import ABSENT, FORCE, ORDERS, Ladders
+from judge.second_opinions.double_doubles import add, affine, finite, moved, multiply
+from judge.second_opinions.endings import AMBIGUOUS, EVENTS_FULL, LATE, TIME_REACHED
+from judge.second_opinions.jit import allocating_kernel, kernel
+from judge.second_opinions.stride_constants import ABSENT, FORCE, ORDERS, Ladders
 
 SEIZURE = FORCE - 1  # what a condition of no speed is in the Painlevé region
 _ZERO = 1e-25  # of its terms: a condition that an event, or the start, has put on zero

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from lsvib.bench.jit import allocating_kernel, inlined_kernel, kernel
+from judge.second_opinions.jit import allocating_kernel, inlined_kernel, kernel
 
 _SPLIT = 134217729.0  # 2^27 + 1 cuts a double into two halves of 26 digits
 

@@ -1,4 +1,4 @@
-"""Constants of the drives with four states for :mod:`lsvib.bench.second_opinions.strides`, from Newton's laws of the
+"""Constants of the drives with four states for :mod:`judge.second_opinions.strides`, from Newton's laws of the
 references.
 
 Each mode of a drive has its field x′ = A x + b, its conditions as affine functions of the state, the derivatives of
@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.bench.jit import allocating_kernel
+from judge.second_opinions import double_doubles
+from judge.second_opinions.jit import allocating_kernel
 from lsvib.bench.reference import threads_digits
 from lsvib.bench.reference.exponential_sums import affine
 from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
-from lsvib.bench.second_opinions import double_doubles
-from lsvib.bench.second_opinions.endings import DIGITS
+from lsvib.bench.sweeps.taylor import DIGITS
 
 ABSENT, FORCE = -2, -1  # kinds of conditions; 0, 1: a speed (of slip, of the second body)
 ORDERS = 5  # of derivatives of a condition, from 0

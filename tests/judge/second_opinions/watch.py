@@ -12,21 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mp
 
-from lsvib.bench.jit import allocating_kernel, kernel
+from judge.second_opinions.endings import AMBIGUOUS, EVENTS_FULL, SETTLED, SLOW, TIME_REACHED
+from judge.second_opinions.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions.endings import (
-    AMBIGUOUS,
-    CONTACT_REVERSAL,
-    DIGITS,
-    EVENTS_FULL,
-    RELEASE,
-    REVERSAL,
-    SEIZURE,
-    SETTLED,
-    SLOW,
-    STICK,
-    TIME_REACHED,
-)
+from lsvib.bench.sweeps import taylor
+from lsvib.bench.sweeps.taylor import CONTACT_REVERSAL, DIGITS, RELEASE, REVERSAL, SEIZURE, STICK
 
 ANYWHERE = -1  # mode of a start that is told by its state
 _A, _B, _OMEGA, _FORM, _FAST, _SLOW, _REST, _CONTACT = range(8)  # columns of ``WatchConstants.flow``
@@ -60,10 +50,12 @@ class WatchConstants(NamedTuple):
 
 def constants(parameters: dict[str, float]) -> WatchConstants:
     """Form the constants of a rigid drive [SI units] with 40 digits and round them once."""
+    shared = taylor.constants(parameters)._asdict()
+    del shared["rates"]
     with mp.workdps(DIGITS):
         d = RigidTrueDrive(parameters, DIGITS)
         flow = np.zeros((2, 8))
-        q_u, q_w, q_0 = d.Q_terms(1, 1)
+        q_u, _, q_0 = d.Q_terms(1, 1)
         for row, s in enumerate((1, -1)):
             if s > 0 and d.painleve:
                 continue
@@ -73,20 +65,7 @@ def constants(parameters: dict[str, float]) -> WatchConstants:
             half = mp.sqrt(abs(disc))
             fast = -a - (half if a >= 0 else -half)
             flow[row] = [float(x) for x in (a, b, half, mp.sign(disc), fast, b / fast if fast else 0, u, q_u * u + q_0)]
-        ends = sorted(float(-d.z0 - torque / d.k) for torque in d.band)
-        push = d.r * (d.xi(d.s0) - d.xi(-1)) * d.R_tilde + d.C(-1) * d.Omega
-        return WatchConstants(
-            flow=flow,
-            contact=np.array([float(q_u), float(q_w), float(q_0)]),
-            speed=float(d.Omega),
-            band=np.array(ends),
-            push=float(push / d.k),
-            released=ends[0] if d.Omega > 0 else ends[1],
-            force_sign=int(mp.sign(d.R)),
-            net_force=float(d.R_tilde),
-            paradox=d.painleve,
-            scale=float(max(d.u_scale, abs(d.z0))),
-        )
+        return WatchConstants(flow=flow, net_force=float(d.R_tilde), **shared)
 
 
 @kernel

@@ -15,9 +15,12 @@ from mpmath import mp
 
 from lsvib.bench.jit import allocating_kernel, kernel
 from lsvib.bench.reference.rigid_digits import RigidTrueDrive
-from lsvib.bench.second_opinions import watch
-from lsvib.bench.second_opinions.endings import CONTACT_REVERSAL, DIGITS, HALVINGS, RELEASE, REVERSAL, SEIZURE, STICK
 
+DIGITS = 40  # in which the constants of a drive are formed before they are rounded
+# Names of the events in the order of their codes, as the references have them.
+KINDS = ("contact_reversal", "stick", "reversal", "release", "seizure")
+CONTACT_REVERSAL, STICK, REVERSAL, RELEASE, SEIZURE = range(5)
+HALVINGS = 60  # of a bracket: what is left of it is below the last digit of a double
 ORDER = 18  # of the series; a step of 0.25 fastest times leaves 1e-27
 PART = 0.25  # of the fastest time: length of a step, so short that a guard hardly turns twice within it
 _ROUNDING = 1e-15  # of a sum of three terms, in sizes of them: nine roundings, of which it has seven
@@ -39,7 +42,6 @@ class TaylorConstants(NamedTuple):
 
 def constants(parameters: dict[str, float]) -> TaylorConstants:
     """Form the constants of a rigid drive [SI units] with 40 digits and round them once."""
-    shared = watch.constants(parameters)
     with mp.workdps(DIGITS):
         d = RigidTrueDrive(parameters, DIGITS)
         rates = np.zeros((2, 3))
@@ -47,7 +49,19 @@ def constants(parameters: dict[str, float]) -> TaylorConstants:
             if d.Gamma(s) != 0:
                 force = d.r * (d.xi(d.s0) - d.xi(s)) * d.R_tilde
                 rates[row] = [float(x / d.Gamma(s)) for x in (d.k, d.C(s), force)]
-    return TaylorConstants(rates, *(getattr(shared, name) for name in TaylorConstants._fields[1:]))
+        ends = sorted(float(-d.z0 - torque / d.k) for torque in d.band)
+        push = d.r * (d.xi(d.s0) - d.xi(-1)) * d.R_tilde + d.C(-1) * d.Omega
+        return TaylorConstants(
+            rates=rates,
+            contact=np.array([float(x) for x in d.Q_terms(1, 1)]),
+            speed=float(d.Omega),
+            band=np.array(ends),
+            push=float(push / d.k),
+            released=ends[0] if d.Omega > 0 else ends[1],
+            force_sign=int(mp.sign(d.R)),
+            paradox=d.painleve,
+            scale=float(max(d.u_scale, abs(d.z0))),
+        )
 
 
 @kernel
