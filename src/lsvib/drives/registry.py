@@ -31,7 +31,9 @@ class Model:
     Its linear stability needs ``characteristic(parameters, parts)``, the characteristic polynomial of steady sliding in
     the arithmetic of the parameters, as :class:`~lsvib.drives.linear_parts.LinearParts` helps to make it;
     ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and of the class ``drive`` the name
-    of the damper that the model adds to the rigid drive, ``own_damping``. ``powers(drive, automaton)`` gives the powers
+    of the damper that the model adds to the rigid drive, ``own_damping``. The kinematic constraint is where the leading
+    coefficient of ``constrained(parameters, parts)`` vanishes, by default of the characteristic polynomial;
+    ``constraint`` is its equation in words. ``powers(drive, automaton)`` gives the powers
     of its cycles. ``section`` is the section of the book that derives the model, by which models are listed.
     """
 
@@ -50,6 +52,8 @@ class Model:
     options: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
+    constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
+    constraint: str = "det M = 0"
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
 

@@ -359,6 +359,7 @@ MODEL = Model(
     options=("rest",),
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
+    constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
     powers=Powers,
     section="5.3",
 )

@@ -17,7 +17,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.linear_parts import LinearParts
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
 from lsvib.steady_sliding.boundaries import interpolated, margins, undamped
@@ -52,15 +54,10 @@ class Place:
 
 
 def _leading(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
-    return polynomial(RigidParameters if kind is ThreadsParameters else kind, values, 1, t)[0]
+    model = find_model(kind.model)
+    return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t))[0]
 
 
-_KINEMATIC = {
-    "rigid": "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    "threads": "Γ₊ = I − ξ₊ tan λ m r_m² = 0, the limit of stiff threads (eq. 8.20, Lemma 8.1)",
-    "support": "Γ̃₊ = I − ξ₊ tan λ m̃ r_m² = 0 with m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)",
-    "nut": "Γ̂₊ = I I_2 / (I + I_2) − ξ₊ tan λ m r_m² = 0 (eq. 8.33)",
-}
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
 _NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
 _NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
@@ -69,7 +66,7 @@ _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.
 
 
 def _damping(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
-    return polynomial(RigidParameters, values, 1, t)[1]
+    return polynomial(kind, values, 1, t)[1]
 
 
 def _net_force(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
@@ -86,8 +83,8 @@ def _margin(law: int, neutral: bool, which: int, words: str) -> RootCondition:
 
 def conditions(drive: RigidParameters, name: str, unknown: str) -> list[RootCondition]:
     """Return the conditions one of which holds at a threshold, by its name."""
-    model, neutral = drive.model, undamped(drive, unknown)
-    kinematic = RootCondition(_KINEMATIC.get(model, "det M = 0"), _leading)
+    model, neutral = find_model(drive.model), undamped(drive, unknown)
+    kinematic = RootCondition(model.constraint, _leading)
     if name == "kinematic":
         return [kinematic]
     if name == "negative_damping":
@@ -98,7 +95,7 @@ def conditions(drive: RigidParameters, name: str, unknown: str) -> list[RootCond
         return list(flutter.values())
     slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
     force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, _net_force)
-    if model == "rigid":
+    if len(model.states) == 2:
         return [force, kinematic, *([] if neutral else [RootCondition(_DAMPING, _damping)])]
     rest = [_margin(law, neutral, k, f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0")
             for law in (1, -1) for k in range(last)]  # fmt: skip

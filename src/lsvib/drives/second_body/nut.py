@@ -160,6 +160,7 @@ MODEL = two_body_model(
         "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
     },
     characteristic=_characteristic,
+    constraint="Γ̂₊ = I I_2 / (I + I_2) − ξ₊ tan λ m r_m² = 0 (eq. 8.33)",
     powers=NutPowers,
     equations="Sect. 5.8, eq. 8.33",
     section="5.8",

@@ -153,6 +153,7 @@ MODEL = two_body_model(
         "shift_rate": ("rate of the axial shift of the screw", "m s-1", r"$\dot y$"),
     },
     characteristic=_characteristic,
+    constraint="Γ̃₊ = I − ξ₊ tan λ m̃ r_m² = 0 with m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)",
     powers=SupportPowers,
     equations="eqs 8.23-8.32",
     section="5.6",

@@ -16,7 +16,8 @@ _PARTS = (
     ("Tables", "the engine for two-state models, once, about 10 s"),
 )
 _MAPPER = "the mapper of two-state models, once, 6 to 15 s"
-_ROOMS = ("lsvib.engine.kernels.", "lsvib.basins.kernels.")
+_SEARCH = "the search for many drives at once, once, half a minute or so"
+_ROOMS = ("lsvib.engine.kernels.", "lsvib.basins.kernels.", "lsvib.cycles.kernels.")
 
 
 def sentence(module: str, types: str) -> str | None:
@@ -25,6 +26,8 @@ def sentence(module: str, types: str) -> str | None:
         return None
     if module.startswith("lsvib.basins.") and "ModalFlow" not in types and "BlockFlow" not in types:
         return f"compiling {_MAPPER}"
+    if module.startswith("lsvib.cycles.") and "Tables" in types:
+        return f"compiling {_SEARCH}"
     return next((f"compiling {words}" for word, words in _PARTS if word in types), None)
 
 
