@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -169,3 +170,16 @@ def test_threads_that_hardly_rise_have_numbers_or_a_sentence():
         for unknown in ("support_damping", "translation_damping"):
             with pytest.raises(lsvib.NoThreshold):
                 drive.threshold("global_stability", unknown)
+
+
+@pytest.mark.parametrize("model", ["rigid", "threads", "support", "nut"])
+def test_a_friction_coefficient_beyond_doubles_is_no_threshold(model):
+    """cot λ is, for such an angle; each value that is left is one that the drive takes."""
+    drive = lsvib.api.drive_class(model)(lead_angle=5e-324)
+    json.dumps(lsvib.thresholds({"lead_angle": 5e-324}, model), allow_nan=False)
+    found = [drive.thresholds()["critical_friction"].value]
+    for name in ("onset", "kinematic"):
+        with suppress(lsvib.NoThreshold):
+            found += [solution.value for solution in drive.threshold(name, "friction_coefficient").solutions]
+    for value in found:
+        assert value is None or drive.replace(friction_coefficient=value).friction_coefficient == value
