@@ -100,7 +100,8 @@ class ThresholdSolution:
 
     ``value`` of the parameter, a double in its SI unit; ``residual`` [1], what the equations leave at it, relative to
     their terms; ``error_bound`` in its unit, which includes the rounding to a double; ``derivatives``, of the value by
-    every other parameter, by name, each with its unit; ``equation``, what is solved, in words.
+    every other parameter, by name, each with its unit, None beyond the range of doubles; ``equation``, what is solved,
+    in words.
     """
 
     value: float

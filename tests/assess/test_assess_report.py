@@ -17,6 +17,7 @@ from lsvib.assess.compare import compare
 from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.run import assess_file, sample_share
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.words import ATTRACTORS
 from lsvib.data.simulation import simulate
 from lsvib.errors import InputError
 
@@ -123,6 +124,20 @@ def test_drives_are_compared_in_one_table(seat, tmp_path):
     verdicts[0].write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match="not a readable assessment"):
         compare(verdicts, tmp_path / "index.html", tmp_path / "comparison.json")
+
+
+def test_only_a_drive_that_settles_is_said_not_to_vibrate(seat, tmp_path):
+    """Motions without a frequency: some go on for ever all the same, or are not known."""
+    said = {}
+    for attractor in ATTRACTORS:
+        file = tmp_path / "a" / "assessment.json"
+        file.parent.mkdir(exist_ok=True)
+        worst_case = {**seat[1]["worst_case"], "attractor": attractor, "frequency": None}
+        file.write_text(json.dumps({**seat[1], "worst_case": worst_case}), encoding="utf-8")
+        compare([file], tmp_path / "index.html", tmp_path / "comparison.json")
+        page = (tmp_path / "index.html").read_text(encoding="utf-8")
+        said[attractor] = "does not vibrate" in page
+    assert [name for name, still in said.items() if still] == ["steady sliding"]
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)

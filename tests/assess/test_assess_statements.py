@@ -18,7 +18,7 @@ from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
 from lsvib.assess.plain_values import as_json
 from lsvib.assess.report import report
-from lsvib.assess.vibration import springy_push, survived_push
+from lsvib.assess.vibration import Vibration, springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
 from lsvib.cycles.attractors import Attractor, steady_state
@@ -340,3 +340,10 @@ def test_both_directions_are_mirror_images(direction):
         mirrored = (-corner[0], corner[1], -corner[2])
         one, other = reserves(given, values, *corner), reserves(given, values, *mirrored)
         assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}
+
+
+def test_a_cycle_vibrates_even_where_its_motion_cannot_be_shown():
+    """Then it has no frequency, and a reason."""
+    known = {name: Vibration("rigid", name, reason="Too many events.").vibrates for name in ATTRACTORS}
+    cycles = {"stick slip cycle", "sprag slip cycle", "other cycle", "recurrent"}
+    assert {name for name, vibrates in known.items() if vibrates} == cycles

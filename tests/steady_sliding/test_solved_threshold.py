@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -156,3 +157,29 @@ def test_both_sides_of_the_birth_and_the_fold_in_random_drives():
         kinds = [basin(drive.replace(axial_force=force)).boundary for force in forces]
         assert kinds == [Boundary.NONE, Boundary.CYCLE, Boundary.CYCLE, Boundary.TOUCHING_SLIP]
         assert abs(drive.threshold("global_stability").value) >= abs(fold)
+
+
+def test_threads_that_hardly_rise_have_numbers_or_a_sentence():
+    """A derivative and a natural size beyond doubles: no infinity, which is not JSON, and no division by zero."""
+    flat = lsvib.RigidDrive(lead_angle=1e-300, screw_inertia=1e-310, pitch_radius=1e-6, friction_coefficient=0.2)
+    found = flat.threshold("kinematic", "mass")
+    assert found.derivatives["screw_inertia"].value is None
+    json.dumps(found.to_json(), allow_nan=False)
+    seizing = lsvib.RigidDrive(lead_angle=1e-200, mass=1e9, screw_inertia=1e-205, friction_coefficient=0.3)
+    for drive in (seizing.replace(support_damping=0), seizing.replace(lead_angle=5e-324)):
+        for unknown in ("support_damping", "translation_damping"):
+            with pytest.raises(lsvib.NoThreshold):
+                drive.threshold("global_stability", unknown)
+
+
+@pytest.mark.parametrize("model", ["rigid", "threads", "support", "nut"])
+def test_a_friction_coefficient_beyond_doubles_is_no_threshold(model):
+    """cot λ is, for such an angle; each value that is left is one that the drive takes."""
+    drive = lsvib.api.drive_class(model)(lead_angle=5e-324)
+    json.dumps(lsvib.thresholds({"lead_angle": 5e-324}, model), allow_nan=False)
+    found = [drive.thresholds()["critical_friction"].value]
+    for name in ("onset", "kinematic"):
+        with suppress(lsvib.NoThreshold):
+            found += [solution.value for solution in drive.threshold(name, "friction_coefficient").solutions]
+    for value in found:
+        assert value is None or drive.replace(friction_coefficient=value).friction_coefficient == value

@@ -22,6 +22,15 @@ _COLUMNS = (
     "Self-locking",
     "Efficiency",
 )
+_ENDS = {  # of motions without a frequency, by the names of lsvib.assess.words.ATTRACTORS
+    "steady sliding": "does not vibrate",
+    "rest": "stands still",
+    "neutral family": "swings, neither more nor less",
+    "recurrent": "vibrates, but never repeats itself",
+    "unbounded": "grows without limit",
+    "unresolved": "not known",
+    "unknown": "not known beyond its onset",
+}
 
 
 def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
@@ -89,8 +98,8 @@ def _row(folder: str, verdict: dict[str, Any]) -> list[object]:
     low, high = short["interval"]
     spread = "" if low == high else page.small(f"95 % sure: {percent(low)} to {percent(high)}")
     worst, nearest = short["worst_case"], short["nearest_change"]
-    still = "not known beyond its onset" if worst["attractor"] == "unknown" else "does not vibrate"
-    motion = still if worst["frequency"] is None else shown(worst["frequency"], "Hz")
+    end = _ENDS.get(worst["attractor"], "vibrates")
+    motion = end if worst["frequency"] is None else shown(worst["frequency"], "Hz")
     swing = "" if worst["amplitude"] is None else page.small(f"± {shown(worst['amplitude'], 'm')} at the load")
     moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
     reserve = page.small(f"reserve {short['reserve']:+.2f}")

@@ -72,8 +72,8 @@ class Vibration:
 
     @property
     def vibrates(self) -> bool:
-        """Whether the motion ends in a cycle, or in a vibration that never repeats itself."""
-        return self.frequency is not None or self.attractor == _word(Attractor.RECURRENT)
+        """Whether the motion ends in a cycle, shown or not, or in a vibration that never repeats itself."""
+        return self.attractor.endswith("cycle") or self.attractor == _word(Attractor.RECURRENT)
 
     @property
     def audible(self) -> bool:

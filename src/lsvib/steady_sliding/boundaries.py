@@ -6,6 +6,7 @@ five polynomials. They are isolated with certainty, and exact signs between them
 none of these parameters but c_x, which is therefore left out.
 """
 
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -46,7 +47,7 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     kind, law, neutral = type(drive), steady_law(drive), undamped(drive, key)
     tangent = tangents(drive, DIGITS)[0]
     if key == "friction_coefficient":
-        limit = 1 / tangent
+        limit = largest_friction(tangent)
     else:
         limit = Fraction(kind.model_json_schema()["properties"][key]["maximum"])
     values = rationals(drive)
@@ -64,6 +65,11 @@ def stable_set(drive: RigidParameters, key: str) -> StableSet:
     ends = [Fraction(0), *_apart(places, limit), limit]
     intervals = tuple((a, b) for a, b in pairwise(ends) if stable((a + b) / 2))
     return StableSet(key, intervals, limit, neutral, stable(Fraction(0)))
+
+
+def largest_friction(tangent: Fraction) -> Fraction:
+    """Return the end of the range of the friction coefficient, cot λ, or the largest double where that is beyond it."""
+    return min(1 / tangent, Fraction(sys.float_info.max))
 
 
 def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:

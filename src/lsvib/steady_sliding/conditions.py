@@ -56,7 +56,8 @@ def critical_friction(drive: RigidParameters, screw_mass: float = math.inf) -> f
 
     Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,
     infinite for the rigid drive, m̃ = m and Γ₊ = 0.
-    Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it.
+    Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it, or
+    none that doubles hold.
     """
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -65,4 +66,5 @@ def critical_friction(drive: RigidParameters, screw_mass: float = math.inf) -> f
         # ξ₊ grows with μ and reaches (cot λ − tan λ) / 2 at the end of the valid range.
         if xi * d.tan_lead >= 1 or (xi + d.tan_lead) * d.tan_lead >= 1 - xi * d.tan_lead:
             return None
-        return float((xi + d.tan_lead) / (1 - xi * d.tan_lead))
+        found = float((xi + d.tan_lead) / (1 - xi * d.tan_lead))
+        return found if math.isfinite(found) else None

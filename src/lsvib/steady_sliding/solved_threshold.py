@@ -1,5 +1,6 @@
 """Thresholds of a drive by name, each solved for any one of its parameters, with the derivatives by all others."""
 
+import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
@@ -136,7 +137,7 @@ def _solution(drive: RigidParameters, unknown: str, root: Root, words: str) -> T
         residual=root.residual,
         error_bound=root.error_bound,
         derivatives={
-            name: Quantity(slope, _ratio(unit, described(type(drive), name)["unit"]))
+            name: Quantity(slope if math.isfinite(slope) else None, _ratio(unit, described(type(drive), name)["unit"]))
             for name, slope in root.derivatives.items()
         },
         equation=words,

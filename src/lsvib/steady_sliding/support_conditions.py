@@ -4,6 +4,7 @@ Functions take the ``Values`` of a drive (:mod:`lsvib.steady_sliding.linearised`
 χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
 """
 
+import math
 from decimal import Decimal, localcontext
 from typing import Any
 
@@ -120,7 +121,7 @@ def critical_friction_by_eigenvalues(drive: SupportParameters) -> float | None:
     decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of the closed
     form :func:`lsvib.steady_sliding.conditions.critical_friction`.
     """
-    largest = float(np.nextafter(1 / np.tan(drive.lead_angle), 0))
+    largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
 
     def turned(coefficient: float) -> bool:
         model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)

@@ -22,7 +22,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
-from lsvib.steady_sliding.boundaries import interpolated, margins, undamped
+from lsvib.steady_sliding.boundaries import interpolated, largest_friction, margins, undamped
 from lsvib.steady_sliding.characteristic import DIGITS, polynomial, rationals, tangents
 from lsvib.steady_sliding.real_roots import SAME, positive_roots
 from lsvib.steady_sliding.threshold_solver import Equations
@@ -113,7 +113,7 @@ class Line:
         self.neutral = undamped(drive, unknown)
         friction = self.fixed["friction_coefficient"]
         if unknown == "friction_coefficient":
-            self.limit = 1 / self.tangent
+            self.limit = largest_friction(self.tangent)
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:

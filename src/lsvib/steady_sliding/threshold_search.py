@@ -8,6 +8,7 @@ What lies between two samples without a change of sign, or beyond the twelve dec
 """
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import pairwise
@@ -50,7 +51,7 @@ def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
         return None
 
     known: list[Sample] = [(value, at(value)) for value in samples(drive, unknown)]
-    ordered = [known[0]]
+    ordered = known[:1]
     for before, after in pairwise(known):
         if (before[1] is None) != (after[1] is None):
             ordered.append(_edge(at, before, after))
@@ -90,10 +91,11 @@ def samples(drive: RigidParameters, unknown: str) -> list[float]:
 def _natural(drive: RigidParameters, unknown: str) -> float:
     """A size of a parameter that may be zero, from the others, in its SI unit."""
     rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
-    lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
+    # m; a thread that hardly rises has one below doubles, and sizes beyond them, which are not allowed
+    lever = max(drive.pitch_radius * math.tan(drive.lead_angle), sys.float_info.min)
     sizes: dict[str, Any] = {
         "support_damping": drive.screw_inertia * rate,
-        "translation_damping": drive.screw_inertia * rate / lever**2,
+        "translation_damping": drive.screw_inertia * rate / lever / lever,
         "axial_force": drive.mass * lever * rate * abs(drive.input_speed),
         "friction_coefficient": math.tan(drive.lead_angle),
     }
