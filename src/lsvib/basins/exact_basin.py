@@ -235,14 +235,15 @@ def _before_touch(
     part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
     with many digits it is followed until it is ``_SEEN`` of the rate w, and of Ω, so that θ′ = 0 is not met before.
     """
+    here = 0.0, np.array([float(x) for x in touch])
+    if c.damping[-1] ** 2 <= 4 * drive.exact().coupling_stiffness * c.gamma[-1]:
+        return here
     u, w = (many.mpf(str(x)) for x in touch)
     slip = ForwardDrive(drive, c).slip(-1)
-    if slip.turns or slip.beta == 0:
-        return 0.0, np.array([float(u), float(w)])
     part = (w - slip.slow * u) * slip.fast / (slip.fast - slip.slow)  # of w along the fast eigenvector
     wanted = _SEEN * min(abs(w), many.mpf(drive.input_speed))
     if not 0 < abs(part) < wanted:
-        return 0.0, np.array([float(u), float(w)])
+        return here
     time = many.log(wanted / abs(part)) / -slip.fast
     return float(time), np.array([float(x) for x in slip.state(u, w, -time)])
 
