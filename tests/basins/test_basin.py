@@ -298,6 +298,47 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
 
 
 @pytest.mark.parametrize(
+    "drive",
+    [
+        RigidParameters.of(  # wide drive 479 of seed 1301
+            pitch_radius=0.020137446388455195, lead_angle=0.012510841050272661, screw_inertia=6.613115015570695e-09,
+            coupling_stiffness=5.128345577470338, support_damping=38.00587876671672, mass=37.59011678576061,
+            friction_coefficient=0.08499138947683937, input_speed=-738.295676201242,
+            translation_damping=0.02025895054344416, axial_force=0.004439755540070071,
+        ),
+        RigidParameters.of(  # the forces balance but for 1e-8 of them
+            pitch_radius=0.003782380796484748, lead_angle=0.0803561521027024, screw_inertia=5.457697412933671e-08,
+            coupling_stiffness=0.041276692039409466, support_damping=45.37640144419771, mass=3377.7499506638073,
+            friction_coefficient=0.4525554654700564, input_speed=8.838962826539603,
+            translation_damping=0.001016961832613403, axial_force=2.73795630660082e-06,
+        ),
+    ],
+)  # fmt: skip
+def test_boundary_where_the_touching_state_is_slow_but_for_its_last_digits(drive):
+    """Rates 4e-8 and 7e-8 of each other: of the touching state 1e-15 grows backwards to the whole of the slip."""
+    found, automaton = basin(drive), rigid_automaton(drive)
+    slip = next(piece for piece in found.curves[0] if isinstance(piece, Arc))
+    across = np.array([1e-5 * max(abs(slip.start[0]), abs(slip.end[0])), 0.0])
+    for part in np.linspace(0.01, 0.99, 12):
+        for side in (-1, 1):
+            start = state_on(found.flow, slip, part * slip.duration) + side * across
+            settles = steady_state(automaton, start).label == Attractor.STEADY_SLIDING
+            assert found.contains(start) == settles
+
+
+def test_boundary_that_doubles_do_not_hold_is_refused():
+    """Wide drive 251 of seed 1301, whose motions all settle: next to T seizures follow each other too closely."""
+    drive = RigidParameters.of(
+        pitch_radius=0.003782380796484748, lead_angle=0.0803561521027024, screw_inertia=5.457697412933671e-08,
+        coupling_stiffness=0.041276692039409466, support_damping=45.37640144419771, mass=3377.7499506638073,
+        friction_coefficient=0.4525554654700564, input_speed=8.838962826539603,
+        translation_damping=0.001016961832613403, axial_force=-13135.956471594016,
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"support_damping = 45.3764 is so large"):
+        basin(drive)
+
+
+@pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"mass": 11, "axial_force": 10}, "attracts nothing"),

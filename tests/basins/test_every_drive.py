@@ -12,6 +12,7 @@ from judge.second_opinions import watch
 from judge.wide_drives import wide_drive
 
 from lsvib.basins.mapper import mapper
+from lsvib.basins.section_labels import Sections
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
@@ -119,6 +120,48 @@ def test_slow_drifts_of_random_drives_are_followed_to_their_end(seed, index, sta
     assert found.label == (Attractor.SPRAG_SLIP_CYCLE if index in (657, 8711) else Attractor.STEADY_SLIDING)
     seen = fate(watch.constants(dict(wide.drive)), *wide.starts[start])
     assert seen.name in ("unknown" if index == 1410 else found.label.name.lower(), found.label.name.lower())
+
+
+@pytest.mark.parametrize(
+    ("size", "start"),
+    [(1e11, (-61127695882523.484, -202243017875176.22)), (1e10, (2650849793819.319, 8958888571034.523))],
+)
+def test_a_drift_over_many_decades_ends_in_no_cycle(size, start):
+    """A line that was laid through a place far nearer to zero lay beside its surface by the rounding of the way."""
+    automaton = rigid_automaton(wide_drive("rigid", 1201, 62, 1).drive)
+    found = steady_state(automaton, start)
+    assert found.label in (Attractor.UNRESOLVED, Attractor.STEADY_SLIDING)
+    near = steady_state(automaton, np.array(start) / size)
+    assert near.label == Attractor.STEADY_SLIDING
+
+
+def test_what_is_learned_beside_a_repelling_cycle_is_not_the_label_inside():
+    """A piece ends at the cycle, and a billionth beside it motions drift away from it, to another end."""
+    drive = wide_drive("rigid", 1202, 3727, 1).drive
+    automaton = rigid_automaton(drive)
+    sections = Sections(automaton, rounding=False)
+    absorbed = list(zip(sections._absorbing, sections._absorbed, strict=False))
+    assert len(absorbed) > 4
+    for (mode, surface, low, high), label in absorbed:
+        section = next(one for one in sections.sections if (one.mode, one.surface) == (mode, surface))
+        far = 1e3 * sections.size[section.free]
+        middle = 0.5 * (max(low, -far) + min(high, far))
+        found = steady_state(automaton, sections._point(section, middle), mode=section.mode)
+        assert found.label in (label, Attractor.UNRESOLVED)
+
+
+def test_energy_is_bounded_where_rounding_hides_the_next_event():
+    """Γ₊ is 5e-10 of Γ₋: the screw stops after 2e-11 s, from a start on Q = 0, in a rest that rounding ends at once."""
+    drive = RigidParameters.of(
+        pitch_radius=0.008578100478089172, lead_angle=0.25857224097106224, screw_inertia=2.1707834949889458e-06,
+        coupling_stiffness=0.05803284858088003, support_damping=0.0, friction_coefficient=0.354988819988084,
+        input_speed=2.9026515097964833, mass=1.3482396158919576, translation_damping=8969.719237505575,
+        axial_force=8633.899125150927,
+    )  # fmt: skip
+    automaton, start = rigid_automaton(drive), (104.7931922251995, 421.0936424124801)
+    assert automaton.passive
+    for mode in (None, 1):
+        assert steady_state(automaton, start, mode=mode).label in (Attractor.UNRESOLVED, Attractor.STICK_SLIP_CYCLE)
 
 
 @pytest.mark.parametrize(("part", "start"), [(0.3, 1), (1e-3, 0), (1e-6, 2)])

@@ -185,6 +185,20 @@ def test_points_of_curves_are_roots():
             assert exact == pytest.approx(R, rel=1e-10)
 
 
+@pytest.mark.parametrize("mass", [1.0, 11.0, 20.0])
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_without_a_force_nothing_is_told_from_steady_sliding_itself(mass, damping):
+    """Q = 0 passes through it, so a motion that starts in it says nothing of those beside it."""
+    drive = lsvib.RigidDrive(support_damping=damping)
+    found = drive.chart(("mass", mass - 0.1, mass + 0.1, 1), ("axial_force", -1, 1, 1))
+    assert found.axial_force.item() == 0
+    seizes, slides = Behaviour.SPRAG_SLIP, Behaviour.NO_VIBRATION if damping else Behaviour.NEUTRAL
+    assert found.label.item() == (slides if mass < 10 else seizes)
+    for start in ({"u": 1e-9, "w": 0}, {"u": -1e-9, "w": 0}, {"u": 0, "w": 1e-6}):
+        settles = drive.replace(mass=mass, axial_force=0).steady_state(start).label == lsvib.Attractor.STEADY_SLIDING
+        assert settles == (found.label.item() == Behaviour.NO_VIBRATION)
+
+
 def test_chart_is_a_dataset(tmp_path):
     drive = lsvib.RigidDrive(translation_damping=1000)
     found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")

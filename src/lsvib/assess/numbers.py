@@ -47,7 +47,7 @@ def percent(value: float | None) -> str:
         return "–"
     share, digits = 100 * value, 4
     if share <= 99 or value >= 1:
-        return f"{_figure(share, 3)} %"
+        return f"{_figure(share)} %"
     while (text := f"{share:.{digits}g}") == "100":  # only what is sure is 100 %
         digits += 1
     return f"{text} %"

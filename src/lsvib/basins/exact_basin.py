@@ -16,16 +16,18 @@ The boundary is found by following one motion backwards in time; docs/basin.md p
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
 from lsvib.basins.clipping import Window, clip, inside
 from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
+from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode, rigid_automaton
@@ -33,6 +35,7 @@ from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import EngineError, InputError
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
+_SEEN = 0.1  # part of a rate that doubles hold to fifteen digits
 _NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
 
 
@@ -172,16 +175,23 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     if touch is None:
         return Boundary.NONE, []
     back, drive_forward = backward_automaton(drive, touch[0]), rigid_automaton(drive)
-    start, mode = np.array([float(touch[0]), -float(touch[1])]), mode_index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    earlier, before = _before_touch(drive, c, touch)
+    start, mode = before * [1, -1], mode_index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
     trace = traced(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
         return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
-    end = start * [1, -1]
+    end = np.array([float(touch[0]), float(touch[1])])
     arcs = forward_arcs(trace, drive_forward)
+    arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[*arcs[-1:], Segment(end, arcs[-1].start)]]
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
+    if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
+        raise InputError(
+            f"support_damping = {drive.support_damping:g} is so large that doubles do not tell where slip from "
+            "screw speed 0 comes from; the basin of such a drive is not covered."
+        )
     if c.q_row[1] == 0:
         return Boundary.NONE, []
     if not ended:
@@ -214,6 +224,28 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
+
+
+def _before_touch(
+    drive: RigidParameters, c: Coefficients, touch: tuple[Decimal, Decimal]
+) -> tuple[float, NDArray[np.float64]]:
+    """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
+
+    Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
+    part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
+    with many digits it is followed until it is ``_SEEN`` of the rate w, and of Ω, so that θ′ = 0 is not met before.
+    """
+    here = 0.0, np.array([float(x) for x in touch])
+    if c.damping[-1] ** 2 <= 4 * drive.exact().coupling_stiffness * c.gamma[-1]:
+        return here
+    u, w = (many.mpf(str(x)) for x in touch)
+    slip = ForwardDrive(drive, c).slip(-1)
+    part = (w - slip.slow * u) * slip.fast / (slip.fast - slip.slow)  # of w along the fast eigenvector
+    wanted = _SEEN * min(abs(w), many.mpf(drive.input_speed))
+    if not 0 < abs(part) < wanted:
+        return here
+    time = many.log(wanted / abs(part)) / -slip.fast
+    return float(time), np.array([float(x) for x in slip.state(u, w, -time)])
 
 
 def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float) -> None:

@@ -368,7 +368,7 @@ class Sections:
                     self._remember(section, low, high, label)
                     if label > UNRESOLVED and splits >= crowded:
                         crowded *= 2
-                        self._extend(section, max(low, high, key=abs), Attractor(label))
+                        self._extend(section, max(low, high, key=abs))
                 continue
             here, there = itinerary.last_agreement(
                 self.automaton.tables, self.known, self._absorbing, section.mode, section.surface,
@@ -382,9 +382,16 @@ class Sections:
         edges, labels = [*(low for low, _, _ in found), ends[1]], [label for _, _, label in found]
         return merged(edges, labels, _SLIVER * self.size[section.free])
 
-    def _extend(self, section: LabelSection, x: float, label: Attractor) -> None:
-        """Give a label to all motions that drift to a place beside a labelled piece, where a return hardly moves."""
-        state = self._point(section, x * (1.0 + _BESIDE))
+    def _extend(self, section: LabelSection, x: float) -> None:
+        """Give its label to all motions that drift past a place beside a labelled piece, where a return hardly moves.
+
+        The label is that of the place itself: the piece may end at a cycle that repels, and have another one.
+        """
+        place = x * (1.0 + _BESIDE)
+        label = self._label(self._course(section, place, _PUSHES[0], learns=False))
+        if label <= UNRESOLVED:
+            return
+        state = self._point(section, place)
         try:
             motion = follow(self.automaton, state, np.inf, mode=section.mode, max_events=_EVENTS)
         except EngineError:
@@ -396,7 +403,7 @@ class Sections:
             line = return_map.ReturnSection(self.automaton, (int(kind), section.mode), state, size, 1, _PATIENT * time)
             if line.dimension == 1 and line.outcome(np.zeros(1))[1] is not None:
                 ends = np.array([state, line.state(np.array([leaps.reach_back(line, 0.0)]))])
-                self._absorb_passage(Passage(section.mode, ends), label)
+                self._absorb_passage(Passage(section.mode, ends), Attractor(label))
                 return
 
     def _remember(self, section: LabelSection, low: float, high: float, label: int) -> None:

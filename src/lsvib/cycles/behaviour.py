@@ -96,5 +96,7 @@ def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     to_stop = np.abs(speed) * np.sqrt(v["screw_inertia"] / stiffness)
     band = v["pitch_radius"] * (factors[0] - factors[1]) * np.abs(v["axial_force"]) / stiffness
     lengths = to_contact + to_stop + band + np.abs(damping * speed) / stiffness
-    near = np.stack([_NEAR * np.minimum(to_contact, to_stop), np.zeros(drives.size)], axis=1)
+    # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
+    nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
+    near = np.stack([_NEAR * nearest, np.zeros(drives.size)], axis=1)
     return near, np.stack([-np.sign(speed) * _FAR * lengths, -speed], axis=1)

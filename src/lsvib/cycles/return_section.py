@@ -193,7 +193,25 @@ class Section:
 
     def at(self, origin: np.ndarray, size: np.ndarray) -> Self:
         """Return the section with another origin (n), in the scales ``size`` (n)."""
+        origin = self._put_on_line(origin) if origin.size == 2 and self.dimension == 1 else origin
         return type(self)(self.automaton, self.key, origin, size, self.returns, self._limit / PATIENCE)
+
+    def _put_on_line(self, state: np.ndarray) -> np.ndarray:
+        """Return a state (2) near the line with its coordinate that is not free as the surface has it.
+
+        Far nearer to zero than the origin, a state that is computed from it lies beside the surface by the rounding of
+        the origin; a line laid through it would be as far off everywhere, and a drift along it might seem to end.
+        """
+        rows, other = self.automaton.tables.surfaces, 1 - int(np.argmax(np.abs(self._axes[0])))
+        along = np.abs(rows[:, :2] @ self.directions[:, 0]) <= ROUNDING * (
+            np.abs(rows[:, :2]) @ np.abs(self.directions[:, 0])
+        )
+        off = np.abs(rows[:, :2] @ self.origin + rows[:, 2])
+        met = off <= ROUNDING * (np.abs(rows[:, :2]) @ self.size + np.abs(rows[:, 2]))
+        for row in rows[along & met & (rows[:, other] != 0)]:
+            state = state.copy()
+            state[other] = -(row[2] + row[1 - other] * state[1 - other]) / row[other]
+        return state
 
     def finer(self, place: float) -> Self | None:
         """Return the section with its origin at a place on the line, in the scales of one return from there."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from lsvib.cycles.return_section import ROUNDING
-from lsvib.cycles.steady_states import Attractor, SteadyState
+from lsvib.cycles.steady_states import Attractor, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import BlockFlow
@@ -20,7 +20,8 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     """Return the attractor of a motion that never leaves its last mode.
 
     The mode is a sum of oscillators: one with two states, one for each pair of rates with more. The attractor is rest
-    in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows; and a
+    in a mode at rest; steady sliding if every excited oscillator is damped; unbounded if one of them grows – unresolved
+    where energy is bounded, since only rounding hides the next event –; and a
     neutral family if one of them goes on for ever. The family has a period if only one does: several frequencies have
     none in common. With more than two states a damping below 1e-30 of the frequency counts as none.
     """
@@ -40,12 +41,12 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         rounding = ROUNDING * (np.abs(table[:, :-1]) @ np.abs(state) + np.abs(table[:, -1]))
         moved = np.abs(table[:, :-1] @ state + table[:, -1]) > rounding
         if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
-            return SteadyState(Attractor.UNBOUNDED, state)
+            return out_of_range(automaton, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
     damping = rows[:, columns.ALPHA]
     undamped = np.abs(damping) <= _UNDAMPED[state.size > 2] * rows[:, columns.BETA]
     if (excited & ~undamped & (damping < 0)).any():
-        return SteadyState(Attractor.UNBOUNDED, state)
+        return out_of_range(automaton, state)
     lasting = np.flatnonzero(excited & undamped & (rows[:, columns.BETA] > 0))
     if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)

@@ -121,7 +121,7 @@ class SteadyState:
 
 
 def out_of_range(automaton: Automaton, state: np.ndarray) -> SteadyState:
-    """Return the end of a motion that leaves the range of numbers, with its last state (n) before that."""
+    """Return the end of a motion that grows or leaves the range of numbers, with its last state (n) before that."""
     if automaton.passive:
         return SteadyState.unresolved(state, Doubt.RANGE)
     return SteadyState(Attractor.UNBOUNDED, state)
