@@ -231,6 +231,9 @@ def test_strides_decide_without_the_reference(drive, start):
         ("nut", 112, 12),
         ("threads", 432, 83),  # slip ends soon after N has changed its sign
         ("nut", 163, 122),  # the screw gets the speed of the nut, 1e-9 Ω, where slip ends
+        ("support", 678, 87),  # the nut has crept to within e⁻³³ of its place, and falls from there by its bend alone
+        ("support", 678, 119),
+        ("nut", 198, 80),  # what dies away is 1e11 times what N is where it falls through zero
     ],
 )
 def test_speeds_that_a_state_does_not_hold_are_carried(model, index, start):
@@ -444,7 +447,12 @@ def test_nothing_is_unbounded_by_energy():
         ("nut", 421, 30),
         ("support", 737, 29),  # a nut that comes to rest below the last digit
         ("support", 748, 72),
+        ("support", 678, 28),  # a nut that creeps to its place by e⁻¹⁰⁸ before slip begins
         ("support", 678, 88),
+        ("support", 737, 36),  # a nut that creeps for ever to the place where its friction just suffices
+        ("support", 737, 45),
+        ("support", 737, 61),  # the same before slip begins
+        ("support", 737, 75),
         ("support", 747, 53),
         ("support", 395, 119),
         ("support", 472, 4),  # steady sliding that repels

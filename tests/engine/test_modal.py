@@ -5,6 +5,7 @@ condition of the mode and the growth of its fastest part; how near two rates of 
 """
 
 import math
+from decimal import Decimal, localcontext
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from lsvib.engine.exact.field import exact_field
-from lsvib.engine.exact.modal_form import modal_flow, modal_mode
+from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal, guard_sums, search_modal
 from lsvib.engine.kernels.columns import A0, ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.status import Found
@@ -172,6 +173,34 @@ def test_uncoupled_parts_are_carried_to_and_fro(factors):
         mode = modal_mode(exact_field(as_decimals(field), [1.0] * len(field)))
     identity = mode.from_modal[:, :-1] @ mode.to_modal[:, :-1]
     assert identity == pytest.approx(np.eye(len(field)), abs=64 * EPS * mode.condition)
+
+
+@pytest.mark.parametrize("push", [3.0, 3e5])
+def test_a_slow_rate_is_carried_about_an_equilibrium_nearby(push):
+    """From a start 1e9 times as far away nothing is left after 300 time constants; far equilibria are carried without.
+
+    With the latter, the rounding of the start stayed, 1e-7 of the equilibrium.
+    """
+    mode = modal_mode(exact_field([[-5, 0, 0, push], [0, 0, 1, 0], [20, -1e4, -20, 0]], [1.0] * 3))
+    flow, out = modal_flow([mode]), np.empty(3)
+    assert (flow.pushes[0, 0] == 0.0) == (push == 3.0)
+    flow_modal.advance(flow, 0, np.array([1e9, 0.0, 0.0]), 60.0, out)
+    if push == 3.0:
+        assert out == pytest.approx([0.6, 0.6 * 20 / 1e4, 0.0], rel=4 * EPS, abs=4 * EPS)
+
+
+def test_a_guard_has_no_part_that_is_rounding_of_its_coefficients():
+    """x₁ rests at −Ω, so that r (x₁ + Ω) is zero, however r Ω has been rounded to 50 digits."""
+    with localcontext(prec=50):
+        radius, speed = Decimal(1) / 3, Decimal(30) / 7
+        rows = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -7000, -800, 0]]
+        mode = modal_mode(exact_field(rows, [1.0] * 4, {1: -speed}))
+        row = (0, radius, 0, 1, radius * speed)
+    with mp.workdps(DIGITS):
+        assert 0 < abs(mpf(str(row[4])) - mpf(str(radius)) * mpf(str(speed))) < mpf(10) ** -49
+    (form,) = guard_forms([mode], [[row]])
+    assert form[-1] == 0.0
+    assert np.count_nonzero(form) == 2  # both rates of x₂
 
 
 def test_chain_of_zeros_is_refused():

@@ -11,7 +11,7 @@ import mpmath
 # differ by the root of the rounding of these digits, or of the 50 of the coefficients. _ROUNDING is for projectors.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
 _ROUNDING = {60: mpmath.mpf(10) ** -35, 120: mpmath.mpf(10) ** -40}
-SLOW = 10  # a single rate that is this many times smaller than all larger ones is carried without its equilibrium
+SLOW = 10  # a single rate that is so many times smaller than all larger ones may have its equilibrium far away
 APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
 

@@ -163,8 +163,16 @@ def _single(field: _Field, factor: list, projector: Matrix, slow: bool, unsafe: 
     vector = [times(picked(projector[a], chosen, unsafe), block) for a in range(n)]
     push = dot(covector, field.push)
     rate = -factor[1]
-    shift = 0 if slow or is_zero(rate) else push / rate
-    left = push if slow or is_zero(rate) else 0
+    if is_zero(rate):
+        shift, left = 0, push
+    elif slow and not is_zero(push):  # without its equilibrium where that is far away, as for one drive
+        reach = sum(np.abs(high(x, unsafe.size)) * field.sizes[i] for i, x in zip(field.alive, covector, strict=True))
+        away = np.abs(high(push, unsafe.size)) / np.abs(high(rate, unsafe.size))
+        unsafe |= np.abs(away - reach) <= CLEAR * reach
+        without = np.where(away > reach, 1, 0)
+        shift, left = picked([push / rate, 0], without, unsafe), picked([0, push], without, unsafe)
+    else:
+        shift, left = over(push, rate), 0
     return _Piece([rate, left], [[*covector, shift]], [[x, -times(x, shift)] for x in vector])
 
 

@@ -23,6 +23,7 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
+_NOTHING = mpmath.mpf(10) ** -40  # of the terms of such an entry: the rounding of coefficients, which have 50 digits
 _KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
@@ -115,9 +116,11 @@ def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_P
         vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
         covector = projector[i, :]
         push = (covector * constant)[0]
-        # The equilibrium of a slow exponential may lie far away, so it is carried without it.
-        shift = push / rate if rate and not slow else mpmath.mpf(0)
-        left = push if slow or not rate else mpmath.mpf(0)
+        # The equilibrium of a slow exponential may lie far away, and then it is carried without it. Near by it is not:
+        # what dies away would leave the rounding of its start behind.
+        size = sum(abs(x) * s for x, s in zip(covector, scale, strict=True))
+        without = not rate or (slow and abs(push) > abs(rate) * size)
+        shift, left = (mpmath.mpf(0), push) if without else (push / rate, mpmath.mpf(0))
         out = mpmath.matrix([[x, -x * shift] for x in vector])
         singles.append(_Piece(np.array([rate, left], dtype=float), mpmath.matrix([[*covector, shift]]), out))
     return singles
@@ -228,7 +231,8 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
 def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
     """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of decimals by mode.
 
-    An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so.
+    An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that
+    is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.
     """
     width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
     with mpmath.workdps(DIGITS):
@@ -241,9 +245,12 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
                 for j in range(count + 1):
                     place = j if j < count else -1
                     true, rounded = (constant, last) if j == count else (mpmath.mpf(0), 0.0)
+                    terms = abs(true)
                     for i, weight in enumerate(plain):
-                        true += exact[i] * mode.exact[i, place]
+                        term = exact[i] * mode.exact[i, place]
+                        true, terms = true + term, terms + abs(term)
                         rounded += weight * table[i][place]
+                    true = true if abs(true) > _NOTHING * terms else mpmath.mpf(0)
                     unsure = abs(true - rounded) > _LOST * abs(true)
                     form[j], lost = float(true) if unsure else rounded, lost or unsure
                 found.append(form)

@@ -56,9 +56,12 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         if on_surface[k]:
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
-            if known > 0.0:
-                on_surface[k] = rate >= -rate_size
-            elif value < -size or rate < -rate_size or (rate <= rate_size and bend < -bend_size):
+            falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
+            # By its bend g″ alone a guard g is zero at √(2 g / |g″|), and the rounding r of its rate moves that by
+            # r / |g″|. Where this is more, no digit of g counts.
+            if known > 0.0 and not (falls and -2.0 * known * bend <= rate_size * rate_size):
+                on_surface[k] = not falls
+            elif value < -size or falls:
                 return _CROSSING, guard, 0.0
         dispatch.begin(tables.flow, k, known, doubt, work)
     if _stays(tables.flow, mode, state) or (touched and dispatch.is_still(tables.flow, mode, state)):

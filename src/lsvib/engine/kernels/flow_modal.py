@@ -3,7 +3,7 @@
 A linear mode x′ = A x + b splits into modal coordinates, y = W x + w₀, x = V y + v₀: *pairs* (u, w = u′), each an
 oscillator of :mod:`lsvib.engine.kernels.flow_planar` without force, for two complex or two neighbouring real rates, so
 that nothing is special where the two coincide; and *singles* q′ = r q + f, one for each rate that is alone. A single
-with f ≠ 0 is one whose equilibrium may lie far away, or nowhere (r = 0), and is carried without it:
+with f ≠ 0 is one whose equilibrium lies far away, or nowhere (r = 0), and is carried without it:
 
     f = 0:  q(t) = q₀ e^{rt}            f ≠ 0:  q(t) = q₀ + (r q₀ + f) ∫₀ᵗ e^{rτ} dτ
 

@@ -46,7 +46,8 @@ _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 ar
 # of its time: by 1e-12.
 SHARP = 2.0**-37
 SHAKEN = 16.0  # of this rounding: a guard that is further from zero at its root has another root
-REPEATS = 3  # of Newton's step, whose slope has lost digits as well
+REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
+SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times the root
 HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
@@ -121,7 +122,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             if bottom < when or first < 0:
                 return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
             if work.rounding[first] > SHARP * abs(slope) * when:
-                when = _sharpened(flow, mode, work, first, guards[first], slope, when, limit)
+                when = _sharpened(flow, mode, work, first, guards[first], slope, bend, when, limit)
             return _CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
@@ -317,15 +318,29 @@ def _changed(flow, mode, work, index, guard, t):
 
 
 @kernel
-def _sharpened(flow, mode, work, index, guard, slope, t, limit):
-    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost."""
-    for _ in range(REPEATS):
+def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
+    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost.
+
+    ``slope`` and ``bend`` are the derivatives at t [s]. Each step goes to the root of a parabola: a guard may fall from
+    next to nothing by its bend alone. The sum has lost nothing where its parts have died away: then it is closer than
+    the value at time zero with its change.
+    """
+    guard_sums.go_to(flow, mode, work, t, _SPARE)
+    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE)
+    for _ in range(SHARPENINGS):
         value, noise = _changed(flow, mode, work, index, guard, t)
-        step = -value / slope if slope != 0.0 else 0.0
+        square = slope * slope - 2.0 * value * bend
+        both = slope + math.copysign(math.sqrt(square) if square > 0.0 else slope, slope)
+        step = -2.0 * value / both if both != 0.0 else 0.0
         shaken = abs(value) > SHAKEN * work.rounding[index]
-        if not noise < work.rounding[index] or shaken or not 0.0 < t + step <= limit:
+        if not noise < rounding or shaken or not 0.0 < t + step <= limit:
             break
         t += step
+        if abs(step) < SHARP * t:
+            break
+        guard_sums.go_to(flow, mode, work, t, _SPARE)
+        guard_sums.evaluate(flow, mode, work, index, _SPARE)
+        slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
     return t
 
 
