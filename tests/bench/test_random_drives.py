@@ -273,10 +273,22 @@ def test_a_sensitive_event_excuses_nothing_after_it(monkeypatch):
 
 
 def test_a_slip_that_died_away_is_a_corner():
-    """Both sides end alike: a slip of 1e-25 is rest to the engine."""
+    """A slip of 1e-25 may be told as rest if both sides end alike; the engine has it as slip."""
     wide = wide_drive("nut", 9901, 46, 73)
     _, ask = list(judges.stages(wide, ["motion"]))[72]
-    assert ask()() == [judges.Finding(judges.CORNER, 72)]
+    assert ask() == [judges.Finding(judges.RIGHT, 72)]
+    case = judges.four_cases(wide)[72]
+    exact = exact_path(case, wide.drive, case.start)
+    middle = (exact.times[1] + exact.times[2]) / 2
+    times = np.insert(exact.times, 2, middle)
+
+    def resting(kind: str) -> Record:
+        return replace(exact, kinds=[*exact.kinds[:2], kind, "rest_screw_backward", *exact.kinds[3:]], times=times)
+
+    assert excuses.dies_away(resting("rest_screw_held"), exact, case)
+    assert not excuses.dies_away(resting("slip_forward_negative_screw_held"), exact, case)
+    late = replace(resting("rest_screw_held"), times=times + 2e-9 * case.duration * (times == times[1]))
+    assert not excuses.dies_away(late, exact, case)
 
 
 @pytest.mark.parametrize(("index", "start"), [(22, 1), (38, 3)])
