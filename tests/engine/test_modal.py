@@ -452,6 +452,26 @@ def test_the_guard_that_falls_first_is_reported():
         assert t == search(flow, state, early)[2]
 
 
+def test_guards_that_fall_at_once_are_told_in_order():
+    """Far from an equilibrium the sums of two guards hold 1e-10 of them; one falls 2e-11 of its size before the other.
+
+    They are one coordinate, less 2e-11 in one of them, times factors that round their sums differently.
+    """
+    with mp.workdps(DIGITS):
+        mix = mp.matrix([[1, 1, 1, 0], [1, 2, 0, 1], [1, 0, 1, -1], [0, 1, 1, 2]])
+        field = mp.matrix([[0, 1, 0, 0], [-9, -0.3, 0, 0], [0, 0, 0, 7], [0, 0, -7, 0]])
+        rows = (mix * field * mix**-1).tolist()
+        rows = as_decimals([[*row, -1e6 * place] for row, place in zip(rows, mix[:, 1], strict=True)])
+        mix, coordinate = np.array(mix.tolist(), dtype=float), np.array((mix**-1)[0, :].tolist(), dtype=float)[0]
+    flow, rng = modal_flow([modal_mode(exact_field(rows, [1.0] * 4), DIGITS)]), np.random.default_rng(5)
+    for _ in range(60):
+        state = mix @ [rng.uniform(0.5, 2.0), -rng.uniform(0.5, 2.0), 0.0, 0.0]
+        factors, first = rng.uniform(0.5, 2.0, 2), rng.integers(2)
+        guards = np.outer(factors, [*coordinate, 0.0])
+        guards[first, 4] = -2e-11 * factors[first]
+        assert search(flow, state, guards, [False, False])[:2] == (Found.CROSSING, first)
+
+
 @pytest.mark.parametrize("touching", [0, 1])
 def test_a_guard_that_falls_where_another_one_touches_is_not_passed_over(touching):
     """One guard touches zero at t = π, where it is flat over 1e-8; the other falls through zero 1e-9 before that."""
