@@ -11,8 +11,6 @@ from lsvib.bench.sweeps.families import Case
 from lsvib.bench.sweeps.paths import MOST_EVENTS, TOUCHES, exact_path, without_clusters
 
 _INSTANT = 1e-7  # Events before this part of the duration follow the start at once.
-_MOVED = 4  # inputs moved at random; each of them costs a run of the reference
-_AS_MUCH = 4.0  # factor on the most that they move a time
 _AT_ONCE = 1e-6  # relative to the duration; where an undamped contact touches N = 0, N changes its sign twice within it
 
 
@@ -78,21 +76,18 @@ def dies_away(path: Record, exact: Record, case: Case) -> bool:
     return ahead == len(awaited) and case_judge.same_end(path, exact)
 
 
-def moves_as_late(path: Record, exact: Record, case: Case, rng: np.random.Generator) -> bool:
-    """Whether motions agree but for times that the last places of the input move as much, touches left out of all.
+def beyond_input(path: Record, exact: Record, case: Case, rng: np.random.Generator) -> bool:
+    """Whether motions agree but for times and states that the last places of the input decide, touches left out of all.
 
     Next to a touch a speed passes zero with hardly any slope, and other inputs have it touch or not.
     """
+
+    def truth(*of) -> Record | None:
+        other = exact_path(*of)
+        return other and _without_instants(other, case)
+
     one, two = (_without_instants(x, case) for x in (path, exact))
-    if one.kinds != two.kinds or not case_judge.same_end(path, exact):
-        return False
-    error, moved = np.abs(one.times - two.times), np.zeros(len(two.kinds))
-    for _ in range(_MOVED):
-        other = exact_path(case, *case_judge.moved(case, rng))
-        other = other and _without_instants(other, case)
-        if other is not None and other.kinds == two.kinds:
-            moved = np.maximum(moved, np.abs(other.times - two.times))
-    return bool((error <= np.maximum(case_judge.TOLERANCE * case.duration, _AS_MUCH * moved)).all())
+    return one.kinds == two.kinds and case_judge.weigh(one, two, case, rng, truth)[0]
 
 
 def same_after_an_instant(path: Record, other: Record, case: Case) -> bool:

@@ -177,7 +177,7 @@ def _four_motion(
         if any(alike(path, exact, case) for alike in (excuses.touches_only, excuses.dies_away, excuses.same_corners)):
             return [Finding(CORNER, k)]
         rng = np.random.default_rng([wide.seed, wide.index, k])
-        return [Finding(BEYOND_INPUT, k) if excuses.moves_as_late(path, exact, case, rng) else finding]
+        return [Finding(BEYOND_INPUT, k) if excuses.beyond_input(path, exact, case, rng) else finding]
 
     return judged
 
