@@ -352,7 +352,8 @@ def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
 def _fallen(flow, mode, work, index, guard, t):
     """Return when a guard, by its number and its row (n + 1), has fallen if that is before t [s], else t.
 
-    Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen.
+    Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen,
+    unless the sum is beyond its own rounding there, as where its parts have died away.
     """
     value, noise = _changed(flow, mode, work, index, guard, t)
     noise *= SHAKEN
@@ -360,6 +361,8 @@ def _fallen(flow, mode, work, index, guard, t):
         return t
     guard_sums.go_to(flow, mode, work, t, _SPARE)
     guard_sums.evaluate(flow, mode, work, index, _SPARE)
+    if work.values[_SPARE, index, 0] > SHAKEN * guard_sums.rounding_at(flow, mode, work, index, _SPARE):
+        return t
     at = work.values[_SPARE, index]
     return _sharpened(flow, mode, work, index, guard, at[1], at[2], t, t)
 
