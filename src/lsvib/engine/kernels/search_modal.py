@@ -45,7 +45,7 @@ _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 ar
 # A root is sharpened if the rounding of the guard, eight last places of its parts, may move it by more than this part
 # of its time: by 1e-12.
 SHARP = 2.0**-37
-SHAKEN = 16.0  # of rounding: a guard further from zero at its root has another root; what is, is beyond doubt
+SHAKEN = 16.0  # of rounding: a guard that is further from zero at its root has another root, and is beyond doubt
 REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
 SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times the root
 HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
@@ -352,7 +352,8 @@ def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
 def _fallen(flow, mode, work, index, guard, t):
     """Return when a guard, by its number and its row (n + 1), has fallen if that is before t [s], else t.
 
-    Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen.
+    Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen,
+    unless the sum is beyond its own rounding there, as where its parts have died away.
     """
     value, noise = _changed(flow, mode, work, index, guard, t)
     noise *= SHAKEN
@@ -360,8 +361,10 @@ def _fallen(flow, mode, work, index, guard, t):
         return t
     guard_sums.go_to(flow, mode, work, t, _SPARE)
     guard_sums.evaluate(flow, mode, work, index, _SPARE)
-    slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
-    return _sharpened(flow, mode, work, index, guard, slope, bend, t, t)
+    if work.values[_SPARE, index, 0] > SHAKEN * guard_sums.rounding_at(flow, mode, work, index, _SPARE):
+        return t
+    at = work.values[_SPARE, index]
+    return _sharpened(flow, mode, work, index, guard, at[1], at[2], t, t)
 
 
 @kernel
