@@ -200,7 +200,9 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
             return Boundary.NONE, []
         arcs = forward_arcs(orbit, drive_forward)
     if c.q_row[1] < 0:
-        raise EngineError("a cycle without rest whose seizures end backward slip was not thought possible; report it.")
+        raise EngineError(
+            "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
+        )
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
@@ -220,7 +222,7 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
         if at_stand >= 0 or kappa <= 0:
             raise InputError(
                 f"translation_damping = {drive.translation_damping:g} is so large that slip crosses the line of no "
-                "contact force in another sense than is usual; the basin of such a drive is not covered."
+                "contact force in the opposite direction; the basin of such a drive is not covered."
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w

@@ -184,7 +184,7 @@ class Sections:
         return low * self.size[section.free], high * self.size[section.free]
 
     def _explore(self, state: np.ndarray, mode: int, learns: bool = True) -> Attractor:
-        """Find the attractor of a motion; a new cycle without rest adds an absorbing interval."""
+        """Find the attractor of a motion; if it is a new cycle without rest, note an absorbing interval of it."""
         if self._futile > _FUTILE:
             return Attractor.UNRESOLVED
         patience = _HASTE if self._in_vain < _IN_VAIN else _COST
@@ -407,7 +407,7 @@ class Sections:
                 return
 
     def _remember(self, section: LabelSection, low: float, high: float, label: int) -> None:
-        """Let later itineraries end inside a piece of a section; the ends of the piece are not included."""
+        """Note the label of a piece of a section, so that later itineraries may end there; its ends are excluded."""
         pieces = self._found.setdefault(section, [])
         pieces.append((low, high, label))
         pieces.sort()

@@ -145,7 +145,7 @@ def _faintly(automaton: Automaton, seen: Watched, budget: Budget | None) -> Stea
 
 
 def _natural(automaton: Automaton, seen: Watched) -> np.ndarray:
-    """Return sizes (n) of a motion in which a speed that vanishes counts: what the slowest rate makes of its place."""
+    """Return the sizes (n) of a motion; a speed has at least that of its coordinate times the slowest rate."""
     matrix, size = automaton.tables.flow.field[seen.key[1]][:, :-1], seen.size.copy()
     rates = np.abs(np.linalg.eigvals(matrix))
     slow = rates[rates > _NONE * rates.max()].min(initial=math.inf)
