@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import AsJson
+from lsvib.command.options import AsJson, refuse_results_of_the_workflow
 from lsvib.command.printing import show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
@@ -36,6 +36,7 @@ def assess(
     sheet:
         YAML file of the data sheet; see docs/assess.md.
     """
+    refuse_results_of_the_workflow(out / "index.html")
     try:
         from lsvib.assess import run
     except ModuleNotFoundError as error:

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import picture_files, print_map, show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
@@ -55,6 +55,7 @@ def attraction(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out, figure)
     pictures = picture_files(figure)
     outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)

@@ -17,6 +17,7 @@ from lsvib.command.options import (
     SceneFile,
     Start,
     pairs,
+    refuse_results_of_the_workflow,
 )
 from lsvib.command.printing import print_motion, print_sweep, show
 from lsvib.command.terminal import Progress
@@ -53,6 +54,7 @@ def simulate(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
     given: dict[str, Any] = {"model": model, "duration": duration, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
@@ -98,6 +100,7 @@ def sweep(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")] if out else [])
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
     begin = perf_counter()

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs
+from lsvib.command.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import show
 from lsvib.command.terminal import Progress
 from lsvib.errors import InputError
@@ -43,6 +43,7 @@ def resilience(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     if (over is None) != (out is None):
         raise InputError("over and out belong together: the values over a parameter are written to a file.")
     limits = (
