@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from lsvib.command.app import app
 from lsvib.command.options import AsJson, refuse_results_of_the_workflow
 from lsvib.command.printing import show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -47,6 +47,6 @@ def assess(
     if share is not None:
         print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
         return
-    result = run.assess_file(sheet, out, samples, seed, workers, Progress("blocks of samples"))
+    result = run.assess_file(sheet, out, samples, seed, workers, ProgressLine("blocks of samples"))
     written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
     show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))

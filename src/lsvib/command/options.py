@@ -20,7 +20,7 @@ Changes = Annotated[
     Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **ONE_VALUE),
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
-Start = Annotated[
+StartItems = Annotated[
     list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
 ]
 OutFile = Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")]

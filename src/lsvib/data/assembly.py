@@ -7,7 +7,7 @@ whole may be larger than memory, because nothing here holds more than a tile, or
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ from lsvib.data.attributes import attributes
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing
+from lsvib.numbers import Progress
 
 _CHUNK = 512  # cells along each side of a compressed block of the map, at most
 
@@ -61,7 +62,7 @@ def gather(
     settings: Mapping[str, Any],
     tiles: Mapping[Path, TileWindow],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     kinds: str = "attractor",
 ) -> None:
     """Write the map whose tiles are in the files ``tiles``, whole or not at all, in chunks and compressed.

@@ -1,7 +1,7 @@
 """A chart that is computed in tiles, as a map of attraction may be: one tile, and the whole from its tiles."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ from lsvib.data.chart import LABEL, Plane
 from lsvib.data.tiles import window
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:
@@ -44,7 +45,7 @@ def gather_chart(
     settings: Mapping[str, Any],
     tiles: Sequence[str],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write the chart, with its exact curves, from the files of its tiles, each named after its item.
 

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from lsvib.data.assembly import TileWindow, gather, write_tile
 from lsvib.data.attraction_map import cells, dimensions, frame, parameters, surroundings
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 
 def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
@@ -59,7 +60,7 @@ def gather_map(
     settings: Mapping[str, Any],
     tiles: Sequence[str],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write the map from the files of its tiles, each named after its item.
 
