@@ -248,6 +248,7 @@ def _drifts(states: np.ndarray) -> bool:
     latest, first, all_of_them = (
         np.abs((states[i] - states[j]) / size).max() for i, j in ((0, 1), (_STEPS - 1, _STEPS), (0, _STEPS))
     )
+    # Half of the way of so many latest steps, and nine tenths of the first step, leave room for what scatters.
     return bool(all_of_them > 0.5 * _STEPS * latest and latest > 0.9 * first)
 
 
