@@ -257,7 +257,7 @@ class _Drive(RigidParameters):
         return sweep(self, over, start, resume, workers, progress)
 
     def basin(self) -> "Basin":
-        """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
+        """Return the basin of steady sliding, bounded in closed form; of the rigid drive only.
 
         Its areas are in rad²/s. Raises ``InputError`` for other models, where steady sliding attracts nothing, and for
         the few drives that docs/basin.md lists; ``EngineError``.

@@ -1,4 +1,4 @@
-r"""The region of attraction of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
+r"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
 The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
 (otherwise the drive is mirrored), let M_0 be the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0
@@ -58,7 +58,7 @@ class Boundary(IntEnum):
 
 @dataclass(frozen=True)
 class Basin:
-    """The region of attraction of steady sliding of ``drive``.
+    """The basin of steady sliding of ``drive``.
 
     ``boundary`` says what bounds it; ``curves`` are the boundary, with the basin on their right, each closed or from
     infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
@@ -123,7 +123,7 @@ class Basin:
 
 
 def basin(drive: RigidParameters) -> Basin:
-    """Compute the region of attraction of steady sliding of the rigid drive.
+    """Compute the basin of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
     nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine

@@ -16,6 +16,8 @@ and χ = x on the side of law −, χ = x b_+ / b_- on that of law +. So law −
 χ = 1/Γ_- and law +, with Γ_+ < 0, a saddle at χ = 1/Γ_+. Which side is whose, with θ′ > 0 (θ′ < 0 turns all signs of N
 and W): N has the sign of χ W. In the **indeterminate** case W < 0, so χ < 0 means N > 0, law +, and χ > 0 law −: both
 equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law + and χ < 0 law −: neither does.
+
+These motions are followed here and not by the engine, so that Figs 8.1 and 8.2 load no numba.
 """
 
 import cmath

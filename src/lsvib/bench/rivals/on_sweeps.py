@@ -62,7 +62,7 @@ class _Posed(RaceScene):
         return 2 * math.pi * math.sqrt(float(coefficients(self.drive).gamma[-1]) / self.drive.coupling_stiffness)
 
     @property
-    def window(self) -> float:
+    def steady_from(self) -> float:
         """Infinite: no steady amplitude is asked for."""
         return math.inf
 
