@@ -4,7 +4,7 @@ A method does what the command of the same name does, by the same function. What
 asked: making a drive, or asking for its stability, loads no engine.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import new_class
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from lsvib.engine.automaton import Automaton
 
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
-
-Progress = Callable[[int, int], None]
 
 
 class _Drive(RigidParameters):
@@ -258,7 +257,7 @@ class _Drive(RigidParameters):
         return sweep(self, over, start, resume, workers, progress)
 
     def basin(self) -> "Basin":
-        """Return the region of attraction of steady sliding, bounded in closed form; of the rigid drive only.
+        """Return the basin of steady sliding, bounded in closed form; of the rigid drive only.
 
         Its areas are in rad²/s. Raises ``InputError`` for other models, where steady sliding attracts nothing, and for
         the few drives that docs/basin.md lists; ``EngineError``.

@@ -9,6 +9,8 @@ from lsvib.errors import InputError
 
 # A start this far out is no state of a drive; its square is still a double, so that products of two can be formed.
 LARGEST_START = 1e100
+# Called with the number of parts of a work that are done, and that of all.
+Progress = Callable[[int, int], None]
 MOST_WORKERS = 4096  # threads or processes: more than any machine has cores
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LONGEST = 60  # characters of a value in a sentence; the rest is cut off

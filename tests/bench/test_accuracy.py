@@ -8,9 +8,9 @@ import pytest
 from lsvib.bench.figures.work_precision import dataset as work_precision
 from lsvib.bench.figures.work_precision.settings import SCENES
 from lsvib.bench.record import Record, Verdict, errors
-from lsvib.bench.rivals.catalogue import MethodFamily
 from lsvib.bench.rivals.hybrid import Hybrid, _affine
 from lsvib.bench.rivals.markdown_tables import markdown
+from lsvib.bench.rivals.method_list import MethodFamily
 from lsvib.bench.rivals.padded_tables import NEVER, even_tables
 from lsvib.bench.rivals.race import fastest, time_at_error
 from lsvib.bench.rivals.race_scenes import scene

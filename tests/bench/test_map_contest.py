@@ -77,7 +77,7 @@ def test_an_unknown_method_is_refused():
 
 
 def test_a_missing_package_is_named(monkeypatch):
-    monkeypatch.setattr("lsvib.bench.rivals.catalogue.find_spec", lambda name: None)
+    monkeypatch.setattr("lsvib.bench.rivals.method_list.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"package scipy, which .* needs, is not installed"):
         METHODS["lsoda"].prepare(mapper(NEAR.drive))
 

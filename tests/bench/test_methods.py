@@ -7,7 +7,7 @@ import pytest
 
 from lsvib.bench.figures.work_precision.settings import SCENES
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals import catalogue
+from lsvib.bench.rivals import method_list
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
 from lsvib.bench.rivals.on_sweeps import Effort
 from lsvib.bench.rivals.race import RaceBudget, contest
@@ -26,7 +26,7 @@ def results(name, shorten, **settings):
 
 def needed(method):
     """Skip a test without the package that a method needs."""
-    package = catalogue.METHODS[method].needs
+    package = method_list.METHODS[method].needs
     pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
 
 
@@ -89,7 +89,8 @@ def test_diffrax_makes_the_events_of_the_engine():
     needed("diffrax_tsit5")
     hybrid = Hybrid(scene("stick_slip"))
     ours, theirs = (
-        catalogue.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)()() for name in ("exact", "diffrax_tsit5")
+        method_list.find_method(name).prepare(hybrid, 1e-11, Clock(20.0), 200)()()
+        for name in ("exact", "diffrax_tsit5")
     )
     assert len(ours.kinds) == 152
     assert theirs.kinds == ours.kinds
@@ -101,7 +102,7 @@ def test_diffrax_makes_the_events_of_the_engine():
 def test_diffrax_keeps_the_limits_of_all():
     """Too many events, across the chunks of the compiled loop too, and the time."""
     needed("diffrax_tsit5")
-    find = catalogue.find_method("diffrax_tsit5").prepare
+    find = method_list.find_method("diffrax_tsit5").prepare
     assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)()().failure == "over 20 events"
     long = Hybrid(scene("long_run", 0.3))  # 1500 events
     assert find(long, 1e-6, Clock(20.0), 1100)()().failure == "over 1100 events"
@@ -135,7 +136,7 @@ def test_heyoka_keeps_time_in_two_doubles():
     needed("heyoka")
     hybrid = Hybrid(scene("long_run", 0.3))
     ours, theirs = (
-        catalogue.find_method(name).prepare(hybrid, 2.2e-16, Clock(20.0), 2000)()() for name in ("exact", "heyoka")
+        method_list.find_method(name).prepare(hybrid, 2.2e-16, Clock(20.0), 2000)()() for name in ("exact", "heyoka")
     )
     assert len(ours.kinds) > 1400
     assert theirs.kinds == ours.kinds
@@ -145,7 +146,7 @@ def test_heyoka_keeps_time_in_two_doubles():
 def test_heyoka_keeps_the_limits_of_all():
     """Too many events, the time, and too many steps where those are counted."""
     needed("heyoka")
-    find = catalogue.find_method("heyoka").prepare
+    find = method_list.find_method("heyoka").prepare
     assert find(Hybrid(scene("stick_slip")), 1e-6, Clock(20.0), 20)()().failure == "over 20 events"
     stiff = Hybrid(scene("stiff_contact", 0.1))
     assert find(stiff, 1e-6, Clock(0.0), 100)()().failure == "over 0 s"
@@ -209,7 +210,7 @@ def test_the_clock_stops_a_run():
     ],
 )
 def test_a_missing_package_is_one_sentence(monkeypatch, method, words):
-    monkeypatch.setattr(catalogue, "find_spec", lambda name: None)
+    monkeypatch.setattr(method_list, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=rf"{words}, is not installed; run pip install -r requirements-accuracy"):
         contest("stick_slip", {method: [1e-3]}, ONCE, 0.01)
 

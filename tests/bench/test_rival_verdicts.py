@@ -7,7 +7,7 @@ import pytest
 
 from lsvib.bench.figures.rival_verdicts import dataset as rival_verdicts
 from lsvib.bench.record import Record, Verdict
-from lsvib.bench.rivals.answers import compare
+from lsvib.bench.rivals.answer_errors import compare
 from lsvib.bench.rivals.hybrid import GaveUp
 from lsvib.bench.rivals.on_sweeps import Effort, Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet

@@ -212,6 +212,24 @@ def test_folders_of_the_workflow_are_refused(run, tmp_path):
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "simulate --duration 0.1 --start u=0.1 w=0 --out results/datasets/file.nc",
+        "sweep --over mass=1:20:2 --out results/datasets/file.nc",
+        "attraction --grid u=-1:1:2 w=-1:1:2 --out results/attraction/map.nc",
+        "attraction --grid u=-1:1:2 w=-1:1:2 --out map.nc --figure results/figures/attraction.png",
+        "chart --x mass=1:20:2 --y axial_force=-60:60:2 --out results/chart/chart.nc",
+        "follow --over mass=10.2:14 --set mass=11 --out results/datasets/file.nc",
+        "resilience --over axial_force=-33:-1:2 --out results/datasets/file.nc",
+        "assess sheet.yaml --out results/assessments/sheet",
+    ],
+)
+def test_no_command_writes_to_folders_of_the_workflow(run, tmp_path, words):
+    (tmp_path / "Snakefile").touch()
+    assert "belongs to the workflow" in refused(run, *words.split())
+
+
 @pytest.mark.parametrize("number", ["8.3", "fig8_03"])
 def test_figure_by_number_or_name(run, tmp_path, number):
     section = yaml.safe_load(CONFIG.read_text())["fig8_03"]

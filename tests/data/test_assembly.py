@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from lsvib.basins.grid import Grid
-from lsvib.data.assembly import TileWindow, content_digest, gather, overview, write_tile
-from lsvib.data.tiles import layout, window
+from lsvib.data.assembly import TilePlace, content_digest, gather, overview, write_tile
+from lsvib.data.tiles import layout, tile_place
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
 
@@ -41,7 +41,7 @@ def whole(rows=ROWS, columns=COLUMNS):
 def tiles_of(dataset, count, folder, settings=SETTINGS):
     """Write the tiles of a map; return their places by file."""
     rows, columns = dataset.sizes["w"], dataset.sizes["u"]
-    places = {folder / f"{k}-of-{count}.nc": window(f"{k}-of-{count}", rows, columns) for k in range(1, count + 1)}
+    places = {folder / f"{k}-of-{count}.nc": tile_place(f"{k}-of-{count}", rows, columns) for k in range(1, count + 1)}
     for path, place in places.items():
         write_tile(dataset.drop_vars("mass").isel(w=place.rows, u=place.columns), place, settings, path)
     return places
@@ -110,11 +110,11 @@ def truncate(path):
 
 
 def other_settings(path):
-    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TileWindow(0, 18, 0, 19), {"some": 2}, path)
+    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TilePlace(0, 18, 0, 19), {"some": 2}, path)
 
 
 def elsewhere(path):
-    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TileWindow(18, 36, 0, 19), SETTINGS, path)
+    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TilePlace(18, 36, 0, 19), SETTINGS, path)
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_layout_is_the_one_with_the_squarest_tiles(tiles, rows, columns, expecte
 def test_windows_cover_each_cell_once(tiles, rows, columns):
     seen = np.zeros((rows, columns), int)
     for k in range(tiles):
-        place = window(f"{k + 1}-of-{tiles}", rows, columns)
+        place = tile_place(f"{k + 1}-of-{tiles}", rows, columns)
         assert min(place.shape) > 0
         seen[place.rows, place.columns] += 1
     assert (seen == 1).all()

@@ -19,7 +19,7 @@ from reference.figure_checks import (
 from lsvib.bench.figures.ablation import dataset as ablation
 from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.fig8_03 import dataset as fig8_03
-from lsvib.figures.table_rounding.dataset import Threshold
+from lsvib.figures.table_rounding.dataset import PrintedThreshold
 from lsvib.steady_sliding import input_rounding
 from lsvib.steady_sliding.conditions import critical_mass
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
@@ -42,9 +42,9 @@ def test_each_check_of_figure_8_8_can_fail():
 
 def test_each_check_of_the_rounding_can_fail():
     spoilers = [
-        scale("print_residual", 20.0, Threshold.critical_mass),
-        scale("print_residual", 5.0, Threshold.onset_force),
-        scale("print_residual", 0.2, Threshold.detach_force),
+        scale("print_residual", 20.0, PrintedThreshold.critical_mass),
+        scale("print_residual", 5.0, PrintedThreshold.onset_force),
+        scale("print_residual", 0.2, PrintedThreshold.detach_force),
         set_to("matching_detach_force", 46.6),
         set_to("matching_effective_damping_plus", -1.1e-4),
     ]

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from judge.judges import BAD, QUESTIONS, REFUSED, UNRESOLVED
-from judge.processes import STARTS, Line, judged, run
+from judge.processes import STARTS, JsonLine, judged, run
 from judge.wide_drives import MODELS
 
 __all__ = ["STARTS", "judged", "kinds", "main", "passed", "run", "summary"]
@@ -31,7 +31,7 @@ _SHARES = 20  # reports of progress in one run
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
-def summary(records: Iterable[Line]) -> dict[str, Counter[str]]:
+def summary(records: Iterable[JsonLine]) -> dict[str, Counter[str]]:
     """Count verdicts by stage."""
     table: dict[str, Counter[str]] = {}
     for record in records:
@@ -41,7 +41,7 @@ def summary(records: Iterable[Line]) -> dict[str, Counter[str]]:
     return table
 
 
-def kinds(records: Iterable[Line]) -> list[tuple[str, str, int, int, str]]:
+def kinds(records: Iterable[JsonLine]) -> list[tuple[str, str, int, int, str]]:
     """Count what is not right by stage, verdict, and both sides' words without their numbers, the most frequent first.
 
     Returns (stage, verdict, number of answers, number of drives, words).
@@ -65,7 +65,7 @@ def passed(table: dict[str, Counter[str]]) -> bool:
     return True
 
 
-def _report(records: list[Line]) -> str:
+def _report(records: list[JsonLine]) -> str:
     table = summary(records)
     verdicts = sorted({verdict for counts in table.values() for verdict in counts})
     lines = ["| question | asked | " + " | ".join(verdicts) + " |", "|---" * (2 + len(verdicts)) + "|"]
@@ -80,14 +80,14 @@ def _report(records: list[Line]) -> str:
     return "\n".join(lines)
 
 
-def _doubts(records: Iterable[Line]) -> list[str]:
+def _doubts(records: Iterable[JsonLine]) -> list[str]:
     """Return a line for each reason why answers are unresolved, with their number."""
     notable = (entry for record in records for entry in record["notable"] if entry["verdict"] == UNRESOLVED)
     counts = Counter((entry["stage"], entry["said"]) for entry in notable)
     return [f"unresolved {stage}: {count} because {said}" for (stage, said), count in counts.most_common()]
 
 
-def _read(path: Path) -> dict[int, Line]:
+def _read(path: Path) -> dict[int, JsonLine]:
     """Records of a file by drive; without the line that was being written when a run was stopped."""
     records = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():

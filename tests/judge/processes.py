@@ -27,7 +27,7 @@ _CHUNK = 16  # drives that a process is given at once, so that it never waits fo
 _PATIENCE = 60  # A process that does not get on is stopped after so many times the limit of CPU time.
 _WARM = 3600.0  # [s] that every process may take at least: it may compile, or wait for its turn on a busy machine
 
-Line = dict[str, Any]
+JsonLine = dict[str, Any]
 
 
 class _Compiling(Listener):
@@ -58,7 +58,7 @@ def judged(
     skipped: Iterable[int] = (),
     tell: Callable[[int, str], None] = lambda number, name: None,
     starts: int = STARTS,
-) -> Line:
+) -> JsonLine:
     """Judge one drive: its findings by stage and verdict, and in full those that are not right.
 
     ``questions``: names of the stages wanted; ``limit`` [s of CPU time]: a stage that takes longer ends the *process*,
@@ -66,7 +66,7 @@ def judged(
     ``tell``: called with the number and name of a stage before it is asked; ``starts``: how many the drive has.
     """
     counts: Counter[str] = Counter()
-    notable: list[Line] = []
+    notable: list[JsonLine] = []
     wide = wide_drive(model, seed, index, starts)
     longest = 0.0
     for number, (name, ask) in enumerate(judges.stages(wide, questions)):
@@ -139,9 +139,9 @@ class _Worker:
     def _look(self) -> None:
         self.seen, self.deadline = self.place[:], time.monotonic() + self.patience
 
-    def hear(self) -> Line:
+    def hear(self) -> JsonLine:
         """Take the record of the next drive. ``EOFError`` if the process has died."""
-        record: Line = self.connection.recv()
+        record: JsonLine = self.connection.recv()
         self.indices.remove(record["index"])
         self._look()
         return record
@@ -172,11 +172,11 @@ def run(
     limit: float,
     questions: tuple[str, ...] = QUESTIONS,
     starts: int = STARTS,
-) -> Iterator[Line]:
+) -> Iterator[JsonLine]:
     """Judge drives in ``jobs`` processes; yields their records in the order in which they are done."""
     workers = [_Worker(model, seed, questions, limit, starts) for _ in range(jobs)]
     waiting = iter(indices)
-    lost: dict[int, list[Line]] = {}  # what was stopped, by drive
+    lost: dict[int, list[JsonLine]] = {}  # what was stopped, by drive
     busy: list[_Worker] = []
 
     def supply(worker: _Worker) -> None:
@@ -221,7 +221,7 @@ def run(
             worker.stop()
 
 
-def _after_death(worker: _Worker, code: int, lost: dict[int, list[Line]]) -> Line | None:
+def _after_death(worker: _Worker, code: int, lost: dict[int, list[JsonLine]]) -> JsonLine | None:
     """Note the stage at which a process was stopped; the record of the drive if that was not even drawn."""
     index = worker.indices[0]
     at, question, number = worker.place[:]
@@ -238,7 +238,7 @@ def _after_death(worker: _Worker, code: int, lost: dict[int, list[Line]]) -> Lin
     return _with_lost({"index": index, "counts": {}, "longest": 0.0, "notable": []}, lost.pop(index))
 
 
-def _with_lost(record: Line, lost: list[Line]) -> Line:
+def _with_lost(record: JsonLine, lost: list[JsonLine]) -> JsonLine:
     for entry in lost:
         key = f"{entry['stage']} {entry['verdict']}"
         record["counts"][key] = record["counts"].get(key, 0) + 1

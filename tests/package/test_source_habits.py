@@ -1,4 +1,4 @@
-"""Habits of the sources and of the judge: constants and long functions have reasons, a class name means one thing."""
+"""Habits of the sources and of the judge: constants and long functions have reasons, a name means one thing."""
 
 import ast
 import re
@@ -9,9 +9,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(path for folder in ("src/lsvib", "tests/judge") for path in (ROOT / folder).rglob("*.py"))
-NAMED_ALIKE = {  # names that several classes share, and why
+NAMED_ALIKE = {  # names that several things share, and why
     "Settings": "the type of a figure's settings is found by this name in its folder",
-    "_Piece": "a part of the modal form, of one drive and of many at once",
 }
 
 
@@ -75,11 +74,28 @@ def test_long_functions_say_why():
     assert not found, found
 
 
-def test_a_class_name_means_one_thing():
+def names_of_things(text: str) -> Iterator[str]:
+    """Yield the names of all classes, and the public names of modules that begin like one, such as types."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            yield node.name
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        for target in targets:
+            if isinstance(target, ast.Name) and target.id[0].isupper() and not target.id.isupper():
+                yield target.id
+
+
+def test_what_names_of_things_are():
+    text = "Span = float\nHalf: type = int\nLIMIT = 3\n_Own = str\nsmall = 1\nclass Whole:\n    class _Inner: ...\n"
+    assert sorted(names_of_things(text)) == ["Half", "Span", "Whole", "_Inner"]
+
+
+def test_a_name_means_one_thing():
     places: dict[str, list[str]] = {}
     for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef):
-                places.setdefault(node.name, []).append(str(path.relative_to(ROOT)))
+        for name in names_of_things(path.read_text(encoding="utf-8")):
+            places.setdefault(name, []).append(str(path.relative_to(ROOT)))
     twice = {name: found for name, found in places.items() if len(found) > 1}
     assert twice.keys() == NAMED_ALIKE.keys(), {k: v for k, v in twice.items() if k not in NAMED_ALIKE}

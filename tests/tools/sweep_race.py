@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, Hybrid
+from lsvib.bench.rivals.method_list import find_method
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.bench.rivals.truth import reference

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Time of a rebuild, old and new in turn: tests/tools/time_rebuild.sh OLD [NEW] [ROUNDS]
 #
-# OLD and NEW are clones (NEW: this one); ROUNDS of each, 3 at least. PYTHON names the interpreter of an environment with
-# the requirements of both (python3 on the path otherwise). In each round every clone is built twice in a fresh copy: cold,
-# with nothing compiled and no result, and warm, with the engine compiled and the results removed. At the end both
-# ratios new / old are printed, of the shortest times, with the medians beside them. Use a machine that does nothing else.
+# OLD and NEW are clones (NEW: this one); ROUNDS of each, 3 at least. PYTHON names the interpreter of an environment
+# with the requirements of both (python3 on the path otherwise). In each round every clone is built twice in a fresh
+# copy: cold, with nothing compiled and no result, and warm, with the engine compiled and the results removed. At the
+# end both ratios new / old are printed, of the shortest times, with the medians beside them. Use a machine that does
+# nothing else.
 set -euo pipefail
 
 old=$(realpath "${1:?usage: time_rebuild.sh OLD [NEW] [ROUNDS]}")

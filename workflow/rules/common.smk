@@ -37,15 +37,16 @@ try:
 except LsvibError as error:
     raise WorkflowError(f"Configuration: {error}") from None
 
-# What is built: the figures of the default target and those of the target `accuracy`; the configuration may leave some out.
+# What is built: the figures of the default target and those of the target `accuracy`; the configuration may leave some
+# out.
 FIGURES = selected(config)
 ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
 # What the jobs import of ours besides the modules of their figure.
 JOB_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
 
-# The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a second
-# configuration file changes the order.
+# The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a
+# second configuration file changes the order.
 MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
 
 CHART = json.loads(json.dumps({k: v for k, v in config["chart"].items() if k != "tiles"}, sort_keys=True))

@@ -1,7 +1,6 @@
 """The whole verdict on one data sheet, as values ready for the report, the dataset and JSON."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, wor
 from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
 from lsvib.assess.window import Worst, corners, worst
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 _BEYOND = (
     "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
@@ -91,7 +91,7 @@ def assess(
     seed: int = 1,
     workers: int = 1,
     folder: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`.
 

@@ -12,7 +12,7 @@ from lsvib.assess.friction import coefficient_from_efficiency, flank_coefficient
 from lsvib.assess.sheet import DENSITIES, Sheet
 
 GRAVITY = 9.80665  # m/s², standard
-Values = Mapping[str, Any]
+DrawnValues = Mapping[str, Any]
 
 QUANTITIES = {
     "lead": ("lead of the thread", "m"),
@@ -57,7 +57,7 @@ def is_window(sheet: Sheet, path: str) -> bool:
     return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
 
 
-def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
+def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
     """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
 
     Quantities that the sheet does not give are zero, or absent for a contact or support that it does not have.
@@ -99,7 +99,7 @@ def _turns(sheet: Sheet, lead: Any) -> Any:
     return 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0
 
 
-def _thread(sheet: Sheet, draw: Values) -> tuple[Any, Any, Any]:
+def _thread(sheet: Sheet, draw: DrawnValues) -> tuple[Any, Any, Any]:
     thread = sheet.thread
     if thread.size is not None:
         return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle
@@ -115,7 +115,7 @@ def _thread(sheet: Sheet, draw: Values) -> tuple[Any, Any, Any]:
     return lead, diameter, half_angle
 
 
-def _screw(sheet: Sheet, draw: Values, pitch_diameter: Any) -> tuple[Any, Any]:
+def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, Any]:
     """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
     screw = sheet.screw
     if screw.inertia is not None:
@@ -126,7 +126,7 @@ def _screw(sheet: Sheet, draw: Values, pitch_diameter: Any) -> tuple[Any, Any]:
     return mass * diameter**2 / 8, draw.get("screw.mass", mass)
 
 
-def _coefficient(sheet: Sheet, draw: Values, angle: Any, half_angle: Any) -> Any:
+def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -> Any:
     """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
     if sheet.friction.coefficient is not None:
         return draw["friction.coefficient"]
@@ -148,7 +148,7 @@ class Point:
     slope: Any
 
 
-def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) -> Point:
+def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> Point:
     """Return a point of operation: direction of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N].
 
     The axis leans by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the
@@ -165,7 +165,7 @@ def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) 
     return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
 
 
-def without_friction(values: Values, direction: int, speed: Any, force: Any) -> dict[str, Any]:
+def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:
     """Return the parameters of a point of operation but for friction, arguments as :func:`point`."""
     radius = 0.5 * values["pitch_diameter"]
     return {
@@ -181,7 +181,7 @@ def without_friction(values: Values, direction: int, speed: Any, force: Any) -> 
     }
 
 
-def square_thread(sheet: Sheet, values: Values) -> tuple[Any, Any]:
+def square_thread(sheet: Sheet, values: DrawnValues) -> tuple[Any, Any]:
     """Return lead angle [rad] and friction coefficient [1] of the square thread that behaves alike.
 
     With a curve of friction at the middle of the speeds.
@@ -201,7 +201,7 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
     return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
 
 
-def own_parameters(values: Values, part: str) -> dict[str, Any]:
+def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
     """Return the parameters that a contact or a support adds to those of the rigid drive."""
     if part == "contact":
         return {key: values[key] for key in ("contact_stiffness", "contact_damping")}

@@ -53,7 +53,7 @@ Inertia = _field("kg m^2", allowed={"kg m^2": _positive(1e6)})
 MoreInertia = _field("kg m^2", allowed={"kg m^2": Allowed(0.0, 1e6)})
 Torsion = _field("N m/rad", allowed={"N m/rad": _positive(1e12)})
 TurningDamping = _field("N m s/rad", allowed={"N m s/rad": Allowed(0.0, 1e12)})
-Damping = _field("N s/m", allowed={"N s/m": Allowed(0.0, 1e15)})
+LinearDamping = _field("N s/m", allowed={"N s/m": Allowed(0.0, 1e15)})
 Stiffness = _field("N/m", allowed={"N/m": _positive(1e15)})
 Force = _field("N", allowed={"N": Allowed(-1e10, 1e10)})
 Speed = _field("rad/s", "m/s", allowed={"rad/s": _positive(1e6), "m/s": _positive(1e4)})
@@ -85,14 +85,14 @@ Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
 
 
 @dataclass(frozen=True)
-class Curve:
+class FrictionBySpeed:
     """Friction coefficient [1] over the sliding speed [m/s], straight lines between points (k) in ascending order."""
 
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]
 
 
-def _curve(value: Any) -> Curve:
+def _curve(value: Any) -> FrictionBySpeed:
     if (
         not isinstance(value, list)
         or len(value) < 2
@@ -105,7 +105,7 @@ def _curve(value: Any) -> Curve:
         raise NotQuantity("has sliding speeds that do not ascend from zero or above")
     if min(coefficients) < 0 or max(coefficients) > 3:
         raise NotQuantity("has a coefficient outside the allowed range 0 <= value <= 3")
-    return Curve(tuple(speeds), tuple(coefficients))
+    return FrictionBySpeed(tuple(speeds), tuple(coefficients))
 
 
-FrictionCurve = Annotated[Curve, BeforeValidator(_curve)]
+FrictionCurve = Annotated[FrictionBySpeed, BeforeValidator(_curve)]

@@ -1,6 +1,5 @@
 """Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from lsvib.assess.uncertainty import BLOCK, compute_blocks
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
+from lsvib.numbers import Progress
 
 _MOST = 2**30  # samples: a thousand million
 _LARGEST_SEED = 2**32 - 1  # 32 bits, which every generator and file format takes
@@ -26,7 +26,7 @@ def assess_file(
     samples: Any = BLOCK,
     seed: Any = 1,
     workers: Any = 1,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
 

@@ -3,7 +3,7 @@
 from lsvib.assess import page
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.drive import QUANTITIES
-from lsvib.assess.fields import Curve
+from lsvib.assess.fields import FrictionBySpeed
 from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
 from lsvib.assess.spread import Spread
@@ -44,7 +44,7 @@ def data_sheet(assessment: Assessment) -> list[Html]:
 def _entry(entry: object) -> str:
     if isinstance(entry, Spread):
         return entry.text if entry.kind == "value" else f"{entry.text} ({_KINDS[entry.kind]})"
-    if isinstance(entry, Curve):
+    if isinstance(entry, FrictionBySpeed):
         pairs = zip(entry.speeds, entry.coefficients, strict=True)
         return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in pairs)
     lead = getattr(entry, "lead", None)

@@ -152,14 +152,14 @@ class Dampings(_Part):
     """Viscous damping of the rotation of the screw, and of the travel of the load."""
 
     rotational: fields.TurningDamping | None = None
-    translational: fields.Damping | None = None
+    translational: fields.LinearDamping | None = None
 
 
 class Spring(_Part):
     """A spring with a damper, of the thread contact or of the axial support."""
 
     stiffness: fields.Stiffness
-    damping: fields.Damping | None = None
+    damping: fields.LinearDamping | None = None
 
 
 class Sheet(_Part):

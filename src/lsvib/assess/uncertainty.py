@@ -7,7 +7,7 @@ are computed, by whom, or in which order; so a run can be spread over threads an
 import hashlib
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +25,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
 from lsvib.files import replacing
+from lsvib.numbers import Progress
 
 BLOCK = 2**12  # samples: small enough for progress, large enough that NumPy's overhead does not count
 CONFIDENCE = 0.95  # of the intervals beside probabilities, the usual one
@@ -96,7 +97,7 @@ def study(
     seed: int,
     workers: int = 1,
     folder: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Uncertainty:
     """Sample the uncertain entries of a sheet.
 

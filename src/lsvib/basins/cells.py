@@ -1,7 +1,7 @@
 """What all mappers of regions of attraction share: their interface, the quantities of a cell, and work in blocks."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -11,11 +11,10 @@ from lsvib.cycles.attractors import SteadyState
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
 NO_DOUBT = -1  # of a cell whose label is told
-
-Progress = Callable[[int, int], None]
 
 
 class Mapper(ABC):

@@ -1,4 +1,4 @@
-r"""The region of attraction of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
+r"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
 The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
 (otherwise the drive is mirrored), let M_0 be the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0
@@ -58,7 +58,7 @@ class Boundary(IntEnum):
 
 @dataclass(frozen=True)
 class Basin:
-    """The region of attraction of steady sliding of ``drive``.
+    """The basin of steady sliding of ``drive``.
 
     ``boundary`` says what bounds it; ``curves`` are the boundary, with the basin on their right, each closed or from
     infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
@@ -123,7 +123,7 @@ class Basin:
 
 
 def basin(drive: RigidParameters) -> Basin:
-    """Compute the region of attraction of steady sliding of the rigid drive.
+    """Compute the basin of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
     nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
@@ -200,7 +200,9 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
             return Boundary.NONE, []
         arcs = forward_arcs(orbit, drive_forward)
     if c.q_row[1] < 0:
-        raise EngineError("a cycle without rest whose seizures end backward slip was not thought possible; report it.")
+        raise EngineError(
+            "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
+        )
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
@@ -220,7 +222,7 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
         if at_stand >= 0 or kappa <= 0:
             raise InputError(
                 f"translation_damping = {drive.translation_damping:g} is so large that slip crosses the line of no "
-                "contact force in another sense than is usual; the basin of such a drive is not covered."
+                "contact force in the opposite direction; the basin of such a drive is not covered."
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w

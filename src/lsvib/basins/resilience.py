@@ -90,7 +90,7 @@ def resilience(drive: RigidParameters, window: Window | None = None) -> Resilien
 
 
 def _all(boundary: Boundary, window: Window | None) -> Resilience:
-    """Of a drive whose steady sliding is globally stable."""
+    """Return the resilience of a drive whose steady sliding is globally stable."""
     share = math.nan if window is None else 1.0
     return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window)
 

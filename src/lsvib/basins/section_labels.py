@@ -73,6 +73,7 @@ _LATER = 1000  # plus the label of an attractor that was found beyond the itiner
 _WINDOW = 1e-4  # relative half width around a change of label in which motions are pushed
 _FUTILE = 8  # searches without a result after which none is made: motions stay that long only near a repelling cycle
 _IN_VAIN = 20  # searches that leapt over nothing, after which motions are followed without leaps
+_ONE_CYCLE = 1e-6  # relative difference of periods below which two cycles of one label are one
 _SLIVER = 1e-6  # largest relative width of a piece whose motions touch a guard to rounding
 _ROUNDING = 64 * flow_planar.EPS  # push after every event, relative to the terms that the state was computed from
 _PUSHES = ((0.0, False), *((side * _ROUNDING, alternate) for side in (-1, 1) for alternate in (False, True)))
@@ -184,7 +185,7 @@ class Sections:
         return low * self.size[section.free], high * self.size[section.free]
 
     def _explore(self, state: np.ndarray, mode: int, learns: bool = True) -> Attractor:
-        """Find the attractor of a motion; a new cycle without rest adds an absorbing interval."""
+        """Find the attractor of a motion; if it is a new cycle without rest, note an absorbing interval of it."""
         if self._futile > _FUTILE:
             return Attractor.UNRESOLVED
         patience = _HASTE if self._in_vain < _IN_VAIN else _COST
@@ -407,7 +408,7 @@ class Sections:
                 return
 
     def _remember(self, section: LabelSection, low: float, high: float, label: int) -> None:
-        """Let later itineraries end inside a piece of a section; the ends of the piece are not included."""
+        """Note the label of a piece of a section, so that later itineraries may end there; its ends are excluded."""
         pieces = self._found.setdefault(section, [])
         pieces.append((low, high, label))
         pieces.sort()
@@ -451,4 +452,4 @@ def _first_difference(one: np.ndarray, other: np.ndarray) -> int:
 
 
 def _same(one: SteadyState, other: SteadyState) -> bool:
-    return one.label == other.label and abs(one.period - other.period) <= 1e-6 * one.period
+    return one.label == other.label and abs(one.period - other.period) <= _ONE_CYCLE * one.period

@@ -38,7 +38,7 @@ class Record:
     ``kinds`` (names) and ``times`` [s] of its events, with a second body the mode after the event and whether it is a
     seizure, None for a method without events; ``end`` (n): final state; ``size`` (n): of each coordinate;
     ``complete``: False if it was cut off after too many events, and then there is no final state to compare;
-    ``stops``: how often θ′ arrived at zero; ``extremes``: smallest and largest u [rad] in the scene's window;
+    ``stops``: how often θ′ arrived at zero; ``extremes``: smallest and largest u [rad] once the scene is steady;
     ``failure``: why a method gave up, else empty.
     """
 
@@ -53,7 +53,7 @@ class Record:
 
     @property
     def amplitude(self) -> float:
-        """Half the peak-to-peak of u [rad] in the scene's window."""
+        """Half the peak-to-peak of u [rad] once the scene is steady."""
         return 0.5 * (self.extremes[1] - self.extremes[0])
 
 

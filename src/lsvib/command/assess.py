@@ -6,9 +6,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import AsJson
+from lsvib.command.options import AsJson, refuse_results_of_the_workflow
 from lsvib.command.printing import show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -36,6 +36,7 @@ def assess(
     sheet:
         YAML file of the data sheet; see docs/assess.md.
     """
+    refuse_results_of_the_workflow(out / "index.html")
     try:
         from lsvib.assess import run
     except ModuleNotFoundError as error:
@@ -46,6 +47,6 @@ def assess(
     if share is not None:
         print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
         return
-    result = run.assess_file(sheet, out, samples, seed, workers, Progress("blocks of samples"))
+    result = run.assess_file(sheet, out, samples, seed, workers, ProgressLine("blocks of samples"))
     written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
     show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))

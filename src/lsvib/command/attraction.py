@@ -6,16 +6,16 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs
+from lsvib.command.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import picture_files, print_map, show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 from lsvib.errors import InputError
 
 Axes = Annotated[
     list[str],
     Parameter(consume_multiple=True, help="Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", **ONE_VALUE),
 ]
-Quantities = Annotated[
+QuantityNames = Annotated[
     list[str],
     Parameter(consume_multiple=True, help="Any of label, time, seizures, first_event, doubt; label is.", **ONE_VALUE),
 ]
@@ -29,7 +29,7 @@ def attraction(
     model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
     resume: Annotated[str, RESUME] = "contact_sign",
-    quantities: Quantities = ["label"],  # noqa: B006
+    quantities: QuantityNames = ["label"],  # noqa: B006
     workers: Annotated[str, Parameter(help="Number of workers, each on a core.")] = "1",
     refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
@@ -55,6 +55,7 @@ def attraction(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out, figure)
     pictures = picture_files(figure)
     outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
@@ -63,7 +64,7 @@ def attraction(
     if pictures and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     drive = drive_class(model).of(pairs(changes))
-    found = map_attraction(drive, starts, quantities, resume, workers, refine, Progress())
+    found = map_attraction(drive, starts, quantities, resume, workers, refine, ProgressLine())
     dataset, counts = found.dataset, found.counts
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, found.doubts, area, found.seconds)

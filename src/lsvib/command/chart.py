@@ -6,9 +6,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, pairs
+from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import picture_files, print_chart, show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 
 
 @app.command
@@ -44,11 +44,12 @@ def chart(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out, figure)
     pictures = picture_files(figure)
     outputs = Outputs([*([(out, "netCDF")] if out else []), *pictures])
     drive = drive_class(model).of(pairs(changes))
     begin = perf_counter()
-    found = charted(drive, x, y, resume, workers, Progress("motions"))
+    found = charted(drive, x, y, resume, workers, ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
     with outputs.writing() as parts:
         if out:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, ends, pairs
+from lsvib.command.options import MODEL, RESUME, AsJson, Changes, OutFile, ends, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import show
 from lsvib.errors import InputError
 
@@ -58,6 +58,7 @@ def follow(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")] if out else [])
     ((parameter, given),) = pairs([over]).items()
     span: Any = ends("over", parameter, given, "KEY=START:STOP")

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import AsJson, Changes, pairs
+from lsvib.command.options import AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import print_checks
 from lsvib.errors import InputError, LsvibError
 
@@ -55,8 +55,8 @@ def figure(
     settings = section(read_yaml(config), name)
     if changes:
         settings = {**settings, "drive": _changed_drive(number, name, settings, pairs(changes))}
-    _refuse_results_of_the_workflow(out)
     files = [(out / f"{name}{ending}", kind) for ending, kind in _FILES.items()]
+    refuse_results_of_the_workflow(*(path for path, _ in files))
     with Outputs(files, [config], make_folders=True).writing() as parts:
         checks = build_figure(name, settings, *parts)
     print_checks(out / f"{name}.png", checks, as_json)
@@ -73,13 +73,6 @@ def _name(number: str) -> str:
         if number in (name, label):
             return name
     raise InputError(f"figure {number} is not one of {', '.join(labels.values())}.")
-
-
-def _refuse_results_of_the_workflow(folder: Path) -> None:
-    """Refuse a folder of datasets, checks or figures of the workflow, which could not tell our files from its own."""
-    folder = folder.resolve()
-    if folder.parent.name == "results" and (folder.parent.parent / "Snakefile").is_file():
-        raise InputError(f"out = {folder} belongs to the workflow, which fills it by itself; name another folder.")
 
 
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:

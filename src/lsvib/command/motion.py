@@ -15,11 +15,12 @@ from lsvib.command.options import (
     Changes,
     OutFile,
     SceneFile,
-    Start,
+    StartItems,
     pairs,
+    refuse_results_of_the_workflow,
 )
 from lsvib.command.printing import print_motion, print_sweep, show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 
 
 @app.command
@@ -29,7 +30,7 @@ def simulate(
     model: Annotated[str | None, MODEL_IF_GIVEN] = None,
     scene: SceneFile = None,
     changes: Changes = None,
-    start: Start = None,
+    start: StartItems = None,
     duration: Annotated[str | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
     resume: Annotated[str | None, RESUME] = None,
@@ -53,6 +54,7 @@ def simulate(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
     given: dict[str, Any] = {"model": model, "duration": duration, "samples": samples, "resume": resume}
     given = {key: value for key, value in given.items() if value is not None}
@@ -73,7 +75,7 @@ def sweep(
     over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **ONE_VALUE)],
     model: Annotated[str, MODEL] = "rigid",
     changes: Changes = None,
-    start: Start = None,
+    start: StartItems = None,
     resume: Annotated[str, RESUME] = "contact_sign",
     workers: Annotated[str, Parameter(help="Number of threads; with more than two states of processes.")] = "1",
     out: OutFile = None,
@@ -98,11 +100,12 @@ def sweep(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")] if out else [])
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
     begin = perf_counter()
     wanted = pairs(start) if start else None
-    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, resume, workers, Progress("points"))
+    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, resume, workers, ProgressLine("points"))
     seconds = perf_counter() - begin
     with outputs.writing() as parts:
         for part in parts:

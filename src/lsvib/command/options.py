@@ -1,5 +1,6 @@
 """Options that several commands share, and how KEY=VALUE items are read."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -19,7 +20,7 @@ Changes = Annotated[
     Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **ONE_VALUE),
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
-Start = Annotated[
+StartItems = Annotated[
     list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
 ]
 OutFile = Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")]
@@ -40,6 +41,20 @@ def pairs(items: list[str] | None) -> dict[str, str]:
             raise InputError(f"{key} is given twice, as {found[key]} and as {value}; give it once.")
         found[key] = value
     return found
+
+
+def refuse_results_of_the_workflow(*files: Path | None) -> None:
+    """Refuse files in the folders below ``results`` of the workflow, which could not tell them from its own.
+
+    Raises :class:`~lsvib.errors.InputError`.
+    """
+    for file in filter(None, files):
+        try:
+            above = list(Path(os.path.realpath(file)).parents)[1:]
+        except (OSError, ValueError):
+            continue  # it cannot be written at all, which is told where it would be
+        if any(folder.name == "results" and (folder.parent / "Snakefile").is_file() for folder in above):
+            raise InputError(f"{file.parent} belongs to the workflow, which fills it by itself; name another folder.")
 
 
 def ends(option: str, key: str, text: str, form: str) -> tuple[str, str]:

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.command.app import app
-from lsvib.command.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs
+from lsvib.command.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs, refuse_results_of_the_workflow
 from lsvib.command.printing import show
-from lsvib.command.terminal import Progress
+from lsvib.command.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -43,6 +43,7 @@ def resilience(
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
 
+    refuse_results_of_the_workflow(out)
     if (over is None) != (out is None):
         raise InputError("over and out belong together: the values over a parameter are written to a file.")
     limits = (
@@ -58,7 +59,7 @@ def resilience(
     outputs = Outputs([(out, "netCDF")] if out else [])
     count, start = samples_of(samples, seed, part)
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
-    found = resilience_sweep(drive, axes, part, count, start, Progress("points"))
+    found = resilience_sweep(drive, axes, part, count, start, ProgressLine("points"))
     with outputs.writing() as files:
         for file in files:
             write_dataset(found, file)

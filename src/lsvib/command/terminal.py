@@ -38,7 +38,7 @@ def told(call: Callable[[], object], also: type[Exception]) -> None:
         _fail(f"Cannot write to the standard output: {error.strerror or error}.")
 
 
-class Progress:
+class ProgressLine:
     """Tell on the error stream how far a work is: a line that is rewritten, or in a log one line for every 5 %."""
 
     def __init__(self, what: str = "rows") -> None:

@@ -16,6 +16,8 @@ and χ = x on the side of law −, χ = x b_+ / b_- on that of law +. So law −
 χ = 1/Γ_- and law +, with Γ_+ < 0, a saddle at χ = 1/Γ_+. Which side is whose, with θ′ > 0 (θ′ < 0 turns all signs of N
 and W): N has the sign of χ W. In the **indeterminate** case W < 0, so χ < 0 means N > 0, law +, and χ > 0 law −: both
 equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law + and χ < 0 law −: neither does.
+
+These motions are followed here and not by the engine, so that Figs 8.1 and 8.2 load no numba.
 """
 
 import cmath
@@ -27,7 +29,7 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.errors import InputError
 
-State = tuple[float, float]
+ForceState = tuple[float, float]
 _ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.
 _REPEATED = 1e-13  # Relative difference of two rates of crossing below which the motion repeats itself.
 
@@ -61,13 +63,13 @@ class ForceFlow:
         root = cmath.sqrt(self.damping**2 - 4 * self.stiffness)
         return (root - self.damping) / 2, (-root - self.damping) / 2
 
-    def amplitudes(self, start: State) -> tuple[complex, complex]:
+    def amplitudes(self, start: ForceState) -> tuple[complex, complex]:
         """Return the factors of both exponentials in x − x* for a motion from ``start``."""
         first, second = self.rates()
         distance = start[0] - self.equilibrium
         return (start[1] - second * distance) / (first - second), (first * distance - start[1]) / (first - second)
 
-    def at(self, start: State, time: float) -> State:
+    def at(self, start: ForceState, time: float) -> ForceState:
         """Return the state after ``time``, in closed form (8.12)."""
         terms = [
             (amplitude * cmath.exp(rate * time), rate)
@@ -75,7 +77,7 @@ class ForceFlow:
         ]
         return self.equilibrium + sum(x.real for x, _ in terms), sum((x * rate).real for x, rate in terms)
 
-    def crossing(self, start: State) -> float | None:
+    def crossing(self, start: ForceState) -> float | None:
         """Return the first time > 0 at which x leaves the side, None if it never does.
 
         Between its extrema, which are known in closed form, x is monotone, so the first of them beyond x = 0 isolates
@@ -99,7 +101,7 @@ class ForceFlow:
             inner = outer
         return None
 
-    def _extrema(self, start: State) -> list[float]:
+    def _extrema(self, start: ForceState) -> list[float]:
         """Times between which x is monotone; without oscillation the last one lies beyond every crossing."""
         (first, second), (a, b) = self.rates(), self.amplitudes(start)
         ratio = -b * second / (a * first) if a != 0 else math.nan
@@ -121,7 +123,7 @@ class ForceArc:
     """Motion under one law from ``start`` on for ``duration``, infinite if it never leaves the law."""
 
     flow: ForceFlow
-    start: State
+    start: ForceState
     duration: float
 
 
@@ -158,7 +160,7 @@ def _lever(drive: ThreadsParameters, law: int) -> float:
     return math.cos(drive.lead_angle) + law * drive.friction_coefficient * math.sin(drive.lead_angle)
 
 
-def follow(flows: dict[int, ForceFlow], start: State) -> tuple[list[ForceArc], ForceOutcome]:
+def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceArc], ForceOutcome]:
     """Follow a motion of (x, x′) from arc to arc; return them and the outcome, read off the last arc's closed form.
 
     On x = 0 the sign of x′ decides which law follows; with x′ = 0 it is the right side, as x″ = 1/Γ_- > 0 there. A

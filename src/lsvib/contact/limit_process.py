@@ -39,6 +39,8 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 
 _SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
+# Corners that represent a motion after one impact, and a cycle, which is longer and bends more.
+_IMPACT_CORNERS, _CYCLE_CORNERS = 800, 3000
 _WORK = 100_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
 
 
@@ -159,8 +161,8 @@ class LimitBranch:
 
 
 def _corners(impact: Impact | None) -> int:
-    """Number of corners that represent a motion; a cycle is longer and bends more than what follows one impact."""
-    return 3000 if impact is None else 800
+    """Number of corners that represent a motion."""
+    return _CYCLE_CORNERS if impact is None else _IMPACT_CORNERS
 
 
 def branches(drive: RigidParameters, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:

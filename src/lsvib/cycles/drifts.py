@@ -63,7 +63,8 @@ _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
-_LONG_LOOKS = (6, 18, 54)  # windows for trends, counted, in whose place the longest one is followed if there are rests
+# Attempts to measure a trend, by their number, at which the longest window is followed instead if the motion rests.
+_LONG_LOOKS = (6, 18, 54)
 _BLANKS = 2  # windows without a trend in a row, after which a motion recurs
 # Events of the window for each unit of work of a leap by amplitudes: it takes more than one window.
 _PER_EVENT = 0.4

@@ -38,15 +38,15 @@ _WORK = 10_000  # of telling one ending, in units of one event: some hundred ret
 _SAME_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
 _LONGER = 4.0  # a return may take so many times the longest one on the edge
 
-Ending = tuple[np.ndarray, SteadyState]
+StateEnding = tuple[np.ndarray, SteadyState]
 
 
-def edge_cycles(drive: RigidParameters, automaton: Automaton, endings: Sequence[Ending]) -> Iterator[Cycle | None]:
+def edge_cycles(drive: RigidParameters, automaton: Automaton, endings: Sequence[StateEnding]) -> Iterator[Cycle | None]:
     """Yield, for each two attractors that starts reach, the cycle on the edge between their basins, or None.
 
     ``endings``: starts (n) and what their motions end on; those that end on nothing known take no part.
     """
-    groups: list[list[Ending]] = []
+    groups: list[list[StateEnding]] = []
     for state, steady in endings:
         if steady.label in (Attractor.UNRESOLVED, Attractor.RECURRENT):
             continue

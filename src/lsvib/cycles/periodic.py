@@ -230,7 +230,7 @@ def _moves(orbit: Motion, size: np.ndarray) -> bool:
     return bool((np.abs(states - orbit.start_state) / size).max() > _MOVED)
 
 
-_MOVED = 1e-9  # way of a return, in sizes of the motion, that is no touch: a touch lasts for a few roundings
+_MOVED = 1e-9  # way of a return at one of its quarters, in sizes of the motion; a touch lasts for a few roundings
 _CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
 
 

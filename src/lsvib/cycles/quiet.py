@@ -37,7 +37,7 @@ _END = 1e15  # of the time of the slowest part; a motion that meets no guard unt
 
 
 # Matrix (d, d), its rates (d) and eigenvectors (d, d), none of a chain of zeros, coordinates (d), way back (n, d).
-Block = tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None, np.ndarray, np.ndarray]
+Uncoupled = tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None, np.ndarray, np.ndarray]
 
 
 class Parts(NamedTuple):
@@ -86,7 +86,7 @@ def parts_of(flow: ModalFlow | BlockFlow, mode: int, state: np.ndarray) -> Parts
     return found if np.isfinite(found.along).all() and np.isfinite(drift).all() else None
 
 
-def _blocks(flow: BlockFlow, mode: int, place: np.ndarray) -> Iterator[Block]:
+def _blocks(flow: BlockFlow, mode: int, place: np.ndarray) -> Iterator[Uncoupled]:
     """Yield the blocks of a mode from a state and 1 (n + 1).
 
     A real part of which rounding leaves no sign is made positive, so that nothing is told from it for ever.
@@ -127,7 +127,7 @@ def _winds(block: np.ndarray) -> np.ndarray:
     return found
 
 
-def _modes(flow: ModalFlow, mode: int, place: np.ndarray) -> Iterator[Block]:
+def _modes(flow: ModalFlow, mode: int, place: np.ndarray) -> Iterator[Uncoupled]:
     """Yield the pairs and singles of a mode; a single with a push of its own has a constant beside it."""
     start, ways, k = flow.to_modal[mode] @ place, flow.from_modal[mode], 0
     for row in flow.oscillators[mode, : flow.pairs[mode]]:

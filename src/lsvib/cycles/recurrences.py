@@ -145,7 +145,7 @@ def _faintly(automaton: Automaton, seen: Watched, budget: Budget | None) -> Stea
 
 
 def _natural(automaton: Automaton, seen: Watched) -> np.ndarray:
-    """Return sizes (n) of a motion in which a speed that vanishes counts: what the slowest rate makes of its place."""
+    """Return the sizes (n) of a motion; a speed has at least that of its coordinate times the slowest rate."""
     matrix, size = automaton.tables.flow.field[seen.key[1]][:, :-1], seen.size.copy()
     rates = np.abs(np.linalg.eigvals(matrix))
     slow = rates[rates > _NONE * rates.max()].min(initial=math.inf)
@@ -248,6 +248,7 @@ def _drifts(states: np.ndarray) -> bool:
     latest, first, all_of_them = (
         np.abs((states[i] - states[j]) / size).max() for i, j in ((0, 1), (_STEPS - 1, _STEPS), (0, _STEPS))
     )
+    # Half of the way of so many latest steps, and nine tenths of the first step, leave room for what scatters.
     return bool(all_of_them > 0.5 * _STEPS * latest and latest > 0.9 * first)
 
 

@@ -35,6 +35,7 @@ _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _CLOSER = np.append(
     0.7 ** np.arange(1, 40), 0.0
 )  # Close to an end return maps bend, so samples go down to a millionth.
+_BEYOND = 1e-9  # part of a bracket by which a cycle may lie beyond it, for the rounding of its place
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
 _MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another could not be told to its end
 _SWINGS = 200.0  # turns of the slowest oscillator that a return may take
@@ -223,7 +224,7 @@ def _within(drive: RigidParameters, section: ReturnSection, low: float, high: fl
             cycle = None
         if cycle is not None:
             place = float(section.place(cycle.state)[0])
-            if low - 1e-9 * width <= place <= high + 1e-9 * width:
+            if low - _BEYOND * width <= place <= high + _BEYOND * width:
                 return cycle
         here = _gap(section, middle)
         if not math.isfinite(here):

@@ -19,7 +19,7 @@ from lsvib.engine.motion import Motion
 QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
 _CHANGE = 0.2  # part of itself by which a trend may change in a leap
 _PART = 0.7  # change of the logarithm of an amplitude that one leap may make
-_OFF = 0.015  # change of the logarithm of an amplitude by which a leap may be wrong, however little it changes
+_OFF = 0.015  # error that a leap may make in the logarithm of an amplitude, even if the amplitude hardly changes
 _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # A trend of an amplitude counts as none if it is below both of these: a relative change in a quarter of a window, and
 # a multiple of its own spread.

@@ -7,7 +7,7 @@ whole may be larger than memory, because nothing here holds more than a tile, or
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,11 +20,12 @@ from lsvib.data.attributes import attributes
 from lsvib.data.writer import write_dataset
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing
+from lsvib.numbers import Progress
 
 _CHUNK = 512  # cells along each side of a compressed block of the map, at most
 
 
-class TileWindow(NamedTuple):
+class TilePlace(NamedTuple):
     """The cells of one tile: rows ``first_row`` to ``last_row`` - 1, columns likewise."""
 
     first_row: int
@@ -48,7 +49,7 @@ class TileWindow(NamedTuple):
         return self.last_row - self.first_row, self.last_column - self.first_column
 
 
-def write_tile(cells: xr.Dataset, place: TileWindow, settings: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
+def write_tile(cells: xr.Dataset, place: TilePlace, settings: Mapping[str, Any], path: str | os.PathLike[str]) -> None:
     """Write a tile: its dataset (variables over rows and columns), its place in the map, and the map's settings.
 
     Raises ``InputError`` and ``LsvibError`` like :func:`lsvib.data.writer.write_dataset`.
@@ -59,9 +60,9 @@ def write_tile(cells: xr.Dataset, place: TileWindow, settings: Mapping[str, Any]
 def gather(
     frame: xr.Dataset,
     settings: Mapping[str, Any],
-    tiles: Mapping[Path, TileWindow],
+    tiles: Mapping[Path, TilePlace],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     kinds: str = "attractor",
 ) -> None:
     """Write the map whose tiles are in the files ``tiles``, whole or not at all, in chunks and compressed.
@@ -177,7 +178,7 @@ def _blocks(variable: netCDF4.Variable) -> Iterator[np.ndarray]:
         yield variable[first : first + rows]
 
 
-def _header(path: Path, place: TileWindow, settings: str) -> _Header:
+def _header(path: Path, place: TilePlace, settings: str) -> _Header:
     with _opened(path) as file:
         if getattr(file, "settings", "") != settings or tuple(getattr(file, "window", ())) != place:
             raise InputError(f"{path} is no tile of this map; delete it, and it will be computed again.")

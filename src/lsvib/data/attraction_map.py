@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.cells import NO_DOUBT, Mapper, Progress
+from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.grid import Axis, Grid, coordinates
@@ -26,6 +26,7 @@ from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
 _LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")

@@ -4,7 +4,6 @@ A cell depends on nothing but its own drive, so a large chart can be cut into ti
 """
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -24,9 +23,9 @@ from lsvib.drives import chapter
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.resumption import Resume, rule
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 
-Progress = Callable[[int, int], None]
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 _WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds

@@ -1,15 +1,16 @@
 """A chart that is computed in tiles, as a map of attraction may be: one tile, and the whole from its tiles."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from lsvib.data.assembly import gather, write_tile
 from lsvib.data.chart import LABEL, Plane
-from lsvib.data.tiles import window
+from lsvib.data.tiles import tile_place
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:
@@ -34,7 +35,7 @@ def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[s
     Raises ``InputError`` and ``EngineError``.
     """
     plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
-    place = window(item, plane.y.count, plane.x.count)
+    place = tile_place(item, plane.y.count, plane.x.count)
     labels = plane.labels(place.rows, place.columns, resume, workers)
     tile = plane.axes(resume).isel(dict(zip(plane.dims, (place.rows, place.columns), strict=True)))
     write_tile(tile.assign(label=(plane.dims, labels, LABEL)), place, settings, path)
@@ -44,7 +45,7 @@ def gather_chart(
     settings: Mapping[str, Any],
     tiles: Sequence[str],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write the chart, with its exact curves, from the files of its tiles, each named after its item.
 
@@ -52,5 +53,5 @@ def gather_chart(
     if a tile is missing, damaged or of another chart.
     """
     plane = plane_of(settings)
-    places = {Path(tile): window(Path(tile).stem, plane.y.count, plane.x.count) for tile in tiles}
+    places = {Path(tile): tile_place(Path(tile).stem, plane.y.count, plane.x.count) for tile in tiles}
     gather(plane.frame(settings.get("resume", "contact_sign")), settings, places, path, progress, "behaviour")

@@ -8,7 +8,7 @@ from pathlib import Path
 from lsvib.data.checks import Check, percent, quantity, verdict
 from lsvib.drives.chapter import PRINTED
 
-Pairs = Sequence[tuple[str, Check]]
+NamedChecks = Sequence[tuple[str, Check]]
 
 _HEADING = "Printed by the chapter"
 _STYLE = Path(__file__).with_suffix(".css").read_text(encoding="utf-8")
@@ -16,14 +16,14 @@ _STYLE = Path(__file__).with_suffix(".css").read_text(encoding="utf-8")
 _FILTER = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
-def printed(checks: Pairs) -> list[tuple[str, Check]]:
+def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
     """Return those of some checks, pairs (figure, check), whose number the chapter prints, in its order."""
     order = {(claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))}
     found = [pair for pair in checks if (pair[1].source, pair[1].expected) in order]
     return sorted(found, key=lambda pair: order[pair[1].source, pair[1].expected])
 
 
-def checks_text(checks: Pairs) -> str:
+def checks_text(checks: NamedChecks) -> str:
     """Return checks, pairs (figure, check), as Markdown that reads well as text.
 
     First a table of the numbers that the chapter prints, if some are among them; then for each figure how many checks
@@ -42,7 +42,7 @@ def checks_text(checks: Pairs) -> str:
     return "\n".join(lines)
 
 
-def printed_table(checks: Pairs) -> str:
+def printed_table(checks: NamedChecks) -> str:
     """Return the printed numbers among checks, pairs (figure, check), as a table in reStructuredText, for a report."""
     found = printed(checks)
     if not found:
@@ -60,7 +60,7 @@ def restructured(text: str) -> str:
     return re.sub(r"([*`|_\\])", r"\\\1", text)
 
 
-def checks_page(checks: Pairs) -> str:
+def checks_page(checks: NamedChecks) -> str:
     """Return checks, pairs (figure, check), as an HTML page that needs no other file: numbers first, then every check.
 
     The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import product
 from operator import attrgetter
 from typing import Any
@@ -18,8 +18,8 @@ from lsvib.data.attributes import variable
 from lsvib.data.sweep import axes_of, coordinate
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.errors import EngineError, InputError
+from lsvib.numbers import Progress
 
-Progress = Callable[[int, int], None]
 _MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
 _MOST_SAMPLES = 100_000_000  # starts: 1.6 GB
 _FARTHEST = 1e150  # of an edge of a window: its area is still a number

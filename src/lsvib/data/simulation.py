@@ -90,8 +90,8 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     return xr.Dataset(
         data,
         coords={
-            "time": ("time", times, {"long_name": "time", "units": "s", "symbol": "$t$"}),
-            "event": ("event", np.arange(motion.time.size), {"long_name": "index of the event", "units": "1"}),
+            "time": ("time", times, attributes("s", "time", "$t$")),
+            "event": ("event", np.arange(motion.time.size), attributes("1", "index of the event")),
         },
         attrs={
             "title": f"Motion of the {scene.model} lead-screw drive",
@@ -132,12 +132,12 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
 
 def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
     events = {
-        "event_time": (motion.time, {"long_name": "time of the event", "units": "s"}),
-        "event_kind": (motion.kind, {"long_name": "kind of the event", "units": "1", **flags(scene.kind.events)}),
+        "event_time": (motion.time, attributes("s", "time of the event")),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(scene.kind.events))),
         "event_sign": (motion.sign, SIGNS),
         "event_mode": (
             motion.automaton.codes[motion.mode],
-            {"long_name": "mode of motion after the event", "units": "1", **flags(scene.kind.modes)},
+            attributes("1", "mode of motion after the event", **flags(scene.kind.modes)),
         ),
     }
     if motion.automaton.sprag_kinds:

@@ -6,7 +6,7 @@ the number of threads. Nothing is simulated for some time and looked at: the ret
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,8 @@ from lsvib.drives.parameters import RigidParameters, described, names_and_values
 from lsvib.drives.registry import find_model
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
-Progress = Callable[[int, int], None]
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 # The range of each depends on the other. Frictions are tried with the largest angle, which leaves them the least room,
 # and angles with the smallest friction, so that of a pair which does not go together the friction is refused.

@@ -2,17 +2,18 @@
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from lsvib.basins.cells import Mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.data.assembly import TileWindow, gather, write_tile
+from lsvib.data.assembly import TilePlace, gather, write_tile
 from lsvib.data.attraction_map import cells, dimensions, frame, parameters, surroundings
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
+from lsvib.numbers import Progress
 
 
 def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
@@ -27,12 +28,12 @@ def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
     return min(pairs, key=lambda pair: abs(math.log(rows / pair[0] * pair[1] / columns)))
 
 
-def window(item: str, rows: int, columns: int) -> TileWindow:
+def tile_place(item: str, rows: int, columns: int) -> TilePlace:
     """Return the cells of the tile ``item`` ("3-of-6", counted from 1 along the rows) of a map of some cells."""
     number, tiles = (int(word) for word in item.split("-of-"))
     down, across = layout(tiles, rows, columns)
     i, j = divmod(number - 1, across)
-    return TileWindow(i * rows // down, (i + 1) * rows // down, j * columns // across, (j + 1) * columns // across)
+    return TilePlace(i * rows // down, (i + 1) * rows // down, j * columns // across, (j + 1) * columns // across)
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
@@ -49,7 +50,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     "3-of-6". Raises ``InputError`` and ``EngineError``.
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    place = window(item, grid.y.count, grid.x.count)
+    place = tile_place(item, grid.y.count, grid.x.count)
     found = mapped.cells(grid, place.rows, place.columns, settings["quantities"], workers)
     tile = frame(mapped, grid).isel(dict(zip(dimensions(grid), (place.rows, place.columns), strict=True)))
     write_tile(tile.assign(cells(mapped, grid, found)), place, settings, path)
@@ -59,7 +60,7 @@ def gather_map(
     settings: Mapping[str, Any],
     tiles: Sequence[str],
     path: str | os.PathLike[str],
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write the map from the files of its tiles, each named after its item.
 
@@ -67,6 +68,6 @@ def gather_map(
     if a tile is missing, damaged or of another map.
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    places = {Path(tile): window(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
+    places = {Path(tile): tile_place(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
     around = frame(mapped, grid).assign(parameters(mapped) | surroundings(mapped, grid))
     gather(around, settings, places, path, progress)

@@ -24,7 +24,7 @@ def _quantity_of(value: Any) -> float:
 
 
 Number = Annotated[float, BeforeValidator(number)]
-Quantity = Annotated[float, BeforeValidator(_quantity_of)]
+Value = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
@@ -50,18 +50,16 @@ class RigidParameters(BaseModel):
     model: ClassVar[str] = "rigid"  # one of lsvib.drives.model_files.model_names()
     own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
-    pitch_radius: Quantity = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
-    lead_angle: Quantity = quantity(
-        math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2
-    )
-    screw_inertia: Quantity = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
-    coupling_stiffness: Quantity = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
-    support_damping: Quantity = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
-    friction_coefficient: Quantity = quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
-    input_speed: Quantity = quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
-    mass: Quantity = quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
-    translation_damping: Quantity = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
-    axial_force: Quantity = quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
+    pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
+    lead_angle: Value = quantity(math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2)
+    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
+    coupling_stiffness: Value = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
+    support_damping: Value = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
+    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
+    input_speed: Value = quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
+    mass: Value = quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
+    translation_damping: Value = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
+    axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 
@@ -127,8 +125,8 @@ class ThreadsParameters(RigidParameters):
 
     model, own_damping = "threads", "contact_damping"
 
-    contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
-    contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Value = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
 
 
 class SupportParameters(RigidParameters):
@@ -136,11 +134,11 @@ class SupportParameters(RigidParameters):
 
     model, own_damping = "support", "axial_support_damping"
 
-    screw_mass: Quantity = quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
-    support_stiffness: Quantity = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
-    axial_support_damping: Quantity = quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
-    slide_friction: Quantity = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Quantity = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    screw_mass: Value = quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
+    support_stiffness: Value = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
+    axial_support_damping: Value = quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Value = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
 class NutParameters(RigidParameters):
@@ -148,11 +146,11 @@ class NutParameters(RigidParameters):
 
     model, own_damping = "nut", "nut_damping"
 
-    nut_inertia: Quantity = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
-    nut_stiffness: Quantity = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
-    nut_damping: Quantity = quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
-    slide_friction: Quantity = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Quantity = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    nut_inertia: Value = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
+    nut_stiffness: Value = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
+    nut_damping: Value = quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
+    bearing_friction: Value = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
 class ExactParameters:

@@ -73,7 +73,7 @@ class Model:
 
 
 def seizures_only_by_contact(model: str, resume: str) -> None:
-    """Refuse a reading of what follows a seizure that only the rigid drive has; raises ``InputError``."""
+    """Refuse a rule of resuming that only the rigid drive has; raises ``InputError``."""
     if resume != "contact_sign":
         raise InputError(f"resume = {resume!r} is not known to the model {model}; it knows contact_sign.")
 

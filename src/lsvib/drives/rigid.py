@@ -43,6 +43,7 @@ from lsvib.drives.powers import Powers
 from lsvib.drives.registry import Model
 from lsvib.drives.resumption import Resume
 from lsvib.engine.automaton import (
+    SHORT_STAY,
     Automaton,
     Branch,
     Guard,
@@ -140,7 +141,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=1e-13 * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
+            shortest_stay=SHORT_STAY * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
             sprag_kinds=(EventKind.SEIZURE,),
             passive=rest,

@@ -20,6 +20,9 @@ from lsvib.errors import EngineError
 
 Row = Sequence[Decimal | Pairs | np.ndarray | float | int]
 
+# Part of a drive's shortest time scale below which a stay counts as short: some hundred roundings of a time.
+SHORT_STAY = 1e-13
+
 
 @dataclass(frozen=True)
 class Surface:

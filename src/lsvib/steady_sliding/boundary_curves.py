@@ -66,7 +66,7 @@ _FORCES: dict[ChartBoundary, Callable[[RigidParameters], float]] = {
     ChartBoundary.DETACH: thresholds.detach_force,
     ChartBoundary.GLOBAL_STABILITY: thresholds.global_stability_force,
 }
-Plane = tuple[str, tuple[float, float]]
+AxisSpan = tuple[str, tuple[float, float]]
 
 
 def curves_of(drive: RigidParameters) -> tuple[ChartBoundary, ...]:
@@ -79,7 +79,7 @@ def curves_of(drive: RigidParameters) -> tuple[ChartBoundary, ...]:
 
 
 def boundary_curves(
-    drive: RigidParameters, x: Plane, y: Plane, kinds: tuple[ChartBoundary, ...] | None = None
+    drive: RigidParameters, x: AxisSpan, y: AxisSpan, kinds: tuple[ChartBoundary, ...] | None = None
 ) -> dict[ChartBoundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 

@@ -12,13 +12,13 @@ import numpy as np
 
 from lsvib.cycles.forward_slip import bracketed_root
 
-Function = Callable[[float, float], float]
+PlaneFunction = Callable[[float, float], float]
 _TOLERANCE = 1e-13  # rounding of the place
 _Key = tuple[int, int, int]  # of a side: node, and 0 along x, 1 along y
 
 
 def contour(
-    function: Function, x: Sequence[float], y: Sequence[float], values: np.ndarray, tolerance: float = _TOLERANCE
+    function: PlaneFunction, x: Sequence[float], y: Sequence[float], values: np.ndarray, tolerance: float = _TOLERANCE
 ) -> list[np.ndarray]:
     """Return the lines on which a function of x and y vanishes, each as points (k, 2).
 
@@ -57,7 +57,7 @@ def _changes(values: np.ndarray, key: _Key) -> bool:
     return bool(math.isfinite(a) and math.isfinite(b) and (a > 0) != (b > 0))
 
 
-def _root(function: Function, x: Sequence[float], y: Sequence[float], key: _Key, tolerance: float) -> np.ndarray:
+def _root(function: PlaneFunction, x: Sequence[float], y: Sequence[float], key: _Key, tolerance: float) -> np.ndarray:
     """The point of a side at which the function vanishes."""
     (i, j), (k, n) = _ends(key)
     low, high = np.array([x[i], y[j]]), np.array([x[k], y[n]])

@@ -27,8 +27,8 @@ from lsvib.drives.parameters import ExactParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 
-Matrix = tuple[tuple[Any, Any], tuple[Any, Any]]
-Values = RigidParameters | ExactParameters | Mapping[str, ArrayLike]
+TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
+DriveValues = RigidParameters | ExactParameters | Mapping[str, ArrayLike]
 """A drive, the same in 50-digit decimals (``drive.exact()``), or its keys with arrays that broadcast."""
 
 
@@ -36,9 +36,9 @@ Values = RigidParameters | ExactParameters | Mapping[str, ArrayLike]
 class LinearModel:
     """M q″ + C q′ + K q = 0 with two coordinates; each entry of a matrix is a float, an array or a ``Decimal``."""
 
-    mass: Matrix
-    damping: Matrix
-    stiffness: Matrix
+    mass: TwoByTwo
+    damping: TwoByTwo
+    stiffness: TwoByTwo
 
     def polynomial(self) -> tuple[Any, Any, Any, Any, Any]:
         """Return the coefficients of det(M s² + C s + K), highest power first, in the arithmetic of the entries."""
@@ -78,7 +78,7 @@ def steady_law(drive: RigidParameters) -> int:
     return sense if force > 0 else -sense
 
 
-def threads_model(drive: Values, law: int) -> LinearModel:
+def threads_model(drive: DriveValues, law: int) -> LinearModel:
     """Linearised drive with compliant threads (Sect. 5.5, eqs 8.6, 8.7), coordinates q = (z, e).
 
     x = r_m tan λ θ + e; the contact is compressed by δ = e cos λ and carries N = k_c δ + c_c δ′. Hence
@@ -108,7 +108,7 @@ def threads_model(drive: Values, law: int) -> LinearModel:
         )
 
 
-def support_model(drive: Values, law: int) -> LinearModel:
+def support_model(drive: DriveValues, law: int) -> LinearModel:
     """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
 
     The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
@@ -133,7 +133,7 @@ def support_model(drive: Values, law: int) -> LinearModel:
         )
 
 
-def nut_model(drive: Values, law: int) -> LinearModel:
+def nut_model(drive: DriveValues, law: int) -> LinearModel:
     """Linearised drive whose nut can rotate (Sect. 5.8, matrices above eq. 8.33), coordinates q = (θ, θ_2).
 
     x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
@@ -154,17 +154,17 @@ def nut_model(drive: Values, law: int) -> LinearModel:
         )
 
 
-def determinant(a: Matrix) -> Any:
+def determinant(a: TwoByTwo) -> Any:
     """Determinant of a 2 × 2 matrix, in the arithmetic of its entries."""
     return a[0][0] * a[1][1] - a[0][1] * a[1][0]
 
 
-def _mixed(a: Matrix, b: Matrix) -> Any:
+def _mixed(a: TwoByTwo, b: TwoByTwo) -> Any:
     """Term of det(A + B) that is linear in both A and B."""
     return a[0][0] * b[1][1] + a[1][1] * b[0][0] - a[0][1] * b[1][0] - a[1][0] * b[0][1]
 
 
-def _solved(a: Matrix, b: Matrix) -> Matrix:
+def _solved(a: TwoByTwo, b: TwoByTwo) -> TwoByTwo:
     """A⁻¹ B by Cramer's rule."""
     det = determinant(a)
     first = tuple((a[1][1] * b[0][j] - a[0][1] * b[1][j]) / det for j in (0, 1))
@@ -172,7 +172,7 @@ def _solved(a: Matrix, b: Matrix) -> Matrix:
     return first, second
 
 
-def values_of(drive: Values, law: int) -> SimpleNamespace:
+def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
     """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1."""
     if isinstance(drive, ExactParameters):
         p = SimpleNamespace(**vars(drive))

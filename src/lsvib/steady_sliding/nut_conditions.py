@@ -6,17 +6,17 @@ from typing import Any
 from lsvib.drives import friction
 from lsvib.drives.parameters import NutParameters
 from lsvib.engine.exact.precision import PLACES
-from lsvib.steady_sliding.linearised import Values, values_of
+from lsvib.steady_sliding.linearised import DriveValues, values_of
 
 
-def effective_screw_inertia(drive: Values) -> Any:
+def effective_screw_inertia(drive: DriveValues) -> Any:
     """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
     p = values_of(drive, 1)
     with localcontext(prec=PLACES):
         return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
 
 
-def kinematic_inertia(drive: Values, law: int) -> Any:
+def kinematic_inertia(drive: DriveValues, law: int) -> Any:
     """Return I_eff − ξ_s tan λ m r_m² [kg m²]; steady sliding under law s = ±1 is unstable where it is negative (8.33).
 
     It equals det M_0 / (I + I_2). M_0 and K are symmetric and K is positive, so without it steady sliding can be lost

@@ -1,6 +1,6 @@
 """Axial support: the printed polynomial (8.23), conditions (8.24)–(8.28), and boundaries (8.29)–(8.32) in closed form.
 
-Functions take the ``Values`` of a drive (:mod:`lsvib.steady_sliding.linearised`) and the law s = ±1. With
+Functions take the ``DriveValues`` of a drive (:mod:`lsvib.steady_sliding.linearised`) and the law s = ±1. With
 χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
 """
 
@@ -16,10 +16,10 @@ from lsvib.drives.parameters import SupportParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.numbers import bisected
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, reciprocal_squares
-from lsvib.steady_sliding.linearised import Values, support_model, values_of
+from lsvib.steady_sliding.linearised import DriveValues, support_model, values_of
 
 
-def characteristic_polynomial(drive: Values, law: int) -> tuple[Any, Any, Any]:
+def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
     """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units)."""
     p = values_of(drive, law)
     with localcontext(prec=PLACES):
@@ -32,7 +32,7 @@ def characteristic_polynomial(drive: Values, law: int) -> tuple[Any, Any, Any]:
         )
 
 
-def printed_class(drive: Values, law: int) -> NDArray[np.int8]:
+def printed_class(drive: DriveValues, law: int) -> NDArray[np.int8]:
     """Class (:class:`UndampedClass`) by the printed conditions (8.24) to (8.26).
 
     a_4 < 0 is kinematic, a_2² < 4 a_0 a_4 flutter, a_4 > 0 with a_2 > 0 divergence; flutter where the last two hold.
@@ -43,27 +43,27 @@ def printed_class(drive: Values, law: int) -> NDArray[np.int8]:
     return np.select(np.broadcast_arrays(*conditions), kinds, UndampedClass.STABLE).astype(np.int8)
 
 
-def reduced_mass(drive: Values) -> Any:
+def reduced_mass(drive: DriveValues) -> Any:
     """Return m̃ = m m_1 / (m + m_1) [kg]."""
     p = values_of(drive, 1)
     with localcontext(prec=PLACES):
         return p.mass * p.screw_mass / (p.mass + p.screw_mass)
 
 
-def reduced_inertia(drive: Values, law: int) -> Any:
+def reduced_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
     with localcontext(prec=PLACES):
         return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
-def rigid_inertia(drive: Values, law: int) -> Any:
+def rigid_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
     p = values_of(drive, law)
     return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
-def boundary_coefficients(drive: Values, law: int) -> tuple[Any, Any, Any]:
+def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
     """Return b_1, b_2, b_3 of the flutter boundary b_1 k_1² + b_2 k k_1 + b_3 k² = 0 as printed (eq. 8.29)."""
     p = values_of(drive, law)
     turned = p.factor * p.mass * p.pitch_radius**2 * p.tan_lead
@@ -74,7 +74,7 @@ def boundary_coefficients(drive: Values, law: int) -> tuple[Any, Any, Any]:
     )
 
 
-def flutter_boundaries(drive: Values, law: int) -> NDArray[np.float64]:
+def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
     """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
 
     With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and

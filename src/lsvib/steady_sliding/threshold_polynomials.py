@@ -27,7 +27,7 @@ from lsvib.steady_sliding.characteristic import DIGITS, polynomial, rationals, t
 from lsvib.steady_sliding.real_roots import SAME, positive_roots
 from lsvib.steady_sliding.threshold_solver import Equations
 
-Values = Mapping[str, Any]
+ParameterValues = Mapping[str, Any]
 _DEGREE = 8  # more than that of any equation in any parameter: Hurwitz's is 6 in r_m and in t, since r_m² is in each p
 _STEEPEST = Fraction(10) ** 17  # more than tan λ of the largest double below π/2
 
@@ -37,7 +37,7 @@ class RootCondition:
     """``of(kind, values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
 
     words: str
-    of: Callable[[type[RigidParameters], Values, Any, int], Any]
+    of: Callable[[type[RigidParameters], ParameterValues, Any, int], Any]
 
     def equations(self, kind: type[RigidParameters], sense: int) -> Equations:
         """Return the same equation for numbers with derivatives."""
@@ -53,7 +53,7 @@ class Place:
     sense: int
 
 
-def _leading(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
+def _leading(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     model = find_model(kind.model)
     return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t))[0]
 
@@ -65,11 +65,11 @@ _FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
 
-def _damping(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
+def _damping(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     return polynomial(kind, values, 1, t)[1]
 
 
-def _net_force(kind: type[RigidParameters], values: Values, t: Any, sense: int) -> Any:
+def _net_force(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     drag = values["pitch_radius"] * t * values["translation_damping"] * values["input_speed"]
     slide = values["slide_friction"] * sense if "slide_friction" in values else 0
     return values["axial_force"] - drag - slide

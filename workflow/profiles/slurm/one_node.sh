@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# A Slurm of one node on this machine, for trying the profile: Debian's packages, no systemd, no accounting database. Needs root.
+# A Slurm of one node on this machine, for trying the profile: Debian's packages, no systemd, no accounting database.
+# Needs root.
 # Usage: one_node.sh install | start | stop
 set -euo pipefail
 

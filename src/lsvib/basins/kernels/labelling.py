@@ -89,9 +89,9 @@ def put(scratch, u, w):
 
 @kernel
 def step(tables, mode, short, scratch):
-    """Go on past the next event, as ``loop.run`` does; ``short`` counts shortest stays in a row.
+    """Go on past the next event, as ``event_loop.run`` does; ``short`` counts shortest stays in a row.
 
-    Returns (``loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
+    Returns (``event_loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
     """
     state, scale = scratch.state, scratch.scale
     found, guard, stay = event_loop.next_event(

@@ -93,10 +93,10 @@ def _fired(tables, mode, u, w, u_next, w_next):
 
 
 @kernel
-def _stepped_label(tables, known, sprags, mode, scratch, step, horizon, seizures, cycle):
+def _stepped_label(tables, known, sprags, mode, scratch, step, limit, seizures, cycle):
     state, now, count = scratch.state, 0.0, 0
     due = _due(tables, mode, state[0], state[1])
-    while now < horizon:
+    while now < limit:
         guard, u, w = due, state[0], state[1]
         if guard < 0:
             if ellipse(tables, known, mode, state) < known.trap[mode, 1]:
@@ -125,11 +125,11 @@ def _stepped_label(tables, known, sprags, mode, scratch, step, horizon, seizures
 
 
 @allocating_kernel
-def stepped_labels(tables, known, sprags, x, y, step, horizon, seizures, cycle, labels):
+def stepped_labels(tables, known, sprags, x, y, step, limit, seizures, cycle, labels):
     """Label the starts u = x, w = y of a grid by Runge–Kutta of order four with a fixed step; fills ``labels``.
 
     Arguments: tables, what is known (:class:`lsvib.basins.kernels.labelling.Known`), event kinds that sprag; x
-    (columns) [rad], y (rows) [rad/s]; step [s]; horizon [s], after which a motion is unresolved; ``seizures`` as in the
+    (columns) [rad], y (rows) [rad/s]; step [s]; limit [s], after which a motion is unresolved; ``seizures`` as in the
     module's text, ``cycle``, the label of their cycle. Where a guard is negative after a step, the step is cut where a
     straight line between both values is zero; the stick test, and the jump from a start beyond a guard, are those of
     the tables; rest is left in one step.
@@ -140,7 +140,7 @@ def stepped_labels(tables, known, sprags, x, y, step, horizon, seizures, cycle, 
             mode = _enter(tables, scratch, x[j], y[i])
             labels[i, j] = UNRESOLVED
             if mode >= 0:
-                labels[i, j] = _stepped_label(tables, known, sprags, mode, scratch, step, horizon, seizures, cycle)
+                labels[i, j] = _stepped_label(tables, known, sprags, mode, scratch, step, limit, seizures, cycle)
 
 
 @kernel

@@ -11,8 +11,8 @@ from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.bench.maps import map_kernels
-from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
+from lsvib.bench.rivals.method_list import find_method
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.cycles.attractors import Attractor
 from lsvib.engine.kernels import columns

@@ -244,9 +244,9 @@ def _simulate(drive, u, w, t_end, rule, max_events):
 
         direction, contact = mode
         flow = RigidTrueFlow(drive, direction * contact, u, w)
-        for horizon in windows(10 / flow.rate, left):
-            tau_v = flow.first_root(speed_guard, direction, speed_is_zero, horizon, drive.dps)
-            tau = horizon if tau_v is None else tau_v
+        for end in windows(10 / flow.rate, left):
+            tau_v = flow.first_root(speed_guard, direction, speed_is_zero, end, drive.dps)
+            tau = end if tau_v is None else tau_v
             tau_Q = flow.first_root(Q_guard, contact, drive.Q_sign(u, w) == 0, tau, drive.dps)
             if tau_v is not None or tau_Q is not None:
                 break

@@ -163,7 +163,7 @@ class TwoBodiesTrueDrive:
         return [(d, q, a) for d, q in slips + rests for a in ways]
 
     def tie(self, x, zero):
-        """Put the speeds whose index is in ``zero`` on zero exactly."""
+        """Set the speeds with the indices in ``zero`` to exactly zero."""
         x = x.copy()
         if self.model == "support":
             x[1] = -self.Omega if 0 in zero else x[1]

@@ -237,7 +237,12 @@ class Recorder:
         extremes = (np.nan, np.nan)
         if not self.failure:
             extremes = arc_extremes(
-                self.hybrid.automaton, self.modes, self.starts, [0.0, *self.times], self.end, self.hybrid.scene.window
+                self.hybrid.automaton,
+                self.modes,
+                self.starts,
+                [0.0, *self.times],
+                self.end,
+                self.hybrid.scene.steady_from,
             )
         return Record(
             end=np.asarray(self.end_state, dtype=float),
@@ -259,16 +264,16 @@ def fields(automaton: Automaton) -> np.ndarray:
     return table
 
 
-def arc_extremes(automaton: Automaton, modes, starts, times, end: float, window: float) -> tuple[float, float]:
-    """Smallest and largest u [rad] from ``window`` [s] on over arcs with these modes, states and times of start."""
+def arc_extremes(automaton: Automaton, modes, starts, times, end: float, steady_from: float) -> tuple[float, float]:
+    """Return the smallest and largest u [rad] from ``steady_from`` [s] on, over arcs with these modes and starts."""
     low, high = np.inf, -np.inf
     flow, state = automaton.tables.flow, np.empty(len(starts[0]))
     angle = np.zeros(state.size + 1)
     angle[0] = 1.0
     for mode, start, begin, stop in zip(modes, starts, times, [*times[1:], end], strict=True):
-        if stop < window:
+        if stop < steady_from:
             continue
-        late = max(window - begin, 0.0)
+        late = max(steady_from - begin, 0.0)
         dispatch.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
         a, b = dispatch.extremes(flow, int(mode), state, angle, stop - begin - late)
         low, high = min(low, a), max(high, b)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals.catalogue import MethodFamily
+from lsvib.bench.rivals.method_list import MethodFamily
 
 _COLUMNS = {
     MethodFamily.GENERAL: "scipy, CVODE",

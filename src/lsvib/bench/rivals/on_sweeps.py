@@ -2,8 +2,8 @@
 
 The truth is the engine's own motion, and only in cases in which an independent computation has confirmed it
 (:func:`lsvib.bench.sweeps.case_judge.judge`: RIGHT). A method is told the sizes of the motion, for its absolute
-tolerances, and judged as in :mod:`lsvib.bench.rivals.answers`. Effort is counted in evaluations of the field, not in
-seconds, so that a verdict is the same on every machine.
+tolerances, and judged as in :mod:`lsvib.bench.rivals.answer_errors`. Effort is counted in evaluations of the field,
+not in seconds, so that a verdict is the same on every machine.
 """
 
 import math
@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.bench.record import Record, Verdict
-from lsvib.bench.rivals.answers import GENEROSITY, Answer, compare
-from lsvib.bench.rivals.catalogue import MethodFamily, find_method
+from lsvib.bench.rivals.answer_errors import GENEROSITY, Answer, compare
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, counted
+from lsvib.bench.rivals.method_list import MethodFamily, find_method
 from lsvib.bench.rivals.race_scenes import RaceScene
 from lsvib.bench.sweeps import case_judge
 from lsvib.bench.sweeps.cases import Case
@@ -62,7 +62,7 @@ class _Posed(RaceScene):
         return 2 * math.pi * math.sqrt(float(coefficients(self.drive).gamma[-1]) / self.drive.coupling_stiffness)
 
     @property
-    def window(self) -> float:
+    def steady_from(self) -> float:
         """Infinite: no steady amplitude is asked for."""
         return math.inf
 
@@ -175,7 +175,7 @@ def _rates(hybrid: Hybrid, motion: Motion) -> tuple[float, float, float]:
 
 
 def ask(question: Question, method_name: str, tolerance: float) -> Answer:
-    """Run a method of :data:`lsvib.bench.rivals.catalogue.METHODS` at a relative tolerance.
+    """Run a method of :data:`lsvib.bench.rivals.method_list.METHODS` at a relative tolerance.
 
     A fixed step is a thousandth of the shortest oscillation, or what is stable; it is held to ``tolerance`` like the
     others. Raises ``InputError`` if there is no such method or its package is missing. Call it under

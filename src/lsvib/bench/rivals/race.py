@@ -18,8 +18,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lsvib.bench.record import Errors, Record, errors
-from lsvib.bench.rivals.catalogue import find_method
 from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid
+from lsvib.bench.rivals.method_list import find_method
 from lsvib.bench.rivals.race_scenes import RaceScene, scene
 from lsvib.bench.rivals.truth import reference
 

@@ -41,7 +41,7 @@ class RaceScene:
         return find_model(self.drive.model)
 
     @property
-    def window(self) -> float:
+    def steady_from(self) -> float:
         """Time [s] from which on the amplitude is steady."""
         return 0.8 * self.duration
 

@@ -20,9 +20,9 @@ def _rigid(scene: RaceScene) -> Record:
         angles = [result.u]
         ends = [segment.time for segment in result.segments[1:]] + [result.time]
         for segment, end in zip(result.segments, ends, strict=True):
-            if end < scene.window:
+            if end < scene.steady_from:
                 continue
-            stay, late = end - segment.time, max(scene.window - segment.time, mpf(0))
+            stay, late = end - segment.time, max(scene.steady_from - segment.time, mpf(0))
             if segment.mode == rigid_digits.REST:
                 angles.append(segment.u + segment.w * late)
                 continue
@@ -43,9 +43,9 @@ def _threads(scene: RaceScene) -> Record:
         row = [mpf(1), mpf(0), mpf(0), mpf(0), mpf(0)]
         for start, _, arc, stay in result.arcs:
             visited += [arc.state(mpf(0)), arc.state(stay)]
-            if start + stay < scene.window:
+            if start + stay < scene.steady_from:
                 continue
-            late = max(scene.window - start, mpf(0))
+            late = max(scene.steady_from - start, mpf(0))
             angle = threads_digits.Function(arc, row)
             turns = angle.derivative().roots(late, stay) if stay > late else ()
             angles += [angle(late), angle(stay), *(angle(t) for t in turns)]

@@ -1,4 +1,4 @@
-"""The answers to what was followed: where the search for the end of a motion goes on, or what it has found.
+"""Decide, after a part of a motion was followed, what to follow next, or what the motion ends on.
 
 The steps are those of :func:`lsvib.cycles.attractors.steady_state`, of :class:`lsvib.cycles.return_map.ReturnSection`
 and of :mod:`lsvib.cycles.recurrences`, number by number.

@@ -21,7 +21,18 @@ from lsvib.drives.once import once
 from lsvib.drives.parameters import NutParameters, SupportParameters
 from lsvib.drives.second_body.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, constant, plus
 from lsvib.drives.second_body.two_bodies import TwoBodies
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Surface, Transition, assemble, scaled
+from lsvib.engine.automaton import (
+    SHORT_STAY,
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Row,
+    Surface,
+    Transition,
+    assemble,
+    scaled,
+)
 from lsvib.engine.exact.flow_choice import flow_of, guard_forms_of, linear_mode
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
@@ -89,7 +100,7 @@ class _Layout:
             modes=modes,
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[self.name(1, -1, 1)]},
-            shortest_stay=1e-13 * min(scales),
+            shortest_stay=SHORT_STAY * min(scales),
             stack=flow_of,
             forms=guard_forms_of,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),

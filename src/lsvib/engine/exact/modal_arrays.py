@@ -113,7 +113,7 @@ class _Field(NamedTuple):
         )
 
 
-class _Piece(NamedTuple):
+class _ManyPieces(NamedTuple):
     """A pair or a single: its row of the oscillator table, or (rate, push); rows into and out of its coordinates."""
 
     row: list[Any]
@@ -152,7 +152,7 @@ def _decomposed(field: _Field, rates: Rates, pattern: Pattern, unsafe: np.ndarra
     return _Tables.of(field, pairs, singles, unsafe)
 
 
-def _single(field: _Field, factor: list, projector: Matrix, slow: bool, unsafe: np.ndarray) -> _Piece:
+def _single(field: _Field, factor: list, projector: Matrix, slow: bool, unsafe: np.ndarray) -> _ManyPieces:
     """Return the exponential of one rate."""
     n = len(projector)
     diagonal = np.stack([np.abs(high(projector[i][i], unsafe.size)) for i in range(n)], axis=1)
@@ -173,10 +173,10 @@ def _single(field: _Field, factor: list, projector: Matrix, slow: bool, unsafe: 
         shift, left = picked([push / rate, 0], without, unsafe), picked([0, push], without, unsafe)
     else:
         shift, left = over(push, rate), 0
-    return _Piece([rate, left], [[*covector, shift]], [[x, -times(x, shift)] for x in vector])
+    return _ManyPieces([rate, left], [[*covector, shift]], [[x, -times(x, shift)] for x in vector])
 
 
-def _pair(field: _Field, factor: list, projector: Matrix, row: list, unsafe: np.ndarray) -> _Piece:
+def _pair(field: _Field, factor: list, projector: Matrix, row: list, unsafe: np.ndarray) -> _ManyPieces:
     """Return the oscillator of a factor of degree two."""
     _, a1, a0 = factor
     n, scale = len(projector), [field.sizes[i] for i in field.alive]
@@ -202,7 +202,7 @@ def _pair(field: _Field, factor: list, projector: Matrix, row: list, unsafe: np.
     push = dot(rows[0], field.push)
     rest = (a1 * push + dot(rows[1], field.push)) / a0  # equilibrium of q
     out = [[*v, summed([times(v[0], rest), -times(v[1], push)])] for v in vectors]
-    return _Piece(row, [[*rows[0], -rest], [*rows[1], push]], out)
+    return _ManyPieces(row, [[*rows[0], -rest], [*rows[1], push]], out)
 
 
 def _best_row(first: Matrix, second: Matrix, both: list, scale: list, unit: np.ndarray, unsafe: np.ndarray):
@@ -249,7 +249,7 @@ class _Tables(NamedTuple):
     condition: list[float]
 
     @classmethod
-    def of(cls, field: _Field, pairs: list[_Piece], singles: list[_Piece], unsafe: np.ndarray) -> "_Tables":
+    def of(cls, field: _Field, pairs: list[_ManyPieces], singles: list[_ManyPieces], unsafe: np.ndarray) -> "_Tables":
         """Put the pieces together, rounded to doubles; marks what a rounding leaves open."""
         n, size, alive = len(field.rows), unsafe.size, field.alive
         count, sizes = 2 * len(pairs) + len(singles), np.stack([*field.sizes, np.ones(unsafe.size)], axis=1)

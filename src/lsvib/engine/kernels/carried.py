@@ -99,8 +99,9 @@ def _moved(flow, tables, mode, guard, start, doubt, stay, work):
 
 @kernel
 def _beside(zero, row, state, scale):
-    """Return an affine function, by its row, and its rounding where another one is zero, without what both hold alike.
+    """Return an affine function, given by its row, on the zero set of another one, and its rounding.
 
+    Terms that both share are cancelled.
     Where slip ends, the speed of the screw is that of the nut, which may be small, and not w + Ω. That is known if both
     functions have the same weight, or its negative, on the coordinate that the state has been moved by.
     """
@@ -157,7 +158,8 @@ def put_as_noted(flow, tables, reset, state, work):
 
 @kernel
 def recalled(flow, surface, sign, value, size, work):
-    """Return a guard as noted, not a number if the state holds it as well, and the rounding of what is known of it.
+    """Return the noted value of a guard and its rounding. The value is NaN if the state alone determines the guard
+    equally well.
 
     ``value`` and ``size`` are the guard and its rounding by the state; a guard on its surface has no rounding.
     """
@@ -172,7 +174,7 @@ def recalled(flow, surface, sign, value, size, work):
 
 @inlined_kernel
 def begin(flow, guard, known, doubt, work):
-    """Say with what value, not a number where the state says it, and rounding a guard begins the next search."""
+    """Set the value and the rounding with which a guard begins the next search; NaN: compute it from the state."""
     work.known[guard], work.doubts[guard] = known, doubt
 
 

@@ -102,6 +102,7 @@ def search(flow, mode, state, guards, on_surface, limit, steps):
             if decision == _UNDECIDED:
                 break
         if outcome == _UNDECIDED:
+            # The bounds grow with the square of the step at least: 0.7 of what they would allow leaves room for that.
             step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
             if a + step == a:
                 return first_below(ahead, b)

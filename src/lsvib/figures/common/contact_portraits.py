@@ -134,7 +134,8 @@ def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
     Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
-    one turn, in a focus a fixed number of decay times. Raises ``InputError`` if the samples are too few for the arcs.
+    one turn, in a focus a fixed number of decay times; :func:`lsvib.data.phase_plane.sample` is for motions that have
+    an end. Raises ``InputError`` if the samples are too few for the arcs.
     """
     if count < 2 * len(arcs):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")

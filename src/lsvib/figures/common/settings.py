@@ -162,7 +162,7 @@ ContactStarts = Annotated[
 Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motions are drawn [s].")]
 Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
-Seed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
+CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
 Repeats = Annotated[int, Field(ge=1, le=1000, description="Repeats of each measurement.")]
 MassPair = Annotated[
     list[parameter("mass")], Field(min_length=2, max_length=2, description="Two readings of the mass [kg].")

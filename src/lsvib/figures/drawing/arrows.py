@@ -17,10 +17,10 @@ _PLACES = 150  # places compared on one line
 _ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 _WORD = np.array([2.0, 0.8])  # half width and half height of a word like "N > 0", in sizes of the letters
 
-Line = tuple[np.ndarray, np.ndarray, str | None]
+DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
 
 
-def draw_arrows(axes: Axes, lines: Sequence[Line], size: float = 10.0) -> None:
+def draw_arrows(axes: Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
     """Draw one arrow on each line, in the direction of its points and within the limits that the panel has now.
 
     A line is x, y, both of shape (n) and with NaN where it is broken, and a colour; one without a colour gets no arrow
@@ -38,7 +38,9 @@ def draw_arrows(axes: Axes, lines: Sequence[Line], size: float = 10.0) -> None:
             axes.annotate("", head, tail, arrowprops=style | {"shrinkA": 0, "shrinkB": 0}, zorder=3.2)
 
 
-def name_sides(axes: Axes, ends: np.ndarray, words: tuple[str, str], lines: Sequence[Line], size: float = 8.0) -> None:
+def name_sides(
+    axes: Axes, ends: np.ndarray, words: tuple[str, str], lines: Sequence[DrawnLine], size: float = 8.0
+) -> None:
     """Write a word on each side of a straight line, to its right and to its left as seen along the line.
 
     ``ends``: both ends (2, 2) of the line in the limits that the panel has now; ``lines``: what the words keep clear

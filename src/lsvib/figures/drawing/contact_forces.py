@@ -60,7 +60,7 @@ def _lines(axes: Axes, case: xr.Dataset) -> None:
     axes.plot(x, y, color=style.BLACK, linewidth=1.0, linestyle=(0, (4, 2)), label="asymptote from the virtual saddle")
 
 
-def _manifolds(case: xr.Dataset) -> list[arrows.Line]:
+def _manifolds(case: xr.Dataset) -> list[arrows.DrawnLine]:
     """Return the manifolds of the saddle in the direction of time; they are stored outwards from it."""
     if "manifold_force" not in case:
         return []

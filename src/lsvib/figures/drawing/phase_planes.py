@@ -141,9 +141,9 @@ def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
     arrows.draw_arrows(axes, [*_paths(case), (angle + slope * rates, rates, None)], size)
 
 
-def _paths(case: xr.Dataset) -> list[arrows.Line]:
+def _paths(case: xr.Dataset) -> list[arrows.DrawnLine]:
     """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
-    paths: list[arrows.Line] = []
+    paths: list[arrows.DrawnLine] = []
     for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
         motion = case.isel(start=index)
         u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))

@@ -40,7 +40,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _guide(axes: Axes, dataset: xr.Dataset, coloured) -> None:
     """An arrow of time on each cycle, and the side of each line N = 0 on which the screw slips forward."""
-    lines: list[arrows.Line] = []
+    lines: list[arrows.DrawnLine] = []
     for index, colour in coloured:
         case = dataset.sel(case=index)
         after = np.flatnonzero(phase_planes.cycle_jumps(case)) + 1

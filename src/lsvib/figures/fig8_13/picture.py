@@ -36,7 +36,7 @@ def _name(dataset: xr.Dataset, index: int) -> str:
 def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
-    cycles: list[arrows.Line] = []
+    cycles: list[arrows.DrawnLine] = []
     for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
         cycles.append((dataset.cycle_angle.values[k], dataset.cycle_velocity.values[k], colour))
         axes.plot(*cycles[-1][:2], color=colour, label=_name(dataset, k))

@@ -68,7 +68,7 @@ def _widen(axes: Axes, dataset: xr.Dataset) -> None:
 def _close_up(axes: Axes, case: xr.Dataset) -> None:
     """The motion close to the corner of N = 0 and θ′ = 0 under both rules, up to where the screw leaves rest."""
     corner, stop = float(case.corner_angle), float(case.stop_velocity)
-    paths: list[arrows.Line] = []
+    paths: list[arrows.DrawnLine] = []
     for index, rule in style.flag_names(case.rule).items():
         colour, dashes, mark, _ = _RULES[rule]
         part = case.sel(rule=index)

@@ -119,12 +119,12 @@ def _deviations(
 
 def _rules_followed(branches: Sequence[LimitBranch], deviations: phase_plane.Variables) -> phase_plane.Variables:
     """The rule of resuming that the motions on each branch follow, and how long its rigid motion lasts."""
-    horizon = np.array([branch.rigid[0].end_time for branch in branches])
+    durations = np.array([branch.rigid[0].end_time for branch in branches])
     return {
-        "rigid_duration": variable("branch", horizon, "s", "duration of the rigid motion, a period for a cycle"),
+        "rigid_duration": variable("branch", durations, "s", "duration of the rigid motion, a period for a cycle"),
         "rule_followed": flagged(
             ("family", "branch"),
-            _verdicts(branches, deviations, horizon),
+            _verdicts(branches, deviations, durations),
             "rule that the motion follows",
             BranchVerdict,
         ),
@@ -252,10 +252,10 @@ def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase_plane
     }
 
 
-def _verdicts(branches: Sequence[LimitBranch], variables: phase_plane.Variables, horizon: np.ndarray) -> np.ndarray:
+def _verdicts(branches: Sequence[LimitBranch], variables: phase_plane.Variables, durations: np.ndarray) -> np.ndarray:
     """A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins."""
     distance, rest = variables["motion_distance"][1][:, :, -1], variables["rest_error"][1][:, :, -1]
-    deviation = np.fmax(distance, np.abs(rest) / horizon[:, None])
+    deviation = np.fmax(distance, np.abs(rest) / durations[:, None])
     follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < _CONVERGED)
     follows &= deviation < _APART * deviation[..., ::-1]
     agree = np.array([not branch.differ for branch in branches])

@@ -40,7 +40,7 @@ _SOLVED = {  # name of each threshold among those that are solved for a paramete
     "detach_force": ("detach", "axial_force"),
 }
 
-Threshold = IntEnum("Threshold", list(_PRINTED_HALF_UNITS), start=0)
+PrintedThreshold = IntEnum("PrintedThreshold", list(_PRINTED_HALF_UNITS), start=0)
 Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
 
 
@@ -67,7 +67,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
-            "threshold": flagged("threshold", Threshold, "threshold", Threshold),
+            "threshold": flagged("threshold", PrintedThreshold, "threshold", PrintedThreshold),
             "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
             **_printed_and_computed(computed),
             **drive_parameters(
@@ -137,14 +137,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     residual, precise = np.abs(dataset.print_residual.values), dataset.one_digit.values == 0
     # The most that the values with three digits and the threshold's own print explain.
     allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
-    mass, friction, onset, stick, detach = (int(Threshold[name]) for name in _PRINTED_HALF_UNITS)
+    mass, friction, onset, stick, detach = (int(PrintedThreshold[name]) for name in _PRINTED_HALF_UNITS)
     damping, half = float(dataset.matching_support_damping), HALF_UNITS["support_damping"]
     force, claim = float(dataset.matching_detach_force), chapter.EFFECTIVE_DAMPING[1]
     distance = abs(force - chapter.THRESHOLDS["detach_force"].value)
     plus = float(dataset.matching_effective_damping_plus)
 
     def words(*which: int) -> str:
-        return "; ".join(f"{Threshold(k).name}: {residual[k]:.2e} against {allowed[k]:.2e}" for k in which)
+        return "; ".join(f"{PrintedThreshold(k).name}: {residual[k]:.2e} against {allowed[k]:.2e}" for k in which)
 
     return [
         Check.holds(

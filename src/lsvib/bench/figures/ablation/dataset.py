@@ -1,4 +1,4 @@
-"""Nothing that a scene does not need: run time, construction, compilation, data and imports, with it and without."""
+"""What a scene saves by leaving out what it does not need: run time, construction, compilation, data and imports."""
 
 import os
 import platform

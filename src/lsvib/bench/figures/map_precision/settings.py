@@ -4,7 +4,14 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings, PlaneWindow, PositiveSpan, Seed, SettingsSection
+from lsvib.figures.common.settings import (
+    CaseSeed,
+    DriveChanges,
+    FigureSettings,
+    PlaneWindow,
+    PositiveSpan,
+    SettingsSection,
+)
 
 BoxName = Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$")]
 Some = Annotated[int, Field(ge=1, le=10_000)]
@@ -46,4 +53,4 @@ class Settings(FigureSettings):
         description="Distances from the boundary in widths of the box, evenly in logarithms."
     )
     starts: int = Field(ge=1, le=100_000, description="Starts on either side of the boundary at each distance.")
-    seed: Seed = Field(description="Seed of their places along the boundary.")
+    seed: CaseSeed = Field(description="Seed of their places along the boundary.")

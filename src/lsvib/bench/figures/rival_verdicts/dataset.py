@@ -12,9 +12,9 @@ import xarray as xr
 
 from lsvib.basins.shares import wilson
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals.answers import VERDICTS, Answer
-from lsvib.bench.rivals.catalogue import METHODS, find_method
-from lsvib.bench.rivals.catalogue import MethodFamily as Kind
+from lsvib.bench.rivals.answer_errors import VERDICTS, Answer
+from lsvib.bench.rivals.method_list import METHODS, find_method
+from lsvib.bench.rivals.method_list import MethodFamily as Kind
 from lsvib.bench.rivals.on_sweeps import Question, ask, confirm, pose
 from lsvib.bench.rivals.race import quiet
 from lsvib.bench.sweeps import case_judge
@@ -53,7 +53,7 @@ class _Row(NamedTuple):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Ask the methods of :data:`lsvib.bench.rivals.catalogue.METHODS`; ``InputError`` if a package is missing."""
+    """Ask the methods of :data:`lsvib.bench.rivals.method_list.METHODS`; ``InputError`` if a package is missing."""
     entries = [(name, float(value)) for name, values in settings["methods"].items() for value in values]
     every = [True] * len(entries)
     fixed = [find_method(name).family == Kind.FIXED_STEP for name, _ in entries]

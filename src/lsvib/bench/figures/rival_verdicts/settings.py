@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from lsvib.bench.rivals.methods import MODULES
-from lsvib.figures.common.settings import FigureSettings, Seed, SweepFamily, Tolerances
+from lsvib.figures.common.settings import CaseSeed, FigureSettings, SweepFamily, Tolerances
 
 
 class Settings(FigureSettings):
@@ -13,7 +13,7 @@ class Settings(FigureSettings):
 
     needs: ClassVar = MODULES
 
-    seed: Seed
+    seed: CaseSeed
     counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
         min_length=1, description="Number of cases of each family that every method is asked."
     )

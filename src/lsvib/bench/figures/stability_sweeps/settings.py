@@ -4,13 +4,13 @@ from typing import Annotated
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import FigureSettings, Seed, SweepFamily, Unique
+from lsvib.figures.common.settings import CaseSeed, FigureSettings, SweepFamily, Unique
 
 
 class Settings(FigureSettings):
     """The engine at the edge of the domain."""
 
-    seed: Seed
+    seed: CaseSeed
     counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(
         min_length=1, description="Number of cases of each family."
     )

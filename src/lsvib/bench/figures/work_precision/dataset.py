@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.bench.record import Verdict
-from lsvib.bench.rivals.catalogue import METHODS, MethodFamily
+from lsvib.bench.rivals.method_list import METHODS, MethodFamily
 from lsvib.bench.rivals.race import Entry, RaceBudget, contest, fastest
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check
@@ -39,7 +39,7 @@ _PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`lsvib.bench.rivals.catalogue.METHODS` on scenes; ``InputError`` without a package."""
+    """Run the methods of :data:`lsvib.bench.rivals.method_list.METHODS` on scenes; ``InputError`` without a package."""
     scenes, methods = settings["scenes"], settings["methods"]
     names = [name for name, values in methods.items() if values]
     budget = RaceBudget(settings["repeats"], settings["seconds"], settings["limit"])

@@ -37,7 +37,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refin
         times, kinds = np.empty(max_events), np.empty(max_events, dtype=np.int8)
         extremes = np.array([np.inf, -np.inf])
         status, count = _march(
-            automaton.tables, table, mode, state, setting, scene.duration, scene.window,
+            automaton.tables, table, mode, state, setting, scene.duration, scene.steady_from,
             _REFINEMENTS if refined else 0, times, kinds, extremes,
         )  # fmt: skip
         return lambda: Record(
@@ -108,7 +108,7 @@ def _cut(tables, field, guard, state, h, refinements, rates, trial, out):
 
 
 @allocating_kernel
-def _march(tables, fields, mode, state, step, t_end, window, refinements, times, kinds, extremes):
+def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, times, kinds, extremes):
     """Follow the motion; ``state`` (n) becomes the final one. Returns (status, number of events)."""
     n = state.size
     rates, trial, ahead, scratch = np.empty((4, n)), np.empty(n), np.empty(n), np.empty(n)
@@ -130,7 +130,7 @@ def _march(tables, fields, mode, state, step, t_end, window, refinements, times,
             fraction = _cut(tables, field, fired, state, h, refinements, rates, trial, ahead)
             h, last = fraction * h, False
             _step(field, state, h, rates, trial, ahead)
-        if now + h >= window:
+        if now + h >= steady_from:
             _widen(extremes, state, ahead, h)
         for i in range(n):
             state[i] = ahead[i]

@@ -23,7 +23,7 @@ _LOST = int(hy.taylor_outcome.err_nf_state)
 
 hy.set_logger_level_critical()  # it warns of what is expected here, in the middle of what is timed
 
-Pattern = tuple[tuple[bool, ...], ...]
+BranchPattern = tuple[tuple[bool, ...], ...]
 
 
 def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
@@ -77,7 +77,7 @@ def _integrator(mode: HybridMode, scale: np.ndarray, tolerance: float) -> hy.tay
 
 
 @cache
-def _compiled(field: Pattern, guards: Pattern, tolerance: float) -> hy.taylor_adaptive:
+def _compiled(field: BranchPattern, guards: BranchPattern, tolerance: float) -> hy.taylor_adaptive:
     """Integrator of x′ = A x + b with terminal events where guards fall through zero; numbers that are not zero are
     parameters, row by row, field first.
     """

@@ -32,10 +32,10 @@ def _record(hybrid: Hybrid, motion: Motion) -> Record:
     """What is compared: events, final state, steady amplitude."""
     ours = counted(motion.kind)
     modes, starts, _, _ = motion.arcs()
-    times, window = [0.0, *motion.time], hybrid.scene.window
+    times, steady_from = [0.0, *motion.time], hybrid.scene.steady_from
     return Record(
         end=motion.end_state,
         times=motion.time[ours],
         kinds=[hybrid.names[int(kind)] for kind in motion.kind[ours]],
-        extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, window),
+        extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, steady_from),
     )
