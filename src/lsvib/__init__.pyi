@@ -11,6 +11,9 @@ from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.cycles.attractors import Attractor as Attractor
 from lsvib.cycles.attractors import SteadyState as SteadyState
+from lsvib.cycles.continuation import CycleBranch as CycleBranch
+from lsvib.cycles.periodic import Cycle as Cycle
+from lsvib.data.cycles import Cycles as Cycles
 from lsvib.data.simulation import simulate as simulate
 from lsvib.drives.scene import Scene as Scene
 from lsvib.errors import DivergenceError as DivergenceError
@@ -33,6 +36,9 @@ __all__ = [
     "Axis",
     "Basin",
     "Condition",
+    "Cycle",
+    "CycleBranch",
+    "Cycles",
     "DivergenceError",
     "EngineError",
     "Grid",

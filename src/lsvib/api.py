@@ -315,6 +315,11 @@ class RigidDrive(_Drive):
     """
 
     def basin(self) -> "Basin":
+        """Return the region of attraction of steady sliding, bounded in closed form; its areas are in rad²/s.
+
+        Raises ``InputError`` where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
+        ``EngineError`` where the engine cannot follow the boundary.
+        """
         from lsvib.basins.exact_basin import basin
 
         return basin(self)

@@ -59,6 +59,8 @@ MODEL = replace(
 )
 '''
 LINEAR = ("--set", "mass=9", "--set", "contact_damping=5e4", "--json")
+CYCLE = ("--set", "mass=11", "--set", "support_damping=1e-3")
+GRID = ("--grid", "u=-0.05:0.05:2", "w=-15:15:2", "--json")
 MOTION = ("--set", "mass=11", "--set", "support_damping=1e-3", "--duration", "0.01", "--json")
 COMMANDS = {
     "config": ("config", "--model", "slope", "--set", "weight=7", "--json"),
@@ -66,6 +68,15 @@ COMMANDS = {
     "stability of threads": ("stability", "--model", "threads", *LINEAR),
     "thresholds": ("thresholds", "--model", "slope", *LINEAR),
     "thresholds of threads": ("thresholds", "--model", "threads", *LINEAR),
+    "cycles": ("cycles", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *CYCLE, "--json"),
+    "cycles of threads": ("cycles", "--model", "threads", "--set", "axial_force=-10", *CYCLE, "--json"),
+    "map": (
+        *("attraction", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *CYCLE, *GRID),
+        *("--out", "slope_map.nc"),
+    ),
+    "map of threads": (
+        *("attraction", "--model", "threads", "--set", "axial_force=-10", *CYCLE, *GRID, "--out", "threads_map.nc"),
+    ),
     "motion": (
         *("simulate", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *MOTION),
         *("--start", "u=0.05", "w=0", "slope_e=0", "--out", "slope.nc"),
@@ -152,6 +163,18 @@ def test_its_motion_is_that_of_the_equations_in_its_file(found):
     assert list(slope["final_state"].values()) == list(threads["final_state"].values())
     assert slope["peak_normal_force"] == threads["peak_normal_force"]
     assert found["unit"] == "m"
+
+
+def test_its_cycles_and_its_map_are_those_of_the_equations_in_its_file(found):
+    slope, threads = (
+        [(cycle["label"], cycle["period"]) for cycle in found[name]["cycles"]]
+        for name in ("cycles", "cycles of threads")
+    )
+    assert slope == threads
+    assert threads
+    assert found["map"]["cells"] == 4
+    assert found["map"]["unresolved"] == 0
+    assert found["map"]["fractions"] == found["map of threads"]["fractions"]
 
 
 def test_schema_grids_and_drives_know_it(found):

@@ -355,25 +355,31 @@ def test_a_figure_of_the_command_leaves_the_results_of_the_workflow_alone(built)
 
 
 @pytest.mark.slow
-def test_a_new_figure_is_one_new_folder(fresh):
+def test_a_new_figure_is_one_new_folder(built):
     """A figure with settings of its own and their defaults: the command builds it and the workflow finds it."""
-    folder = fresh.folder / "src" / "lsvib" / "figures" / "new_figure"
+    folder = built.folder / "src" / "lsvib" / "figures" / "new_figure"
     folder.mkdir()
     for name, text in NEW_FIGURE.items():
         (folder / name).write_text(text, encoding="utf-8")
-    fresh.edit("config/config.yaml", TINY, "")
+    listed = "figures: [fig8_03, fig8_08, new_figure]\n"
+    built.edit("config/config.yaml", TINY, listed)
+    assert built.plan() == {f"{verb} new_figure" for verb in ("Computing", "Drawing")} | {
+        "Collecting the checks",
+        "Judging the checks",
+    }
+    built.edit("config/config.yaml", listed, "")
     words = [sys.executable, "-m", "lsvib", "figure", "new_figure", "--set", "mass=3"]
-    subprocess.run(words, cwd=fresh.folder, env=fresh.environment, check=True, stdout=subprocess.DEVNULL)
-    dataset = read_dataset(fresh.folder / "figures" / "new_figure.nc")
+    subprocess.run(words, cwd=built.folder, env=built.environment, check=True, stdout=subprocess.DEVNULL)
+    dataset = read_dataset(built.folder / "figures" / "new_figure.nc")
     assert json.loads(dataset.attrs["settings"]) == {"drive": {"mass": 3.0}, "points": 5}
-    assert fresh.plan() >= {"Computing new_figure", "Drawing new_figure"}
-    run = fresh("results/figures/new_figure.png")
+    assert built.plan() >= {"Computing new_figure", "Drawing new_figure"}
+    run = built("results/figures/new_figure.png")
     assert run.returncode == 0, run.stdout
-    dataset = read_dataset(fresh.folder / "results" / "datasets" / "new_figure.nc")
+    dataset = read_dataset(built.folder / "results" / "datasets" / "new_figure.nc")
     assert json.loads(dataset.attrs["settings"]) == {"drive": {}, "points": 5}
-    with (fresh.folder / "config" / "config.yaml").open("a") as config:
+    with (built.folder / "config" / "config.yaml").open("a") as config:
         config.write("new_figure: {point: 6}\n")
-    assert "new_figure.point is not a known key; the known keys are drive, points." in fresh("-n").stdout
+    assert "new_figure.point is not a known key; the known keys are drive, points." in built("-n").stdout
 
 
 def test_the_schema_is_that_of_the_types():

@@ -14,7 +14,8 @@ from pathlib import Path
 import grimp
 from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.drives.model_files import model_module, model_names
+from lsvib.drives.model_files import model_module
+from lsvib.drives.registry import all_models
 from lsvib.drives.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (
@@ -129,7 +130,7 @@ def chart_sources():
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
-    "modal": tuple(model_module(model) for model in model_names() if model != "rigid"),
+    "modal": tuple(model_module(name) for name, model in all_models().items() if len(model.states) > 2),
     "mapper": ("lsvib.basins.planar_mapper",),
 }
 

@@ -21,7 +21,7 @@ from decimal import Decimal, localcontext
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
 from lsvib.basins.clipping import Window, clip, inside
@@ -74,9 +74,9 @@ class Basin:
         """Whether the basin has a finite area."""
         return bool(self.curves) and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
 
-    def contains(self, state) -> bool:
+    def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
-        return not self.curves or contains(self.flow, self.curves, state)
+        return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""

@@ -10,6 +10,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lsvib.cycles import leaps
 from lsvib.cycles.more_states import CHUNK, LONG, at_equilibrium, of_more_states
@@ -38,7 +39,12 @@ _MORE_PATIENCE = 1000.0  # time that a return after a leap may take, in times of
 
 
 def steady_state(
-    automaton: Automaton, state, *, mode: int | None = None, max_events: int = 300_000, patience: int = LONG
+    automaton: Automaton,
+    state: ArrayLike,
+    *,
+    mode: int | None = None,
+    max_events: int = 300_000,
+    patience: int = LONG,
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 

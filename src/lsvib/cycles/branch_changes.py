@@ -17,7 +17,10 @@ _NARROW = 1e-12  # length of the branch within which a change is located
 
 @dataclass(frozen=True)
 class Change:
-    """Something happens at ``value``: ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words."""
+    """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
+
+    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words.
+    """
 
     kind: str
     value: float
@@ -48,7 +51,7 @@ def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: f
     return found
 
 
-def _named(events: Counter) -> str:
+def _named(events: Counter[tuple[str, str]]) -> str:
     return ", ".join(f"{kind.replace('_', ' ')} into {mode.replace('_', ' ')}" for kind, mode in sorted(events))
 
 

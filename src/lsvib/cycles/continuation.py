@@ -31,7 +31,7 @@ _VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A cycle of the branch at a ``value`` of the parameter; ``along``: length of the branch from its start [1]."""
+    """A cycle of the branch at a ``value`` [SI unit] of the parameter; ``along``: length [1] from its start."""
 
     value: float
     cycle: Cycle
@@ -48,7 +48,7 @@ class CycleBranch:
 
     @property
     def folds(self) -> list[float]:
-        """Values of the parameter at folds."""
+        """Values of the parameter [SI unit] at folds."""
         return [change.value for change in self.changes if change.kind == "fold"]
 
 
@@ -116,7 +116,9 @@ def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float)
     return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
 
 
-def _next(curve: BranchEquations, here: Solved, step: float, low: float, width: float):
+def _next(
+    curve: BranchEquations, here: Solved, step: float, low: float, width: float
+) -> tuple[Solved | None, BranchEquations, Solved, float]:
     """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
     there, taken = _stepped(curve, here, step)
     if there is not None:

@@ -32,7 +32,7 @@ class Ending(NamedTuple):
 
 
 class Endings(NamedTuple):
-    """What motions end on, arrays (k) of what :class:`Ending` holds."""
+    """What motions end on, arrays (k) of what :class:`Ending` holds, in the same units."""
 
     attractor: np.ndarray
     happens: np.ndarray

@@ -51,12 +51,14 @@ class Work:
 
     @property
     def efficiency(self) -> float:
-        """Work that motor or load receives over what the other puts in; 0 if both put in."""
+        """Work that motor or load receives over what the other puts in [1]; 0 if both put in."""
         put_in = max(self.motor, self.load)
         return max(-min(self.motor, self.load), 0.0) / put_in if put_in > 0 else math.nan
 
 
-def quadratic_integrals(automaton: Automaton, mode: int, state: np.ndarray, time: float, forms: np.ndarray):
+def quadratic_integrals(
+    automaton: Automaton, mode: int, state: np.ndarray, time: float, forms: np.ndarray
+) -> np.ndarray:
     """Return ∫ (x, 1)ᵀ Q (x, 1) dt (k) over a time [s] from a state (n) in a mode, of forms Q (k, n + 1, n + 1)."""
     if time == 0.0:
         return np.zeros(len(forms))
@@ -72,7 +74,8 @@ def quadratic_integrals(automaton: Automaton, mode: int, state: np.ndarray, time
         moved = propagator(automaton, mode, step * 2.0**k)
         total = total + moved.T @ total @ moved
     start = into @ np.append(state, 1.0)
-    return np.einsum("i,kij,j->k", start, total, start)
+    integrals: np.ndarray = np.einsum("i,kij,j->k", start, total, start)
+    return integrals
 
 
 def _fastest(automaton: Automaton, mode: int) -> float:

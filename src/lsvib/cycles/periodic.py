@@ -34,8 +34,8 @@ class Cycle:
     """A periodic motion of ``drive``.
 
     ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: change of the state over it, relative to
-    the size of the motion; ``multipliers`` (n − 1), complex, the largest first, and ``multiplier_error``, a bound of
-    their errors (of stiff contacts an estimate); ``found_by``: how it was found.
+    the size of the motion; ``multipliers`` [1] (n − 1), complex, the largest first, and ``multiplier_error``, a bound
+    of their errors (of stiff contacts an estimate); ``found_by``: how it was found.
     """
 
     drive: RigidParameters
@@ -99,7 +99,7 @@ class Cycle:
 
     @cached_property
     def extremes(self) -> dict[str, tuple[float, float]]:
-        """Smallest and largest value of each coordinate and observable, at the roots of their rates in closed form."""
+        """Smallest and largest value of each coordinate and observable, in its SI unit, in closed form."""
         automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
         found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
         return found | {name: orbit_extremes(self.orbit, rows) for name, rows in automaton.observables.items()}
@@ -112,17 +112,17 @@ class Cycle:
 
     @cached_property
     def means(self) -> dict[str, float]:
-        """Means of the observables over a period, without the impulses of seizures."""
+        """Means of the observables over a period, in their SI units, without the impulses of seizures."""
         return means(self.orbit)
 
     @cached_property
     def work(self) -> Work:
-        """Work over a period."""
+        """Work over a period [J]."""
         return work(self.drive, self.orbit)
 
     @property
     def impulses(self) -> Impulses:
-        """Impulses of each event of the period; zero but for seizures."""
+        """Impulses of each event of the period [N s, N m s]; zero but for seizures."""
         return event_impulses(self.drive, self.orbit)
 
     def to_json_multipliers(self) -> list[float | list[float] | None]:

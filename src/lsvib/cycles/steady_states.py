@@ -106,7 +106,7 @@ class SteadyState:
         """Period [s]; nan for an equilibrium."""
         return self.orbit.end_time if self.orbit else math.nan
 
-    def extremes(self, row) -> tuple[float, float]:
+    def extremes(self, row: np.ndarray) -> tuple[float, float]:
         """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
         if self.orbit is None:
             value = float(row[:-1] @ self.state + row[-1])

@@ -63,7 +63,7 @@ def map_attraction(
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
     asked = list(dict.fromkeys([*wanted, "doubt"]))
-    if refine and (wanted != ["label"] or drive.model != "rigid"):
+    if refine and (wanted != ["label"] or not isinstance(mapper, PlanarMapper)):
         raise InputError("refine is for labels of the rigid drive, without other quantities.")
     mapper.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
     begin = perf_counter()

@@ -20,7 +20,8 @@ from lsvib.data.attributes import attributes, flagged, flags, fractions, named_f
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import all_models, find_model
 from lsvib.drives.resumption import Resume, rule
 from lsvib.errors import InputError
 from lsvib.numbers import Progress
@@ -29,7 +30,7 @@ from lsvib.steady_sliding.boundary_curves import LOGARITHMIC, ChartBoundary, bou
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 _WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
-_BLOCK = {"rigid": 8192, "threads": 1024}  # cells that a process takes at a time: half a second, and some seconds
+_BLOCK, _SMALL = 8192, 1024  # cells that a process takes at a time: half a second; with more states some seconds
 
 
 class ChartAxis(Axis):
@@ -86,8 +87,9 @@ class Plane:
     @classmethod
     def of(cls, drive: RigidParameters, x: Any, y: Any) -> Self:
         """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
-        if drive.model not in ("rigid", "threads"):
-            raise InputError(f"charts are for the models rigid and threads, not for {drive.model}.")
+        if not find_model(drive.model).curves:
+            charted = " and ".join(name for name, model in all_models().items() if model.curves)
+            raise InputError(f"charts are for the models {charted}, not for {drive.model}.")
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
@@ -112,7 +114,7 @@ class Plane:
         parts = ((self.y, rows), (self.x, columns))
         axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
         shape = tuple(map(len, axes.values()))
-        of_drives = compliant_behaviours if isinstance(self.drive, ThreadsParameters) else behaviours
+        of_drives = behaviours if _two_states(self.drive) else compliant_behaviours
         return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
@@ -218,7 +220,7 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     them one by one, and then blocks of rows.
     """
     count, cells = plane.y.count, plane.x.count * plane.y.count
-    size = max(1, _BLOCK[plane.drive.model] // plane.x.count)
+    size = max(1, (_BLOCK if _two_states(plane.drive) else _SMALL) // plane.x.count)
     blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
     labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
     with get_context("spawn").Pool(workers) as pool:
@@ -252,6 +254,10 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
         "curves": [ChartBoundary(kind).name.lower() for kind in curves],
         "cells_per_second": found.label.size / seconds,
     }
+
+
+def _two_states(drive: RigidParameters) -> bool:
+    return len(find_model(drive.model).states) == 2
 
 
 def _coordinate(axis: ChartAxis) -> dict[str, Any]:

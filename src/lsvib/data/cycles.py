@@ -146,8 +146,8 @@ def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
     for own, (name, *words) in numbers_of.items():
         data[name] = variable("point", np.array([getattr(cycle, own) for cycle in cycles]), *words)
     for part, word in (("real", "real"), ("imag", "imaginary")):
-        dims, words = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
-        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", words)
+        dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
+        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
     return xr.Dataset(
         data,
         attrs={

@@ -33,8 +33,10 @@ class Model:
     ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and of the class ``drive`` the name
     of the damper that the model adds to the rigid drive, ``own_damping``. The kinematic constraint is where the leading
     coefficient of ``constrained(parameters, parts)`` vanishes, by default of the characteristic polynomial;
-    ``constraint`` is its equation in words. ``powers(drive, automaton)`` gives the powers
-    of its cycles. ``section`` is the section of the book that derives the model, by which models are listed.
+    ``constraint`` is its equation in words. ``thresholds`` are the names of those that can be solved for a parameter,
+    and ``curves`` those of the exact curves in its charts; a model without any has no charts. ``powers(drive,
+    automaton)`` gives the powers of its cycles. ``section`` is the section of the book that derives the model, by which
+    models are listed.
     """
 
     drive: type[RigidParameters]
@@ -54,6 +56,8 @@ class Model:
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
     constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
     constraint: str = "det M = 0"
+    thresholds: tuple[str, ...] = ("onset", "kinematic", "flutter")
+    curves: tuple[str, ...] = ()
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
 

@@ -349,6 +349,7 @@ def _observables(c: Coefficients, d, modes) -> dict[str, dict[str, tuple]]:
     }
 
 
+_FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves
 MODEL = Model(
     drive=RigidParameters,
     build=lambda drive, physics, resume: rigid_automaton(drive, rest="rest" in physics, resume=resume),
@@ -361,6 +362,8 @@ MODEL = Model(
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
+    thresholds=("onset", "kinematic", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
+    curves=("onset", *_FORCES, "kinematic", "negative_damping", "stick_slip_birth"),
     powers=Powers,
     section="5.3",
 )

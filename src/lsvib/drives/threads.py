@@ -303,6 +303,7 @@ MODEL = Model(
     characteristic=_characteristic,
     constrained=lambda p, parts: parts.rigid(),  # in the limit of stiff threads; det M of (8.6) > 0
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0, the limit of stiff threads (eq. 8.20, Lemma 8.1)",
+    curves=("flutter",),
     powers=ThreadsPowers,
     excess=lambda parts: 1 + parts.t**2,
     quantities={

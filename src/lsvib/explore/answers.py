@@ -17,13 +17,17 @@ from lsvib.data.phase_plane import lines, sample
 from lsvib.data.simulation import run
 from lsvib.data.sweep import START
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 
-DRAGGED = (120, 90)  # cells of the map while a parameter of the rigid drive is dragged, a seventieth of a second
-SETTLED = (320, 240)  # cells of the rigid drive's map when the hand rests, a fortieth of a second
+DRAGGED = (
+    120,
+    90,
+)  # cells of the map while a drive with two states is dragged, a seventieth of a second
+SETTLED = (320, 240)  # cells of the map of such a drive when the hand rests, a fortieth of a second
 COARSE = (36, 27)  # cells of the map of any other model, of which every motion is followed, about a millisecond each
 _SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
 _PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn
@@ -83,6 +87,11 @@ def contact_line(drive: RigidParameters, window: Window) -> tuple[np.ndarray, np
     found = lines([drive])
     rates = np.array([window.bottom, window.top])
     return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
+
+
+def at_once(drive: RigidParameters) -> bool:
+    """Return whether the map of a drive takes no longer than a drawing: its model has two states."""
+    return len(find_model(drive.model).states) == 2
 
 
 def labels(drive: RigidParameters, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:

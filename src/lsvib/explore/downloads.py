@@ -30,7 +30,7 @@ def drawing(view: View, path: Path) -> None:
     """Draw the map of the window of a view and its motion on it as PNG, in the look of the figures."""
     shown = answers.followed(view)
     window = view.window or answers.window_around(view.drive, shown)
-    grid = answers.grid_of(window, answers.SETTLED if view.drive.model == "rigid" else answers.COARSE)
+    grid = answers.grid_of(window, answers.SETTLED if answers.at_once(view.drive) else answers.COARSE)
     mapped = mapper(view.drive, view.drive.model)
     figure = picture.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
     figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)

@@ -35,8 +35,8 @@ _COMPILING = (
 )
 _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, which so lasts 8 s
-_POINTS = {"rigid": 61}  # of the amplitude curve
-_FEW_POINTS = 21  # of the amplitude curve of other models, a point of which may take half a second
+_POINTS = 61  # of the amplitude curve
+_FEW_POINTS = 21  # of the amplitude curve of models with more states, a point of which may take half a second
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
 if (link) window.history.replaceState(null, "", link.getAttribute("href"));
@@ -200,9 +200,8 @@ class Page:
             view = replace(view, window=answers.window_around(view.drive, shown))
         window = view.window
         assert window is not None
-        rigid = view.drive.model == "rigid"
         found = None
-        if rigid:
+        if answers.at_once(view.drive):
             found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
@@ -244,7 +243,7 @@ class Page:
         view, window = self.view, self.view.window
         assert window is not None
         try:
-            if view.drive.model == "rigid":
+            if answers.at_once(view.drive):
                 found = answers.labels(view.drive, window, answers.SETTLED)
                 self.plots.draw_map(found, window)
                 self.plots.packet.send()
@@ -260,7 +259,7 @@ class Page:
             yield
             self.plots.start_curve(view, answers.thresholds_over(view))
             points: list[answers.AmplitudePoint] = []
-            for point in answers.amplitudes(view, _POINTS.get(view.drive.model, _FEW_POINTS)):
+            for point in answers.amplitudes(view, _POINTS if answers.at_once(view.drive) else _FEW_POINTS):
                 points.append(point)
                 if len(points) % 10 == 0:
                     self.plots.draw_curve(points)

@@ -27,7 +27,8 @@ from lsvib.cycles.endings import all_endings
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
@@ -70,12 +71,8 @@ AxisSpan = tuple[str, tuple[float, float]]
 
 
 def curves_of(drive: RigidParameters) -> tuple[ChartBoundary, ...]:
-    """Return the names of the curves that a drive of the rigid model or with compliant threads can have."""
-    return (
-        (ChartBoundary.FLUTTER,)
-        if isinstance(drive, ThreadsParameters)
-        else tuple(ChartBoundary)[: ChartBoundary.FLUTTER]
-    )
+    """Return the names of the curves that a drive can have; none if its model has no charts."""
+    return tuple(ChartBoundary[name.upper()] for name in find_model(drive.model).curves)
 
 
 def boundary_curves(

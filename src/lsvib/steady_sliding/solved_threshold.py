@@ -24,14 +24,13 @@ _FORCES: dict[str, Callable[[RigidParameters], Start]] = {
     "cycle_birth": sprag_thresholds.cycle_birth_start,
 }
 """Thresholds that are forces in closed form, for drives mirrored to Ω > 0."""
-# The thresholds at which a polynomial of the parameters vanishes: of the rigid drive, and of every other model.
-_OF_RIGID, _OF_OTHERS = ("onset", "kinematic", "negative_damping"), ("onset", "kinematic", "flutter")
+_POLYNOMIALS = ("onset", "kinematic", "negative_damping", "flutter")  # where one of the parameters vanishes
 _USUAL = {"kinematic": "mass", "negative_damping": "support_damping", "flutter": "mass", "rest_loss": "support_damping"}
 
 
 def names(model: str) -> tuple[str, ...]:
     """Return the names of the thresholds of a model."""
-    return (*_OF_RIGID, *_FORCES, "rest_loss") if model == "rigid" else _OF_OTHERS
+    return find_model(model).thresholds
 
 
 def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = None) -> SolvedThreshold:
@@ -51,7 +50,7 @@ def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = Non
         raise InputError(
             f"unknown = {shown(key)} is not a parameter of model {drive.model}: {', '.join(type(drive).model_fields)}."
         )
-    if name in (*_OF_RIGID, *_OF_OTHERS):
+    if name in _POLYNOMIALS:
         return _by_polynomials(drive, name, key)
     if name in _FORCES and key == "axial_force":
         start = _FORCES[name](drive)

@@ -4,8 +4,11 @@ from typing import Literal
 
 from pydantic import Field
 
+from lsvib.drives.registry import all_models
 from lsvib.drives.resumption import Resume
 from lsvib.figures.common.settings import Cells, FigureSettings
+
+_CHARTED = tuple(name for name, model in all_models().items() if model.curves)
 
 
 class ParameterCells(Cells):
@@ -17,7 +20,7 @@ class ParameterCells(Cells):
 class Settings(FigureSettings):
     """Chart of what a drive does over two parameters, which the rule `chart` of the workflow makes."""
 
-    model: Literal["rigid", "threads"] = Field(default="rigid", description="Model of the drive.")
+    model: Literal[*_CHARTED] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
