@@ -46,6 +46,10 @@ def _start(drive, values):
     return threads.MODEL.start(_on_the_level(drive), renamed)
 
 
+def _powers(drive, automaton):
+    return threads.MODEL.powers(_on_the_level(drive), automaton)
+
+
 STATES = ("angle_deviation", "velocity_deviation", "slope_mismatch", "mismatch_rate")
 MODEL = replace(
     threads.MODEL,
@@ -55,6 +59,7 @@ MODEL = replace(
     states=STATES,
     quantities={"slope_mismatch": ("mismatch of nut and screw along the slope", "m", "$e$")},
     optional=("slope_e", "v"),
+    powers=_powers,
     section="",
 )
 '''
@@ -68,7 +73,7 @@ COMMANDS = {
     "stability of threads": ("stability", "--model", "threads", *LINEAR),
     "thresholds": ("thresholds", "--model", "slope", *LINEAR),
     "thresholds of threads": ("thresholds", "--model", "threads", *LINEAR),
-    "cycles": ("cycles", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *CYCLE, "--json"),
+    "cycles": ("cycles", "--model", "slope", "--set", "axial_force=-10", *CYCLE, "--json"),  # the search asks for R
     "cycles of threads": ("cycles", "--model", "threads", "--set", "axial_force=-10", *CYCLE, "--json"),
     "map": (
         *("attraction", "--model", "slope", "--set", "axial_force=-4", "--set", "weight=-6", *CYCLE, *GRID),
@@ -171,7 +176,7 @@ def test_its_cycles_and_its_map_are_those_of_the_equations_in_its_file(found):
         for name in ("cycles", "cycles of threads")
     )
     assert slope == threads
-    assert threads
+    assert threads[0][0].endswith("_cycle")
     assert found["map"]["cells"] == 4
     assert found["map"]["unresolved"] == 0
     assert found["map"]["fractions"] == found["map of threads"]["fractions"]
