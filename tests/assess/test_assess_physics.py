@@ -11,12 +11,12 @@ pytest.importorskip("scipy")
 
 from reference.chapter_sheet import sheet, values_of
 
-from lsvib.assess import drive as sheets
+from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.chart import charts
-from lsvib.assess.friction import damping_by_slope
+from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.margins import margins, sensitivities
 from lsvib.assess.mechanisms import certain, drive_of, reserves
+from lsvib.assess.operating_chart import charts
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
 from lsvib.cycles.attractors import Attractor, steady_state

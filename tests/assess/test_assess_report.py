@@ -14,9 +14,9 @@ import xarray as xr
 import yaml
 
 from lsvib.assess.compare import compare
-from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.run import assess_file, sample_share
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.shown_numbers import change, percent, shown
 from lsvib.assess.words import ATTRACTORS
 from lsvib.data.simulation import simulate
 from lsvib.errors import InputError

@@ -10,12 +10,12 @@ pytest.importorskip("scipy")
 
 from reference.chapter_sheet import sheet, values_of
 
-from lsvib.assess import drive as sheets
+from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.chart import charts
-from lsvib.assess.friction import lifting_efficiency, sliding_speed
+from lsvib.assess.flank_friction import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
+from lsvib.assess.operating_chart import charts
 from lsvib.assess.plain_values import as_json
 from lsvib.assess.report import report
 from lsvib.assess.vibration import Vibration, springy_push, survived_push

@@ -10,7 +10,7 @@ pytest.importorskip("scipy")
 
 from reference.chapter_sheet import sheet
 
-from lsvib.assess import drive as sheets
+from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.mechanisms import drive_of, reserves
 from lsvib.assess.sheet import Sheet

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted(
     [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "config" / "README.md", *ROOT.glob("workflow/**/*.md")]
 )
-# Those of docs/python.md run in tests/command/test_api.py.
+# Those of docs/python.md run in tests/api/test_api.py.
 EXAMPLES = [path for path in PAGES if ">>> " in path.read_text(encoding="utf-8") and path.name != "python.md"]
 PICTURES = ROOT / "results" / "figures"
 needs_sphinx = pytest.mark.skipif(importlib.util.find_spec("sphinx") is None, reason="Sphinx is not installed.")

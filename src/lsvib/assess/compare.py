@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from lsvib.assess import page
-from lsvib.assess.numbers import change, percent, shown
 from lsvib.assess.page import Html
+from lsvib.assess.shown_numbers import change, percent, shown
 from lsvib.assess.words import CHANGES, MECHANISMS
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text

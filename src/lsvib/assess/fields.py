@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from lsvib.assess.catalogue import ThreadSize, thread_size
 from lsvib.assess.spread import Spread, spread
+from lsvib.assess.thread_sizes import ThreadSize, thread_size
 from lsvib.assess.units import NotQuantity, quantity
 
 _READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one

@@ -6,9 +6,9 @@ import yaml
 
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
-from lsvib.assess.drive import point, random_entries
-from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
+from lsvib.assess.sheet_to_drive import point, random_entries
+from lsvib.assess.shown_numbers import shown
 from lsvib.assess.words import ATTRACTORS, entry_name
 
 

@@ -4,13 +4,13 @@ import math
 
 from lsvib.assess import page, pictures
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.chart import Chart
-from lsvib.assess.drive import UNITS
-from lsvib.assess.friction import flank_coefficient
+from lsvib.assess.flank_friction import flank_coefficient
 from lsvib.assess.motions import motions, rigid, where
-from lsvib.assess.numbers import change, percent, shown, signed
+from lsvib.assess.operating_chart import Chart
 from lsvib.assess.page import Html
 from lsvib.assess.sections import data_sheet, left_out, method
+from lsvib.assess.sheet_to_drive import UNITS
+from lsvib.assess.shown_numbers import change, percent, shown, signed
 from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
 
 _TONES = {"vibrates": "bad", "steady": "good"}  # all else warns

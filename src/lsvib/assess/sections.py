@@ -2,10 +2,10 @@
 
 from lsvib.assess import page
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.drive import QUANTITIES
 from lsvib.assess.fields import FrictionBySpeed
-from lsvib.assess.numbers import shown
 from lsvib.assess.page import Html
+from lsvib.assess.sheet_to_drive import QUANTITIES
+from lsvib.assess.shown_numbers import shown
 from lsvib.assess.spread import Spread
 from lsvib.assess.words import LEFT_OUT, entry_name
 

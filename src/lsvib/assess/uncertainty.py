@@ -19,9 +19,9 @@ from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
 from lsvib import __version__
-from lsvib.assess.drive import nominal_draw, quantities, random_entries, square_thread
-from lsvib.assess.friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
 from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
 from lsvib.files import replacing

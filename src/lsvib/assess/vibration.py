@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import drive_of
-from lsvib.assess.numbers import shown
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.shown_numbers import shown
 from lsvib.basins.exact_basin import AttractsNothing, basin
 from lsvib.basins.resilience import smallest_push
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state

@@ -8,7 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.friction import coefficient_from_efficiency, flank_coefficient, sliding_speed, square_coefficient
+from lsvib.assess.flank_friction import (
+    coefficient_from_efficiency,
+    flank_coefficient,
+    sliding_speed,
+    square_coefficient,
+)
 from lsvib.assess.sheet import DENSITIES, Sheet
 
 GRAVITY = 9.80665  # m/s², standard
