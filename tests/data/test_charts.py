@@ -268,7 +268,7 @@ def test_processes_change_nothing(monkeypatch):
     drive, axes = lsvib.RigidDrive(translation_damping=1000), (("mass", 1, 12, 9), ("axial_force", 0, 60, 7))
     alone, told = drive.chart(*axes), []
     monkeypatch.setattr(charts, "_WORTH", 1)
-    monkeypatch.setitem(charts._BLOCK, "rigid", 18)
+    monkeypatch.setattr(charts, "_BLOCK", 18)
     xr.testing.assert_identical(drive.chart(*axes, workers=2, progress=lambda *n: told.append(n)), alone)
     assert told[-1] == (63, 63)
 

@@ -19,7 +19,7 @@ SLOPE = '''"""The drive with compliant threads on a slope: the weight of the loa
 from dataclasses import replace
 
 from lsvib.drives import threads
-from lsvib.drives.parameters import Quantity, RigidParameters, ThreadsParameters, quantity
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters, Value, quantity
 
 
 class SlopeParameters(RigidParameters):
@@ -27,9 +27,9 @@ class SlopeParameters(RigidParameters):
 
     model, own_damping = "slope", "contact_damping"
 
-    contact_stiffness: Quantity = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
-    contact_damping: Quantity = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
-    weight: Quantity = quantity(0.0, "G", "N", "weight of the load along the axis", ge=-1e12, le=1e12)
+    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
+    contact_damping: Value = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+    weight: Value = quantity(0.0, "G", "N", "weight of the load along the axis", ge=-1e12, le=1e12)
 
 
 def _on_the_level(drive):
