@@ -51,7 +51,7 @@ def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
 
     Of the rigid drive by its return maps and the exact basin, of others from starts and on the edges of basins.
     """
-    if len(automaton.states) > 2:
+    if drive.model != RigidParameters.model:  # what is proved below holds for the rigid drive, not for every plane
         model = find_model(drive.model)
         states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
         found = search(drive, automaton, states)
