@@ -177,7 +177,6 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
     Returns (``Status``, mode, number of events).
     """
-    times, kinds, signs, modes, before, after = events
     n = state.size
     scratch = np.empty(n)
     room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
@@ -185,6 +184,14 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
     dispatch.allow(tables.flow, work, clock[3])
     dispatch.take_up(tables.flow, clock, work)
+    return _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work)
+
+
+@kernel
+def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work):
+    """Run, as :func:`run` says, in the room that it has made: what counts no references is a third faster."""
+    times, kinds, signs, modes, before, after = events
+    n = state.size
     count = 0
     while True:
         clock[3] = dispatch.steps_left(tables.flow, work)
