@@ -121,7 +121,7 @@ def _beside(zero, row, state, scale):
     return value, ROUNDING * size
 
 
-@kernel
+@inlined_kernel
 def note_at_once(flow, tables, guard, work):
     """Note that a guard is zero that has fired at once; what was noted stays."""
     last, surface = work.noted.shape[0] - 1, tables.guard_surface[guard]
@@ -135,13 +135,13 @@ def note_at_once(flow, tables, guard, work):
         work.noted[last, 0] = max(count, place + 1)
 
 
-@kernel
+@inlined_kernel
 def forget(flow, work):
     """Forget what was noted, where an impulse has changed the speeds."""
     work.noted[work.noted.shape[0] - 1, 0] = 0.0
 
 
-@kernel
+@inlined_kernel
 def put_as_noted(flow, tables, reset, state, work):
     """Set coordinates that a reset has made equal to a noted guard, as the nut's speed where it comes to that of the
     screw, to what was noted; it differs by rounding only."""
@@ -156,7 +156,7 @@ def put_as_noted(flow, tables, reset, state, work):
                 state[i] = work.noted[k, 1]
 
 
-@kernel
+@inlined_kernel
 def recalled(flow, surface, sign, value, size, work):
     """Return the noted value of a guard and its rounding. The value is NaN if the state alone determines the guard
     equally well.

@@ -22,7 +22,7 @@ from lsvib.engine.kernels import (
     search_planar,
 )
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.status import Found
 from lsvib.engine.kernels.tables import BlockFlow
 
@@ -62,7 +62,7 @@ def _planar_steps_left(flow, work):
     return math.inf
 
 
-@kernel
+@inlined_kernel
 def _modal_steps_left(flow, work):
     return work.steps[0]
 
@@ -98,17 +98,17 @@ def _planar_is_still(flow, mode, state):
     return False  # the search for roots of two states sees it by itself
 
 
-@kernel
+@inlined_kernel
 def _nothing(flow, *arguments):
     pass  # only modal flows carry guards from arc to arc
 
 
-@kernel
+@inlined_kernel
 def _as_the_state_says(flow, surface, sign, value, size, work):
     return math.nan, 0.0
 
 
-@kernel
+@inlined_kernel
 def _modal_travel(flow, mode, state, stay, scale, work):
     flow_modal.travel(flow, mode, state, stay, scale, work.states)
 

@@ -140,7 +140,7 @@ def apply_reset(tables, transition, state, scratch):
         state[i] = scratch[i]
 
 
-@merged_kernel
+@inlined_kernel
 def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
     if stay > 0.0:
@@ -153,7 +153,7 @@ def arrive(tables, mode, state, scale, guard, stay, work):
         scale[i] = max(scale[i], abs(state[i]))
 
 
-@merged_kernel
+@inlined_kernel
 def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     """Reset ``state`` in place where the guard has fired, and choose what follows.
 
