@@ -45,7 +45,7 @@ from lsvib.basins.section_tables import (
     with_cycles,
     with_labels,
 )
-from lsvib.cycles import leaps, return_map
+from lsvib.cycles import drift_two_states, return_map
 from lsvib.cycles.attractors import Attractor, Passage, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, flow_planar
@@ -403,7 +403,7 @@ class Sections:
         ):
             line = return_map.ReturnSection(self.automaton, (int(kind), section.mode), state, size, 1, _PATIENT * time)
             if line.dimension == 1 and line.outcome(np.zeros(1))[1] is not None:
-                ends = np.array([state, line.state(np.array([leaps.reach_back(line, 0.0)]))])
+                ends = np.array([state, line.state(np.array([drift_two_states.reach_back(line, 0.0)]))])
                 self._absorb_passage(Passage(section.mode, ends), Attractor(label))
                 return
 

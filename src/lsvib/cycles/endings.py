@@ -13,13 +13,13 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lsvib.cycles import leaps, more_states, recurrences, return_map, return_section
+from lsvib.cycles import drift_two_states, more_states, recurrences, return_map, return_section
 from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.compliant_endings import compliant_endings
-from lsvib.cycles.ending import Ending, Endings
+from lsvib.cycles.ending_numbers import Ending, Endings
+from lsvib.cycles.endings_one_by_one import endings_one_by_one
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
-from lsvib.cycles.kernels import endings as kernels
-from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels import endings_at_once as kernels
+from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
 from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
@@ -39,7 +39,7 @@ _SEARCH = SearchLimits(
     fewest=recurrences.FEWEST,
     repeats=recurrences.REPEATS[0],
     corner=recurrences.CORNERS[0],
-    few=leaps.FEW,
+    few=drift_two_states.FEW,
     patience_of_return=return_section.PATIENCE,
     longest=return_section.LONGEST,
     secants=return_map.SECANTS,
@@ -101,7 +101,7 @@ def all_endings(
     default those that the model begins with.
     """
     if drives.kind.model != "rigid":
-        return compliant_endings(drives, starts, others or {}, resume, workers, progress)
+        return endings_one_by_one(drives, starts, others or {}, resume, workers, progress)
     found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
 
     def tell(more: int) -> None:

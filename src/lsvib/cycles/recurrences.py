@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles import leaps
+from lsvib.cycles import drift_two_states
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import MARGIN, section_key
@@ -86,7 +86,7 @@ def recurrence(
         found = section.fixed_point(before) if len(before) else None
         if found is None:
             continue
-        if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
+        if section.dimension == 1 and not drift_two_states.goes_straight(section, float(section.place(found.state)[0])):
             continue
         if size.size > 2 and not _by_the_same_events(section, found):
             continue

@@ -54,7 +54,7 @@ def sweep(
     model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
     states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
+    :class:`lsvib.cycles.ending_numbers.Ending`. Raises ``InputError`` for what is not acceptable.
     """
     kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
     axes = axes_of(over, kind.drive, _MOST)

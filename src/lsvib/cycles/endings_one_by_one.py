@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.cycles.ending import Ending, Endings
+from lsvib.cycles.ending_numbers import Ending, Endings
 from lsvib.cycles.impulses import event_impulses
-from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.many_threads import threads_automata
 from lsvib.drives.parameters import RigidParameters
@@ -95,7 +95,7 @@ def ending_of(one: Prepared, state: np.ndarray) -> Ending:
 
 
 def happens(model: Model, found: SteadyState) -> int:
-    """Return what happens on a cycle, as :class:`lsvib.cycles.ending.Ending` has it."""
+    """Return what happens on a cycle, as :class:`lsvib.cycles.ending_numbers.Ending` has it."""
     orbit = found.orbit
     if orbit is None:
         return 0
@@ -108,7 +108,7 @@ def happens(model: Model, found: SteadyState) -> int:
     )
 
 
-def compliant_endings(
+def endings_one_by_one(
     drives: ManyDrives,
     starts: np.ndarray,
     others: Mapping[str, float],
