@@ -51,7 +51,7 @@ def wind_up(drive: RigidParameters, back: Automaton, state, mode: int) -> Motion
                 once = found.orbit.time.size // found.returns
                 return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
         section = _section(trace)
-        leap = None if section is None else drift_two_states.drift(section, 0.0, _FAR)
+        leap = None if section is None else drift_two_states.drift(section, _FAR)
         if leap is None:
             break
         if leap.end == drift_two_states.End.GROWS:

@@ -234,7 +234,7 @@ class Sections:
         ):
             line = return_map.ReturnSection(self.automaton, (int(kind), section.mode), state, size, 1, _PATIENT * time)
             if line.dimension == 1 and line.outcome(np.zeros(1))[1] is not None:
-                ends = np.array([state, line.state(np.array([drift_two_states.reach_back(line, 0.0)]))])
+                ends = np.array([state, line.state(np.array([drift_two_states.reach_back(line)]))])
                 self.courses.absorb_passage(Passage(section.mode, ends), Attractor(label))
                 return
 

@@ -134,7 +134,7 @@ def _slow_end(
     section, end = drift_two_states.far_drift(first)
     if end is None:
         return None, None
-    came_from = first.state(np.array([drift_two_states.reach_back(first, 0.0)]))
+    came_from = first.state(np.array([drift_two_states.reach_back(first)]))
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
     passage, faint = Passage(key[1], np.array([came_from, place])), None
     if end.end == drift_two_states.End.CLOSES:
@@ -157,7 +157,7 @@ def _slow_end(
 def _faint(section: ReturnSection, near: np.ndarray) -> SteadyState | None:
     """Return the cycle near a state of a line that a motion drifts to from both sides, however slowly."""
     there = section.at(near, np.maximum(section.size, np.abs(near)))
-    ends = drift_two_states.enclosure(there, 0.0)
+    ends = drift_two_states.enclosure(there)
     fixed = None if ends is None else there.between(*ends)
     return None if fixed is None else cycle_through(there, fixed)
 
