@@ -16,19 +16,19 @@ import numpy as np
 from lsvib.cycles import drift_two_states, more_states, recurrences, return_map, return_section
 from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.ending_numbers import Ending, Endings
-from lsvib.cycles.endings_one_by_one import endings_one_by_one
+from lsvib.cycles.endings_one_by_one import endings_one_by_one, happens
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
 from lsvib.cycles.kernels import endings_at_once as kernels
-from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels.endings_at_once import RESTS, SPRAGS
 from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.resumption import Resume
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
-from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError
 
 _SEARCH = SearchLimits(
@@ -73,15 +73,8 @@ def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> En
         amplitude = force = math.nan
     impulses = np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal)
     impulse = float(np.max(impulses, initial=0.0))
-    return Ending(label, _happens(found.orbit), amplitude, found.period, found.multiplier, force, impulse)
-
-
-def _happens(orbit: Motion) -> int:
-    """What happens on a cycle, as :class:`Ending` has it."""
-    return (
-        SPRAGS * bool((orbit.kind == EventKind.SEIZURE).any())
-        + RESTS * bool((orbit.automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
-        + REVERSES * bool((orbit.kind == EventKind.CONTACT_REVERSAL).any())
+    return Ending(
+        label, happens(find_model(drive.model), found), amplitude, found.period, found.multiplier, force, impulse
     )
 
 

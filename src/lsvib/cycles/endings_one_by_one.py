@@ -100,11 +100,10 @@ def happens(model: Model, found: SteadyState) -> int:
     if orbit is None:
         return 0
     codes = orbit.automaton.codes[orbit.arcs()[0]]
-    reversal = next(kind for kind in model.events if kind.name == "CONTACT_REVERSAL")
     return (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
         + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
-        + REVERSES * bool((orbit.kind == reversal).any())
+        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
     )
 
 
