@@ -93,7 +93,7 @@ def all_endings(
     alone. ``progress`` is told how many of how many are done. ``others``: values of the other states by name, by
     default those that the model begins with.
     """
-    if drives.kind.model != "rigid":
+    if drives.drive_class.model != "rigid":
         return endings_one_by_one(drives, starts, others or {}, resume, workers, progress)
     found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
 

@@ -53,9 +53,9 @@ class Prepared(NamedTuple):
 
 def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
     """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
-    model = find_model(drives.kind.model)
-    seizures_only_by_contact(drives.kind.model, resume)
-    made = threads_automata(drives) if drives.kind.model == "threads" else [None] * drives.size
+    model = find_model(drives.drive_class.model)
+    seizures_only_by_contact(drives.drive_class.model, resume)
+    made = threads_automata(drives) if drives.drive_class.model == "threads" else [None] * drives.size
     for k, one in enumerate(made):
         if one is not None:
             yield Prepared(k, model, drives, *one)
