@@ -119,7 +119,7 @@ class Basin:
     def _size(self, window: Window) -> np.ndarray:
         """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
         points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
-        return np.where(np.isfinite(points), points, 0.0).max(axis=0)
+        return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
 
 
 def basin(drive: RigidParameters) -> Basin:
@@ -166,7 +166,7 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     orbit = wind_up(drive, back, [start, 0.0], mode_index(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [forward_arcs(orbit, rigid_automaton(drive))]
+    return Boundary.CYCLE, [[*forward_arcs(orbit, rigid_automaton(drive))]]
 
 
 def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -185,7 +185,7 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
-        return Boundary.TOUCHING_MOTION, [[*arcs[-1:], Segment(end, arcs[-1].start)]]
+        return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
     if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(

@@ -21,7 +21,7 @@ from lsvib.basins.refinement import RefinedMap, count
 from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import phase_plane
-from lsvib.data.attributes import attributes, flags, flags_or_none, fractions, quantity, variable
+from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
@@ -113,7 +113,7 @@ def dimensions(grid: Grid) -> tuple[str, str]:
     return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
-def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
     """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
     return {
         "settling_time" if name == "time" else name: (
@@ -149,13 +149,13 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
     )
 
 
-def axis_coordinate(axis: Axis) -> tuple:
+def axis_coordinate(axis: Axis) -> Variable:
     """Return the coordinate variable of an axis: the middles of its cells."""
     name = coordinates()[axis.coordinate]
     return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
 
 
-def parameters(mapper: Mapper) -> dict[str, tuple]:
+def parameters(mapper: Mapper) -> dict[str, Variable]:
     """Return the parameters of the drive of a map as variables."""
     return {name: ((), value, parameter(name, GIVEN)) for name, value in mapper.drive}
 
@@ -179,14 +179,14 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
     return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
 
 
-def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     """Return what is drawn around a map in the plane of u and w.
 
     Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
     :mod:`lsvib.basins.exact_basin` covers the drive, the exact boundary of the basin of steady sliding and the area of
     the basin within the map.
     """
-    data: dict[str, tuple] = {}
+    data: dict[str, Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]

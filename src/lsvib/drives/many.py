@@ -50,8 +50,8 @@ class Group:
 class ManyDrives:
     """Drives of one model that are given by arrays of their parameters.
 
-    ``values``: one value [SI unit] or an array (k) of each parameter of the model, whose class is ``drive_class``, within
-    its range.
+    ``values``: one value [SI unit] or an array (k) of each parameter of the model, within its range;
+    ``drive_class`` is the class of the model's drives.
     """
 
     def __init__(
