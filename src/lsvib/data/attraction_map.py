@@ -13,7 +13,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.clipping import Window
-from lsvib.basins.exact_basin import Basin, basin
+from lsvib.basins.exact_basin import basin
 from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.basins.planar_mapper import PlanarMapper
@@ -198,23 +198,14 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
         return data
     lines = phase_plane.lines([mapper.drive])
     data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
-    found = exact_basin(mapper)
-    if found is not None:
-        window = window_of(grid)
-        line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
-        data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
-        data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
-    return data
-
-
-def exact_basin(mapper: Mapper) -> Basin | None:
-    """Return the exact basin of steady sliding, or None for a model or a drive that it is not known for."""
-    if mapper.model != "rigid":
-        return None
     try:
-        return basin(mapper.drive)
+        found, window = basin(mapper.drive), window_of(grid)
     except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
-        return None
+        return data
+    line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
+    data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
+    data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
+    return data
 
 
 def window_of(grid: Grid) -> Window:

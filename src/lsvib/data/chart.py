@@ -144,12 +144,12 @@ class Plane:
         """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
         free = {self.x.name, self.y.name, "axial_force"}
         ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
-        if ends is None or self.drive.model != "rigid":
+        if ends is None:
             return {}
         own, found = {name: value for name, value in self.drive if name not in free}, []
         for place, reading in enumerate(chapter.READINGS):
             theirs = dict(RigidParameters(**reading.drive))
-            if all(value == theirs[name] for name, value in own.items()):
+            if all(value == theirs.get(name) for name, value in own.items()):
                 found += [(reading.stated, place, 0), (reading.needed, place, 1)]
         found = [one for one in found if ends[0] <= one[0] <= ends[1]]
         if not found:
