@@ -47,8 +47,8 @@ class Mapper(ABC):
 
         Arguments: ``quantities`` wanted; number of ``workers``; ``progress``, called with the numbers of rows done
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
-        int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
-        ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        int8, doubt int8 (the place in ``Doubt`` of why the label is unresolved, −1 if it is not). Raises ``InputError``
+        if the grid's coordinates are not those of the state, or a quantity is not known.
         """
         for name in quantities:
             if name not in QUANTITIES:

@@ -35,7 +35,7 @@ _BOUNDARY_SAMPLES = 100  # of each arc
 
 @dataclass(frozen=True)
 class AttractionMap:
-    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took.
+    """A ``dataset`` of ``drive.attraction(…)``, its cells counted by attractor, and the ``seconds`` it took.
 
     ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
     """
@@ -55,7 +55,7 @@ def map_attraction(
     refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
-    """Map the region of attraction of a drive as :meth:`RigidDrive.attraction`; the seconds are without compiling."""
+    """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
