@@ -15,6 +15,8 @@ from lsvib.cycles.attractors import Attractor, Passage, SteadyState, steady_stat
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 
+Span = tuple[float, float]  # coordinates of two points of a section
+Push = tuple[float, bool]  # relative change of the coordinate after every event, and whether its sign alternates
 EVENTS = 256  # longest itinerary; a motion that goes on is labelled by a search for its attractor
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
 WORK = 20_000_000  # events that may be followed for one drive; they take a few seconds
@@ -137,7 +139,7 @@ class Courses:
             path.append(self._symbols[:count].tobytes())
         return path, float(state[section.free])
 
-    def course(self, section: LabelSection, x: float, push: tuple[float, bool], learns: bool = True) -> np.ndarray:
+    def course(self, section: LabelSection, x: float, push: Push, learns: bool = True) -> np.ndarray:
         """Return the itinerary of the motion from a point of a section, with the code of its end as the last number.
 
         With ``learns`` an attractor that is found beyond the itinerary ends later itineraries.
@@ -192,14 +194,7 @@ class Courses:
         self._learned = [Attractor(label) for _, _, _, label in pieces]
         self.absorbing = np.vstack([self.absorbing[: len(self.absorbed)], *rows])
 
-    def parting(
-        self,
-        section: LabelSection,
-        ends: tuple[float, float],
-        push: tuple[float, bool],
-        course: np.ndarray,
-        position: int,
-    ) -> tuple[float, float]:
+    def parting(self, section: LabelSection, ends: Span, push: Push, course: np.ndarray, position: int) -> Span:
         """Return the neighbours between two ``ends`` between which ``course``, of the lower one, ends at a position."""
         resolution = 1e-3 * flow_planar.EPS * self.size[section.free]
         return itinerary.last_agreement(

@@ -29,7 +29,7 @@ import numpy as np
 
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.pieces import Pieces, agreed, completed, merged, opened, touching
-from lsvib.basins.section_courses import EVENTS, WORK, Courses
+from lsvib.basins.section_courses import EVENTS, WORK, Courses, Push, Span
 from lsvib.basins.section_tables import FAR, LabelSection, releases_of, with_common_labels, with_cycles, with_labels
 from lsvib.cycles import drift_two_states, return_map
 from lsvib.cycles.attractors import Attractor, Passage
@@ -114,7 +114,7 @@ class Sections:
                 found[section] = completed(labels, found[section]) if section in found else labels
         return found
 
-    def _ends(self, section: LabelSection) -> tuple[float, float]:
+    def _ends(self, section: LabelSection) -> Span:
         """Return the part of a section on which its mode can be entered: its guard rises, and no other has fired."""
         tables, origin = self.automaton.tables, self.courses.point(section, 0.0)
         along = self.courses.point(section, self.size[section.free]) - origin
@@ -148,7 +148,7 @@ class Sections:
         runs += [self._pushed(section, runs[0], push) for push in self._pushes]
         return agreed(runs, _ROUNDING * self.size[section.free])
 
-    def _pushed(self, section: LabelSection, pieces: Pieces, push: tuple[float, bool]) -> Pieces:
+    def _pushed(self, section: LabelSection, pieces: Pieces, push: Push) -> Pieces:
         """Find the labels again for motions that are pushed, near the places of a section where labels change."""
         edges, labels = [pieces.edges[0]], [pieces.labels[0]]
         for before, cut, after, label in zip(
@@ -170,9 +170,7 @@ class Sections:
             edges, labels = edges[:-1], labels[:-1]
         return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
-    def _pieces(
-        self, section: LabelSection, push: tuple[float, bool], ends: tuple[float, float], learns: bool = False
-    ) -> Pieces:
+    def _pieces(self, section: LabelSection, push: Push, ends: Span, learns: bool = False) -> Pieces:
         """Return labels along a section between two ``ends``, by bisection between motions of different courses.
 
         With ``learns`` a label is used as soon as it is found: pieces nearer to the equilibrium come first, and the
@@ -229,9 +227,8 @@ class Sections:
         except EngineError:
             return
         size = np.abs(motion.after).max(axis=0, initial=0.0)
-        for kind, time in zip(
-            motion.kind[motion.mode == section.mode], motion.time[motion.mode == section.mode], strict=True
-        ):
+        seen = motion.mode == section.mode
+        for kind, time in zip(motion.kind[seen], motion.time[seen], strict=True):
             line = return_map.ReturnSection(self.automaton, (int(kind), section.mode), state, size, 1, _PATIENT * time)
             if line.dimension == 1 and line.outcome(np.zeros(1))[1] is not None:
                 ends = np.array([state, line.state(np.array([drift_two_states.reach_back(line)]))])

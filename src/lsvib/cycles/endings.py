@@ -8,6 +8,7 @@ goes to that function.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 from multiprocessing import get_context
 
@@ -115,13 +116,10 @@ def all_endings(
     places = np.flatnonzero(is_open)
     work = partial(_one, resume=resume)
     cases = ((drives.one(k), tuple(starts[k].tolist())) for k in places)
-    if workers == 1 or places.size < _WORTH:
-        for k, one in zip(places, map(work, cases), strict=True):
-            found.put(k, one)
-            tell(1)
-        return found
-    with get_context("spawn").Pool(workers) as processes:
-        for k, one in zip(places, processes.imap(work, cases, _SHARE), strict=True):
+    apart = workers > 1 and places.size >= _WORTH
+    with get_context("spawn").Pool(workers) if apart else nullcontext() as processes:
+        ends = processes.imap(work, cases, _SHARE) if processes else map(work, cases)
+        for k, one in zip(places, ends, strict=True):
             found.put(k, one)
             tell(1)
     return found

@@ -61,9 +61,8 @@ def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
             yield Prepared(k, model, drives, *one)
             continue
         drive = drives.one(k)
-        terms = (*(term for term in model.terms if getattr(drive, term) != 0), *model.options)
         try:
-            automaton = model.build(drive, terms, resume)
+            automaton = model.build(drive, model.physics_of(drive), resume)
         except EngineError:  # rates that lie too far apart: nothing can be told
             automaton = None
         yield Prepared(k, model, drives, automaton, None)
