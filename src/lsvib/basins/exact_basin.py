@@ -80,7 +80,7 @@ class Basin:
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
-        return clip(self.flow, self.curves, window) if self.curves else clip(self.flow, [_everything()], window)
+        return clip(self.flow, self.curves or [_everything()], window)
 
     def line(self, window: Window, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
@@ -104,11 +104,8 @@ class Basin:
         wide = window.widened(*narrow)
         if wide != window:
             if any(inside(self.flow, self.curves, wide)):
-                name, low, high, least = (
-                    ("u", window.left, window.right, narrow[0])
-                    if window.right - window.left < narrow[0]
-                    else ("w", window.bottom, window.top, narrow[1])
-                )
+                sides = ("u", window.left, window.right, narrow[0]), ("w", window.bottom, window.top, narrow[1])
+                name, low, high, least = next(side for side in sides if side[2] - side[1] < side[3])
                 raise InputError(
                     f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
                     f"through it; the allowed range of high - low is at least {least:g} there."
@@ -280,8 +277,7 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
 
 def _everything() -> Curve:
     """Return a curve that has the whole plane on its right."""
-    low, high = np.array([-1e300, -math.inf]), np.array([-1e300, math.inf])
-    return [Segment(low, high)]
+    return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
 
 
 def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
