@@ -15,7 +15,7 @@ from lsvib.cycles.attractors import Attractor, Passage, SteadyState, steady_stat
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 
-Span = tuple[float, float]  # coordinates of two points of a section
+Stretch = tuple[float, float]  # coordinates of two points of a section
 Push = tuple[float, bool]  # relative change of the coordinate after every event, and whether its sign alternates
 EVENTS = 256  # longest itinerary; a motion that goes on is labelled by a search for its attractor
 _HASTE = 16  # events after which a motion that hardly moves is leapt over
@@ -194,7 +194,7 @@ class Courses:
         self._learned = [Attractor(label) for _, _, _, label in pieces]
         self.absorbing = np.vstack([self.absorbing[: len(self.absorbed)], *rows])
 
-    def parting(self, section: LabelSection, ends: Span, push: Push, course: np.ndarray, position: int) -> Span:
+    def parting(self, section: LabelSection, ends: Stretch, push: Push, course: np.ndarray, position: int) -> Stretch:
         """Return the neighbours between two ``ends`` between which ``course``, of the lower one, ends at a position."""
         resolution = 1e-3 * flow_planar.EPS * self.size[section.free]
         return itinerary.last_agreement(

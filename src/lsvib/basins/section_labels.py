@@ -29,7 +29,7 @@ import numpy as np
 
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.pieces import Pieces, agreed, completed, merged, opened, touching
-from lsvib.basins.section_courses import EVENTS, WORK, Courses, Push, Span
+from lsvib.basins.section_courses import EVENTS, WORK, Courses, Push, Stretch
 from lsvib.basins.section_tables import FAR, LabelSection, releases_of, with_common_labels, with_cycles, with_labels
 from lsvib.cycles import drift_two_states, return_map
 from lsvib.cycles.attractors import Attractor, Passage
@@ -114,7 +114,7 @@ class Sections:
                 found[section] = completed(labels, found[section]) if section in found else labels
         return found
 
-    def _ends(self, section: LabelSection) -> Span:
+    def _ends(self, section: LabelSection) -> Stretch:
         """Return the part of a section on which its mode can be entered: its guard rises, and no other has fired."""
         tables, origin = self.automaton.tables, self.courses.point(section, 0.0)
         along = self.courses.point(section, self.size[section.free]) - origin
@@ -170,7 +170,7 @@ class Sections:
             edges, labels = edges[:-1], labels[:-1]
         return Pieces(edges, labels) if labels else Pieces([0.0, 0.0], [UNKNOWN])
 
-    def _pieces(self, section: LabelSection, push: Push, ends: Span, learns: bool = False) -> Pieces:
+    def _pieces(self, section: LabelSection, push: Push, ends: Stretch, learns: bool = False) -> Pieces:
         """Return labels along a section between two ``ends``, by bisection between motions of different courses.
 
         With ``learns`` a label is used as soon as it is found: pieces nearer to the equilibrium come first, and the
