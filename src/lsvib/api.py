@@ -108,7 +108,7 @@ class _Drive(RigidParameters):
         ('angle_deviation', 'velocity_deviation')
         """
         scene = self._scene({"u": 0.0, "w": 0.0}, 1.0, physics=physics, resume=resume)
-        return scene.kind.build(self, scene.terms, scene.resume)
+        return scene.definition.build(self, scene.terms, scene.resume)
 
     def simulate(
         self,
@@ -155,8 +155,8 @@ class _Drive(RigidParameters):
         from lsvib.engine.motion import enter
 
         scene = self._scene(start, 1.0, resume=resume, physics=physics)
-        automaton = scene.kind.build(self, scene.terms, scene.resume)
-        state = scene.kind.initial_state(self, scene.start)
+        automaton = scene.definition.build(self, scene.terms, scene.resume)
+        state = scene.definition.initial_state(self, scene.start)
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 

@@ -241,7 +241,8 @@ def test_simulate_is_that_of_the_function(kind):
     )
     found = drive.steady_state(START)
     assert (
-        found.label == steady_state(drive.automaton(), drive._scene(START, 1.0).kind.initial_state(drive, START)).label
+        found.label
+        == steady_state(drive.automaton(), drive._scene(START, 1.0).definition.initial_state(drive, START)).label
     )
 
 

@@ -193,7 +193,7 @@ def test_refined_map_is_the_full_map(mappers, size, box):
     refined = refine(mapped, grid)
     full = mapped.cells(grid, quantities=("label",))["label"]
     assert np.array_equal(refined.expand(), full)
-    assert np.array_equal(refined.expand(slice(7, 300), slice(100, 391)), full[7:300, 100:391])
+    assert np.array_equal(refined.expand(slice(7, 300)), full[7:300])
     assert refined.corrected == 0
     assert refined.computed < 0.45 * full.size
 

@@ -26,7 +26,7 @@ def test_labels_against_the_return_map(kind, model):
     grid = Grid.parse(GRID)
     found = mapped.cells(grid, quantities=("label", "time", "seizures", "first_event"))
     for (i, j), label in np.ndenumerate(found["label"]):
-        state = mapped.kind.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
+        state = mapped.definition.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
         assert steady_state(mapped.automaton, state).label == label
     assert Attractor.UNRESOLVED not in found["label"]
     assert np.isfinite(found["time"]).all()
@@ -41,7 +41,7 @@ def test_what_is_open_after_many_events_is_asked_of_the_return_map_in_the_mode_r
     """On a surface the state alone does not say in which mode the motion is."""
     mapped = mapper(ThreadsParameters.of(DRIVE), "threads")
     mapped.attractors = []
-    state = mapped.kind.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
+    state = mapped.definition.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
     asked = []
 
     def remember(automaton, state, *, mode, max_events):

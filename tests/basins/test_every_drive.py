@@ -140,13 +140,13 @@ def test_what_is_learned_beside_a_repelling_cycle_is_not_the_label_inside():
     drive = wide_drive("rigid", 1202, 3727, 1).drive
     automaton = rigid_automaton(drive)
     sections = Sections(automaton, rounding=False)
-    absorbed = list(zip(sections._absorbing, sections._absorbed, strict=False))
+    absorbed = list(zip(sections.courses.absorbing, sections.courses.absorbed, strict=False))
     assert len(absorbed) > 4
     for (mode, surface, low, high), label in absorbed:
-        section = next(one for one in sections.sections if (one.mode, one.surface) == (mode, surface))
+        section = next(one for one in sections.courses.sections if (one.mode, one.surface) == (mode, surface))
         far = 1e3 * sections.size[section.free]
         middle = 0.5 * (max(low, -far) + min(high, far))
-        found = steady_state(automaton, sections._point(section, middle), mode=section.mode)
+        found = steady_state(automaton, sections.courses.point(section, middle), mode=section.mode)
         assert found.label in (label, Attractor.UNRESOLVED)
 
 

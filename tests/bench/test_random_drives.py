@@ -1,17 +1,14 @@
-"""Random drives over the full ranges: the watcher and the judge of fates against the reference, and the command."""
+"""Motions of random drives over the full ranges: the watcher, strides and the engine against the reference."""
 
-import json
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge import boundary_judge, command, excuses, judges, long_run, threshold_judge
-from judge.fate import fate
+from judge import command, excuses, judges
 from judge.linear_judge import rates
 from judge.second_opinions import watch
 from judge.second_paths import quick_path, watched_path
-from judge.wide_drives import MODELS, wide_drive
+from judge.wide_drives import wide_drive
 
 from lsvib.bench.record import Record
 from lsvib.bench.reference import rigid_digits
@@ -23,36 +20,6 @@ from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow
 
 SEED = 7
-CHAPTER = {  # what the chapter's drives do, by the figures
-    "steady_sliding": ({"mass": 10.0}, (1e-3, 0.0)),
-    "sprag_slip_cycle": ({"mass": 11.0}, (1e-3, 0.0)),
-    "stick_slip_cycle": ({"translation_damping": 1e3, "axial_force": 40.0}, (1e-3, 0.0)),
-    "other_cycle": ({"translation_damping": 1e3, "axial_force": 25.0}, (1e-3, 0.0)),
-    "neutral_family": ({"support_damping": 0.0}, (1e-3, 0.0)),
-}
-WITHOUT_EDGES = {  # drives whose fate only patience shows: the return map drifts by a part in 10⁵ to 10¹² in a turn
-    (1, 25, 1): "steady_sliding",
-    (1, 27, 1): "steady_sliding",
-    (1, 53, 1): "steady_sliding",
-    (1, 168, 3): "steady_sliding",
-    (1, 219, 1): "steady_sliding",
-    (1, 24, 3): "neutral_family",
-}
-
-
-@pytest.mark.parametrize("name", CHAPTER)
-def test_the_fates_of_the_chapters_drives(name):
-    """The judge of fates sees in the chapter's drives what its figures show."""
-    changes, start = CHAPTER[name]
-    assert fate(watch.constants(dict(RigidParameters.of(changes))), *start).name == name
-
-
-@pytest.mark.parametrize("key", WITHOUT_EDGES)
-def test_slow_drifts_are_followed_to_their_end(key):
-    """A drift that takes millions of turns is leapt over, and where it ends is known."""
-    seed, index, start = key
-    wide = wide_drive("rigid", seed, index, command.STARTS)
-    assert fate(watch.constants(dict(wide.drive)), *wide.starts[start]).name == WITHOUT_EDGES[key]
 
 
 def test_the_watcher_has_the_events_of_the_reference():
@@ -86,14 +53,6 @@ def test_strides_have_the_events_of_the_reference(model):
     assert compared >= 3
 
 
-@pytest.mark.parametrize("model", MODELS)
-def test_drives_do_not_depend_on_what_else_is_drawn(model):
-    """Drive and first start of an index are the same whatever the number of starts."""
-    one, more = wide_drive(model, SEED, 3, 1), wide_drive(model, SEED, 3, 5)
-    assert one.drive == more.drive
-    assert (one.starts[0] == more.starts[0]).all()
-
-
 def test_rates_of_rigid_threads_near_those_of_the_rigid_drive():
     """Very stiff and hardly damped threads have the two rates of the rigid drive among their four."""
     drive = {"mass": 5.0, "translation_damping": 100.0, "support_damping": 1e-3}
@@ -103,32 +62,6 @@ def test_rates_of_rigid_threads_near_those_of_the_rigid_drive():
     slow = sorted(rates(threads._replace(drive=stiff)), key=abs)[:2]
     for rate in rates(rigid):
         assert min(abs(rate - x) for x in slow) < 1e-6 * abs(rate)
-
-
-def test_motions_and_stability_of_random_drives_are_right():
-    """A part of the run that judges a million: motions and linear stability of rigid drives."""
-    records = [command.judged("rigid", SEED, k, ("stability", "motion")) for k in range(25)]
-    table = command.summary(records)
-    assert table["motion"].total() == 25 * command.STARTS
-    assert not any(table[stage][verdict] for stage in table for verdict in judges.BAD), records
-
-
-@pytest.mark.slow
-def test_more_motions_and_stability_of_random_drives_are_right():
-    """The same for more drives, and some of each other model."""
-    drives = {"rigid": 400, "support": 5, "nut": 5}
-    for model, count in drives.items():
-        records = [command.judged(model, SEED, k, ("stability", "motion")) for k in range(count)]
-        table = command.summary(records)
-        assert not any(table[stage][verdict] for stage in table for verdict in judges.BAD), records
-
-
-def test_a_small_undamped_motion_does_not_come_to_rest():
-    """R = 0 and no damping: a start at 1e-10 of the drive's size stays on its closed orbit."""
-    drive = RigidParameters.of(axial_force=0.0, support_damping=0.0, translation_damping=0.0, mass=5.0)
-    constants = watch.constants(dict(drive))
-    start = 1e-10 * constants.scale, 1e-10 * constants.speed
-    assert fate(constants, *start).name == "neutral_family"
 
 
 def test_events_at_the_corner_need_no_reference(monkeypatch):
@@ -300,155 +233,6 @@ def test_an_equilibrium_without_contact_force_lasts(index, start):
     assert not wide.starts[start].any()
     _, ask = list(judges.stages(wide, ["motion"]))[start]
     assert ask() == [judges.Finding(judges.RIGHT, start)]
-
-
-def test_a_faint_damping_is_none_only_without_dampers():
-    """Pairs of doubles lose a damping by 1e-23 1/s beside rates of 1e6 1/s, and called the motion neutral (82/25)."""
-    wide = wide_drive("threads", 82, 25, command.STARTS)
-    damping = -float(min(rate.real for rate in rates(wide) if abs(rate) < 10))
-    assert damping == pytest.approx(1.0517e-23, rel=1e-4)
-    assert long_run.fate(wide, 0, *long_run.constants_of(wide)).name == "steady_sliding"
-    undamped = wide._replace(drive=type(wide.drive).of({**dict(wide.drive), "contact_damping": 0.0}))
-    lasting = next(rate for rate in rates(undamped) if abs(rate) < 10)
-    assert long_run._growth(undamped, lasting, max(map(abs, rates(undamped)))) == 0
-
-
-def test_the_judges_can_say_wrong(monkeypatch):
-    """A program that calls everything a cycle, or has an onset that is off by 1 %, is found out."""
-    wide = wide_drive("rigid", SEED, 0, 1)
-    truth = fate(watch.constants(dict(wide.drive)), *wide.starts[0])
-    other = "other_cycle" if truth.name == "steady_sliding" else "steady_sliding"
-    assert judges.compared(wide, 0, truth, other).verdict == judges.WRONG
-    assert judges.compared(wide, 0, truth, "unbounded").verdict == judges.WRONG
-    drive = RigidParameters.of(translation_damping=1e3)
-    rng = np.random.default_rng(0)
-    assert {verdict for _, verdict, *_ in threshold_judge.objections(drive, rng)} == {"right", "not run"}
-    right = threshold_judge.thresholds.onset_force
-    monkeypatch.setattr(threshold_judge.thresholds, "onset_force", lambda drive: 1.01 * right(drive))
-    found = {name: verdict for name, verdict, *_ in threshold_judge.objections(drive, rng)}
-    assert found["onset_force"] == "wrong"
-
-
-@pytest.mark.parametrize("model", MODELS[1:])
-def test_a_boundary_of_stability_that_is_off_by_a_part_in_a_million_is_found_out(model, monkeypatch):
-    """The thresholds of a drive with four states are right, and a table that moves them is called wrong."""
-    right = boundary_judge.threshold_table
-
-    def moved(changes, model):
-        table = right(changes, model)
-        for entry in table.values():
-            for interval in entry["stable_intervals"]:
-                interval["low"] *= 1 + 1e-6
-                interval["high"] = interval["high"] and interval["high"] * (1 + 1e-6)
-            entry["value"] = entry["value"] and entry["value"] * (1 + 1e-6)
-        return table
-
-    wrong = 0
-    for index in range(2):
-        wide = wide_drive(model, SEED, index, 1)
-        asked = [verdict for _, verdict, *_ in boundary_judge.objections(wide, np.random.default_rng(index))]
-        assert asked == ["right"] * 3
-        with monkeypatch.context() as patch:
-            patch.setattr(boundary_judge, "threshold_table", moved)
-            wrong += any(x[1] == "wrong" for x in boundary_judge.objections(wide, np.random.default_rng(index)))
-    assert wrong
-
-
-def test_faults_and_their_drives_are_recorded(monkeypatch):
-    """A question that raises is a finding, and the next one is asked."""
-
-    def stages(wide, questions):
-        yield "motion", lambda: 1 / 0
-        yield "label", lambda: [judges.Finding(judges.RIGHT)]
-
-    monkeypatch.setattr(judges, "stages", stages)
-    record = command.judged("rigid", SEED, 0, ())
-    assert record["counts"] == {"motion crashed": 1, "label right": 1}
-    assert "ZeroDivisionError" in record["notable"][0]["said"]
-    assert not command.passed(command.summary([record]))
-
-
-def test_a_drift_that_fades_into_rounding_does_not_turn_back():
-    """Seizures move u by 2e-5 rad and less of 1.8e8 rad, always the same way: 40 digits show no cycle (9901/1942)."""
-    drive = {**dict(wide_drive("rigid", 9901, 1942, 16).drive), "axial_force": 0.10404606403887738}
-    start = (-176392941.47735777, -drive["input_speed"])
-    found = fate(watch.constants(drive), *start)
-    assert (found.name, found.reason) == ("unknown", "a drift that fades into rounding")
-    ends = [
-        rigid_digits.simulate(drive, start[0] + offset, start[1], 3e-9, dps=50).events for offset in (0.0, 1e-3, 1e-2)
-    ]
-    assert all(float(event.u_after) > start[0] for events in ends for event in events)
-
-
-def test_verdicts_that_let_a_run_pass():
-    """Only a small share may be refused or unresolved; nothing may be wrong."""
-    good = {"index": 0, "counts": {"label right": 5000}, "longest": 0.0, "notable": []}
-    few = {**good, "counts": {"label unresolved": 4}}
-    many = {**good, "counts": {"label unresolved": 40}}
-    wrong = {**good, "counts": {"label wrong": 1}}
-    assert command.passed(command.summary([good, few]))
-    assert not command.passed(command.summary([good, many]))
-    assert not command.passed(command.summary([good, wrong]))
-
-
-def test_runs_are_added_up_and_what_is_not_right_is_named(tmp_path, capsys):
-    """Files of several runs make one table; a drive in two of them counts once; numbers do not split a kind."""
-    entry = {"stage": "label", "verdict": "unresolved", "start": 0, "said": "unresolved", "truth": "cycle (1.5e-3 N)"}
-    record = {"index": 0, "counts": {"label unresolved": 1}, "longest": 0.5, "notable": [entry]}
-    other = {**record, "index": 7, "notable": [{**entry, "truth": "cycle (-20 N)"}]}
-    right = {"index": 8, "counts": {"label right": 5000}, "longest": 0.1, "notable": []}
-    files = [tmp_path / "rigid-1.jsonl", tmp_path / "b" / "rigid-1.jsonl", tmp_path / "rigid-2.jsonl"]
-    files[1].parent.mkdir()
-    for path, lines in zip(files, ([record, right], [right, other], [record]), strict=True):
-        path.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    assert command.main(["--summary", *map(str, files)]) == 0
-    said = capsys.readouterr().out
-    assert "| label | 5003 | 5000 | 3 |" in said
-    assert "| label | unresolved | 3 | 3 | unresolved / cycle (# N) |" in said
-    assert command.main(["--summary", str(files[2])]) == 1
-    with pytest.raises(SystemExit):
-        command.main(["--summary", str(tmp_path / "rigid-3.jsonl")])
-
-
-def test_starts_that_soon_settle_are_those_that_the_judge_of_fates_sees_settle():
-    """What is told of many starts at once is what is told of each."""
-    told = 0
-    for index in range(12):
-        wide = wide_drive("rigid", SEED, index, 20)
-        constants = watch.constants(dict(wide.drive))
-        for start in wide.starts[watch.come_to_rest(constants, wide.starts)]:
-            told += 1
-            assert fate(constants, *start).name == "steady_sliding"
-    assert told > 40
-
-
-@pytest.mark.slow
-def test_a_run_goes_on_where_it_was_stopped_and_ends_what_does_not_return(tmp_path):
-    """Records that are there are kept, a torn line is judged again, and a limit of nothing makes all questions late."""
-    arguments = ["--cases", "8", "--seed", "3", "--questions", "motion", "--out", str(tmp_path)]
-    assert command.main(arguments) == 0
-    path = tmp_path / "rigid-3.jsonl"
-    lines = path.read_text().splitlines()
-    assert [json.loads(line)["index"] for line in lines] == [0, 1]
-    path.write_text(lines[0] + "\n" + lines[1][:20])
-    assert command.main(arguments) == 0
-    kept = [line for line in path.read_text().splitlines() if line.endswith("}")]
-    assert kept[0] == lines[0]
-    assert json.loads(kept[1])["counts"] == json.loads(lines[1])["counts"]
-    faint = ["--cases", "4", "--seed", "9101"]  # hardly damped: longer than a tick of the clock, 4 ms
-    assert command.main([*faint, "--questions", "attractor", "--out", str(tmp_path / "late"), "--limit", "1e-6"]) == 1
-    assert "attractor late" in (tmp_path / "late" / "rigid-9101.jsonl").read_text()
-
-
-def test_nothing_is_unbounded_by_energy():
-    """The bound of the module ``fate``: far out, a turn of the undamped drive loses energy by the threads alone."""
-    drive = RigidParameters.of(support_damping=0.0, translation_damping=0.0, mass=5.0)
-    c = watch.constants(dict(drive))
-    times, kinds, modes = np.empty(9), np.empty(9, dtype=np.int64), np.empty(9, dtype=np.int64)
-    states = np.empty((9, 2))
-    watch.watch(c, 1e6, -c.speed, watch.ANYWHERE, math.inf, False, times, kinds, modes, states)
-    stopped = np.abs(states[kinds != watch.CONTACT_REVERSAL, 0])
-    assert (np.diff(stopped) < 0).all()
 
 
 @pytest.mark.parametrize(

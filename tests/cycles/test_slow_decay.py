@@ -15,7 +15,7 @@ from reference.wide_scenes import assert_slides_steadily, scene
 
 import lsvib
 from lsvib.basins.mapper import mapper
-from lsvib.cycles import drifts
+from lsvib.cycles import drift_more_states
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.cones import shrinking
 from lsvib.cycles.return_map import ReturnSection
@@ -213,7 +213,7 @@ def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
     before = section.state(-np.linalg.solve(slopes, 1e-9 * away))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        leap = drifts._Linear.at(section, [before, repelling.state])
+        leap = drift_more_states._Linear.at(section, [before, repelling.state])
         assert leap.most(7) < 6
         assert not leap.foresaw([before, repelling.state], 7)
 

@@ -15,7 +15,7 @@ from mpmath import mp, mpf
 from lsvib.engine.exact.block_form import block_flow, block_mode
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
-from lsvib.engine.kernels import dispatch, flow_blocks, search_blocks
+from lsvib.engine.kernels import dispatch, flow_blocks, guard_blocks
 from lsvib.engine.kernels.status import Found
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
@@ -133,16 +133,16 @@ def bound_holds(flow, state, guard, left, step, share=1.0) -> bool:
     """Whether a share of the bounds of the derivatives 2 to 4 of a guard bounds them on [left, left + step]."""
     matrix, growth = flow.matrix[0], flow.growth[0]
     size = len(matrix)
-    weights, constants = np.empty((1, search_blocks._ORDERS, size)), np.empty(1)
-    sizes, moved = np.empty((1, search_blocks._ORDERS, size)), np.empty((search_blocks._ORDERS, size))
-    search_blocks._forms(flow, 0, guard[None], weights, constants, sizes)
+    weights, constants = np.empty((1, guard_blocks.ORDERS, size)), np.empty(1)
+    sizes, moved = np.empty((1, guard_blocks.ORDERS, size)), np.empty((guard_blocks.ORDERS, size))
+    guard_blocks.forms(flow, 0, guard[None], weights, constants, sizes)
     start, there, work = flow.to_blocks[0] @ [*state, 1.0], np.empty(size), np.empty((2, size, size))
     flow_blocks.carry(flow, 0, start, left, there, work)
-    search_blocks._derivative_sizes(flow, 0, there, left, moved, np.empty(size), np.empty((2, size)))
-    most = [search_blocks._bound(sizes[0], moved, growth, k, step) for k in range(search_blocks._ORDERS)]
+    guard_blocks.derivative_sizes(flow, 0, there, left, moved, np.empty(size), np.empty((2, size)))
+    most = [guard_blocks.bound(sizes[0], moved, growth, k, step) for k in range(guard_blocks.ORDERS)]
     for t in np.linspace(left, left + step, 41):
         flow_blocks.carry(flow, 0, start, t, there, work)
-        for k in range(2, search_blocks._ORDERS):
+        for k in range(2, guard_blocks.ORDERS):
             if abs(weights[0, k] @ there) > share * most[k] * (1 + 1e-9):
                 return False
     return True

@@ -81,7 +81,7 @@ def test_compiling_is_said_once_for_each_part(caplog):
     say = compilation_notice.sentence
     assert "mapper of two-state models" in say("lsvib.basins.kernels.labelling", "Tables(array(float64, 2d, C))")
     assert "in blocks" in say("lsvib.engine.kernels.event_loop", "Tables(BlockFlow(...))")
-    assert "many drives at once" in say("lsvib.cycles.kernels.endings", "Tables(array(float64, 2d, C))")
+    assert "many drives at once" in say("lsvib.cycles.kernels.endings_at_once", "Tables(array(float64, 2d, C))")
     assert say("lsvib.cycles.kernels.quiet_walk", "array(float64, 1d, C)") is None
     assert say("lsvib.engine.kernels.affine", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None

@@ -126,7 +126,7 @@ def test_samples_hold_every_event_before_and_after():
     assert times.size == 500
     assert (np.diff(times) >= 0).all()
     assert (times[0], times[-1]) == (0.0, 0.1)
-    assert modes.dtype == np.int8
+    assert motion.automaton.codes[modes].dtype == np.int8
     for time, before, after in zip(motion.time, motion.before, motion.after, strict=True):
         at = states[times == time]
         assert (at[0] == before).all()

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.newton import eigenvalues, is_stable, steady_law
 
-from lsvib.drives.linear_parts import multiplied
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.engine.exact.polynomials import multiplied
 from lsvib.errors import InputError
 from lsvib.steady_sliding import boundaries, characteristic, linearised, real_roots, spectrum, stiff_contact
 from lsvib.steady_sliding.stability_table import stability_table

@@ -92,16 +92,16 @@ def vibration(
     model = _MODELS[part]
     try:
         drive = drive_of(sheet, values, *corner, part)
-        kind = find_model(model)
+        definition = find_model(model)
         start = {"u": 0.0, "w": push * drive.input_speed}
-        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
-        state = kind.initial_state(drive, start)
+        automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
+        state = definition.initial_state(drive, start)
         end = steady_state(automaton, state, max_events=_MOST_WORK[part])
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
     words = _word(end.label)
     try:
-        start, span, times, states = _shown(drive, kind, automaton, start, end)
+        start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
         return Vibration(model, words, reason=str(error))
     scene = {"model": model, "drive": drive.model_dump(), "start": start, "duration": span, "samples": _SAMPLES + 1}
@@ -126,7 +126,7 @@ def _word(label: Attractor) -> str:
 
 
 def _shown(
-    drive: RigidParameters, kind: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+    drive: RigidParameters, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
@@ -141,7 +141,7 @@ def _shown(
         size = max(map(abs, orbit_extremes(end.orbit, row)))
         start = {**start, "w": math.copysign(max(abs(start["w"]), _GROWN * size), start["w"])}
     for _ in range(_DOUBLINGS):
-        motion = follow(automaton, kind.initial_state(drive, start), span)
+        motion = follow(automaton, definition.initial_state(drive, start), span)
         times = np.linspace(0.0, span, _SAMPLES + 1)
         states, _ = motion.at(times)
         if np.abs(states[times > 0.5 * span, 1]).max() >= _NEARLY * size:
@@ -224,10 +224,10 @@ def springy_push(
     sentence.
     """
     drive = drive_of(sheet, values, *corner, "contact")
-    kind = find_model(_MODELS["contact"])
+    definition = find_model(_MODELS["contact"])
 
     def ends(push: float) -> str:
-        state = kind.initial_state(drive, {"u": 0.0, "w": push})
+        state = definition.initial_state(drive, {"u": 0.0, "w": push})
         return _word(steady_state(automaton, state, max_events=_WORK_TRIED).label)
 
     known = stiff is not None and 0 < stiff < math.inf
@@ -235,7 +235,7 @@ def springy_push(
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
     low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
     try:
-        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
+        automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")

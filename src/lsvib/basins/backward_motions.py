@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from lsvib.basins.curves import Arc
-from lsvib.cycles import leaps
+from lsvib.cycles import drift_two_states
 from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
@@ -31,7 +31,7 @@ def wind_up(drive: RigidParameters, back: Automaton, state, mode: int) -> Motion
 
     The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
     each turn is in proportion to the one before, so they grow for ever. Turns that hardly grow, as with little damping,
-    are leapt over along their return map (:mod:`lsvib.cycles.leaps`).
+    are leapt over along their return map (:mod:`lsvib.cycles.drift_two_states`).
     """
     start = state = np.array(state, dtype=float)
     scale = back.tables.flow[mode, columns.TIME_SCALE]
@@ -51,13 +51,13 @@ def wind_up(drive: RigidParameters, back: Automaton, state, mode: int) -> Motion
                 once = found.orbit.time.size // found.returns
                 return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
         section = _section(trace)
-        leap = None if section is None else leaps.drift(section, 0.0, _FAR)
+        leap = None if section is None else drift_two_states.drift(section, _FAR)
         if leap is None:
             break
-        if leap.end == leaps.End.GROWS:
+        if leap.end == drift_two_states.End.GROWS:
             return None
         state, mode = section.state(np.array([leap.place])), section.key[1]
-        if leap.end == leaps.End.CLOSES:
+        if leap.end == drift_two_states.End.CLOSES:
             return follow(back, state, math.inf, mode=mode, stop=section.key, max_events=_EVENTS)
     raise InputError(
         f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "

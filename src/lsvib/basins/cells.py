@@ -20,9 +20,9 @@ NO_DOUBT = -1  # of a cell whose label is told
 class Mapper(ABC):
     """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
 
-    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``kind`` is the model itself; ``events``
-    are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A mapper fills
-    blocks of about ``block`` cells at a time.
+    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``definition`` is what the model is, and
+    ``events`` are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A
+    mapper fills blocks of about ``block`` cells at a time.
     """
 
     attractors: Sequence[SteadyState]
@@ -30,9 +30,9 @@ class Mapper(ABC):
 
     def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
-        self.kind = find_model(model)
-        self.events = self.kind.events
-        self.automaton = self.kind.build(drive, physics, resume)
+        self.definition = find_model(model)
+        self.events = self.definition.events
+        self.automaton = self.definition.build(drive, physics, resume)
 
     def cells(
         self,
@@ -47,8 +47,8 @@ class Mapper(ABC):
 
         Arguments: ``quantities`` wanted; number of ``workers``; ``progress``, called with the numbers of rows done
         and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
-        int8, doubt int8 (the place in :class:`Doubt` of why the label is unresolved, −1 if it is not). Raises
-        ``InputError`` if the grid's coordinates are not those of the state, or a quantity is not known.
+        int8, doubt int8 (the place in ``Doubt`` of why the label is unresolved, −1 if it is not). Raises ``InputError``
+        if the grid's coordinates are not those of the state, or a quantity is not known.
         """
         for name in quantities:
             if name not in QUANTITIES:

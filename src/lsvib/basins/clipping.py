@@ -77,16 +77,16 @@ def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[l
 def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
     """Cut a piece where it crosses the lines through the edges of a window; cuts lie on them to the last bit."""
     lines = [(0, window.left), (0, window.right), (1, window.bottom), (1, window.top)]
+    parts: list[Piece]
+    cuts = []
     if isinstance(piece, Arc):
-        cuts = []
         for axis, place in lines:
             row = np.array([1.0 - axis, float(axis), -place])
             cuts += [(time, axis, place) for time in sign_changes(flow, piece, row)]
         cuts.sort()
-        parts = split(flow, piece, [time for time, _, _ in cuts])
+        parts = [*split(flow, piece, [time for time, _, _ in cuts])]
     else:
         piece = _finite(piece, window)
-        cuts = []
         for axis, place in lines:
             first, last = piece.start[axis] - place, piece.end[axis] - place
             if (first < 0) != (last < 0) and first != 0 and last != 0:
@@ -118,7 +118,7 @@ def _finite(piece: Segment, window: Window) -> Segment:
 
 def _middle(flow: np.ndarray, piece: Piece) -> np.ndarray:
     if isinstance(piece, Segment):
-        return 0.5 * (piece.start + piece.end)
+        return np.asarray(0.5 * (piece.start + piece.end))
     return state_on(flow, piece, 0.5 * piece.duration)
 
 
@@ -140,25 +140,18 @@ def _place(window: Window, point: np.ndarray) -> float:
     u = (point[0] - window.left) / (window.right - window.left)
     w = (window.top - point[1]) / (window.top - window.bottom)
     gaps = {u: abs(w), 1 + w: abs(1 - u), 3 - u: abs(1 - w), 4 - w: abs(u)}
-    return min(gaps, key=gaps.__getitem__) % 4.0
+    return float(min(gaps, key=gaps.__getitem__) % 4.0)
 
 
 def _edges(window: Window, start: float, way: float) -> Curve:
     """Return the edges of a window as segments, clockwise from a place and over a length, of which 4 is once round."""
-    corners = np.array(
-        [
-            (window.left, window.top),
-            (window.right, window.top),
-            (window.right, window.bottom),
-            (window.left, window.bottom),
-        ],
-        dtype=float,
-    )
+    (left, right, bottom, top) = window
+    corners = np.array([(left, top), (right, top), (right, bottom), (left, bottom)], dtype=float)
 
     def point(place: float) -> np.ndarray:
         side, share = divmod(place % 4.0, 1.0)
         here, there = corners[int(side)], corners[(int(side) + 1) % 4]
-        return here + share * (there - here)
+        return np.asarray(here + share * (there - here))
 
     stops = [start, *(float(k) for k in range(math.floor(start) + 1, math.ceil(start + way))), start + way]
     return [Segment(point(a), point(b)) for a, b in itertools.pairwise(stops) if b > a]

@@ -80,7 +80,7 @@ class Basin:
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
-        return clip(self.flow, self.curves, window) if self.curves else clip(self.flow, [_everything()], window)
+        return clip(self.flow, self.curves or [_everything()], window)
 
     def line(self, window: Window, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
@@ -104,11 +104,8 @@ class Basin:
         wide = window.widened(*narrow)
         if wide != window:
             if any(inside(self.flow, self.curves, wide)):
-                name, low, high, least = (
-                    ("u", window.left, window.right, narrow[0])
-                    if window.right - window.left < narrow[0]
-                    else ("w", window.bottom, window.top, narrow[1])
-                )
+                sides = ("u", window.left, window.right, narrow[0]), ("w", window.bottom, window.top, narrow[1])
+                name, low, high, least = next(side for side in sides if side[2] - side[1] < side[3])
                 raise InputError(
                     f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
                     f"through it; the allowed range of high - low is at least {least:g} there."
@@ -119,7 +116,7 @@ class Basin:
     def _size(self, window: Window) -> np.ndarray:
         """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
         points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
-        return np.where(np.isfinite(points), points, 0.0).max(axis=0)
+        return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
 
 
 def basin(drive: RigidParameters) -> Basin:
@@ -166,7 +163,7 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     orbit = wind_up(drive, back, [start, 0.0], mode_index(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [forward_arcs(orbit, rigid_automaton(drive))]
+    return Boundary.CYCLE, [[*forward_arcs(orbit, rigid_automaton(drive))]]
 
 
 def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -185,7 +182,7 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
-        return Boundary.TOUCHING_MOTION, [[*arcs[-1:], Segment(end, arcs[-1].start)]]
+        return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
     if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(
@@ -280,8 +277,7 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
 
 def _everything() -> Curve:
     """Return a curve that has the whole plane on its right."""
-    low, high = np.array([-1e300, -math.inf]), np.array([-1e300, math.inf])
-    return [Segment(low, high)]
+    return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
 
 
 def _mirrored(found: Basin, drive: RigidParameters) -> Basin:

@@ -21,8 +21,8 @@ def mapper(
     Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene; ``rounding`` as a
     ``PlanarMapper`` has it. Raises ``InputError``.
     """
-    kind = find_model(model)
-    physics = (*kind.terms, *kind.options) if physics is None else tuple(physics)
-    if len(kind.states) == 2:
+    definition = find_model(model)
+    physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
+    if len(definition.states) == 2:
         return PlanarMapper(drive, model, physics, resume, rounding)
     return StateMapper(drive, model, physics, resume)

@@ -40,7 +40,7 @@ class PlanarMapper(Mapper):
     ) -> None:
         super().__init__(drive, model, physics, resume)
         self.sections = Sections(self.automaton, rounding)
-        self.attractors = self.sections.attractors
+        self.attractors = self.sections.courses.attractors
         self._events = _EVENTS if self.sections.complete else _FEWER
         self.doubt = Doubt.BOUNDARY if self.sections.complete else Doubt.EVENTS  # why a start is unresolved, if it is
         self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)

@@ -81,7 +81,7 @@ class StateMapper(Mapper):
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = self._end(self.kind.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
+            found = self._end(self.definition.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
             known = [
                 other for other in self.attractors if abs(other.period - found.period) <= _ONE_CYCLE * other.period
             ]
@@ -94,7 +94,7 @@ class StateMapper(Mapper):
         for key in given:
             if key not in self.keys:
                 raise InputError(f"the model {self.model} has the coordinates {', '.join(self.keys)}, not {key}.")
-        for key in self.kind.required:
+        for key in self.definition.required:
             if key not in given:
                 raise InputError(f"the grid of the model {self.model} needs the coordinate {key}, as an axis or fixed.")
 
@@ -108,14 +108,14 @@ class StateMapper(Mapper):
         for i in range(y.size):
             for j in range(x.size):
                 values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
-                *destiny, doubt = self.destiny(self.kind.initial_state(self.drive, values))
+                *destiny, doubt = self.destiny(self.definition.initial_state(self.drive, values))
                 code = NO_DOUBT if doubt is None else _DOUBTS.index(doubt)
                 for array, value in zip(found.values(), (*destiny, code), strict=True):
                     array[i, j] = value
 
     def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
-        starts = (self.kind.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
+        starts = (self.definition.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
         return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
 
     def destiny(self, state: np.ndarray) -> Destiny:

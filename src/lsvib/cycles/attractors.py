@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.cycles import leaps
+from lsvib.cycles import drift_two_states
 from lsvib.cycles.more_states import CHUNK, LONG, at_equilibrium, of_more_states
 from lsvib.cycles.recurrences import FEWEST, cycle_through, recurrence, watched
 from lsvib.cycles.return_map import ReturnSection
@@ -69,7 +69,7 @@ def steady_state(
       than 8 returns, or a return map without a derivative.
     * Before that, with more than two states: the motion shrinks turn by turn alike to steady sliding
       (:mod:`lsvib.cycles.cones`), or it repeats a cycle of thousands of events, or its amplitudes have no trend: then
-      it is recurrent, quasi-periodic or chaotic (:mod:`lsvib.cycles.drifts`).
+      it is recurrent, quasi-periodic or chaotic (:mod:`lsvib.cycles.drift_more_states`).
     * Before that, with two states: the motion has drifted towards a place on a line from both sides of which returns
       come nearer, beyond doubt, although P(y) = y is lost in rounding there. Then there is a cycle, and its numbers are
       known to ``enclosure`` only.
@@ -131,18 +131,18 @@ def _slow_end(
     if section.dimension != 1:
         return None, None
     first = section
-    section, end = leaps.far_drift(first)
+    section, end = drift_two_states.far_drift(first)
     if end is None:
         return None, None
-    came_from = first.state(np.array([leaps.reach_back(first, 0.0)]))
+    came_from = first.state(np.array([drift_two_states.reach_back(first)]))
     place, beyond = (section.state(np.array([y])) for y in (end.place, end.beyond))
     passage, faint = Passage(key[1], np.array([came_from, place])), None
-    if end.end == leaps.End.CLOSES:
+    if end.end == drift_two_states.End.CLOSES:
         there = section.at(beyond, section.size)
         fixed = there.fixed_point(place[None])
         found = None if fixed is None else cycle_through(there, fixed)
         faint = _faint(section, beyond) if found is None else None
-    elif end.end == leaps.End.SHRINKS:
+    elif end.end == drift_two_states.End.SHRINKS:
         found = _steady_state(automaton, place, key[1], left, LONG, twice)
         found = (_faint(section, place) if found.label == Attractor.UNRESOLVED else None) or found
     else:
@@ -157,7 +157,7 @@ def _slow_end(
 def _faint(section: ReturnSection, near: np.ndarray) -> SteadyState | None:
     """Return the cycle near a state of a line that a motion drifts to from both sides, however slowly."""
     there = section.at(near, np.maximum(section.size, np.abs(near)))
-    ends = leaps.enclosure(there, 0.0)
+    ends = drift_two_states.enclosure(there)
     fixed = None if ends is None else there.between(*ends)
     return None if fixed is None else cycle_through(there, fixed)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from lsvib.cycles.attractors import Attractor
 from lsvib.cycles.endings import all_endings
-from lsvib.cycles.kernels.endings import REVERSES
+from lsvib.cycles.kernels.endings_at_once import REVERSES
 from lsvib.drives import friction
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.resumption import Resume

@@ -10,7 +10,7 @@ import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.behaviour import Behaviour, behaviour_of, near_and_far
-from lsvib.cycles.compliant_endings import Prepared, happens, in_shares, prepared
+from lsvib.cycles.endings_one_by_one import Prepared, happens, in_shares, prepared
 from lsvib.drives.many import ManyDrives
 
 

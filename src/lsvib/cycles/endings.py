@@ -8,27 +8,28 @@ goes to that function.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 from multiprocessing import get_context
 
 import numpy as np
 
-from lsvib.cycles import leaps, more_states, recurrences, return_map, return_section
+from lsvib.cycles import drift_two_states, more_states, recurrences, return_map, return_section
 from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.compliant_endings import compliant_endings
-from lsvib.cycles.ending import Ending, Endings
+from lsvib.cycles.ending_numbers import Ending, Endings
+from lsvib.cycles.endings_one_by_one import endings_one_by_one, happens
 from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
-from lsvib.cycles.kernels import endings as kernels
-from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels import endings_at_once as kernels
+from lsvib.cycles.kernels.endings_at_once import RESTS, SPRAGS
 from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.cycles.steady_states import Attractor, orbit_extremes
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.many import Group, ManyDrives, steady_force
 from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.registry import find_model
 from lsvib.drives.resumption import Resume
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns
-from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError
 
 _SEARCH = SearchLimits(
@@ -39,7 +40,7 @@ _SEARCH = SearchLimits(
     fewest=recurrences.FEWEST,
     repeats=recurrences.REPEATS[0],
     corner=recurrences.CORNERS[0],
-    few=leaps.FEW,
+    few=drift_two_states.FEW,
     patience_of_return=return_section.PATIENCE,
     longest=return_section.LONGEST,
     secants=return_map.SECANTS,
@@ -73,15 +74,8 @@ def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> En
         amplitude = force = math.nan
     impulses = np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal)
     impulse = float(np.max(impulses, initial=0.0))
-    return Ending(label, _happens(found.orbit), amplitude, found.period, found.multiplier, force, impulse)
-
-
-def _happens(orbit: Motion) -> int:
-    """What happens on a cycle, as :class:`Ending` has it."""
-    return (
-        SPRAGS * bool((orbit.kind == EventKind.SEIZURE).any())
-        + RESTS * bool((orbit.automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
-        + REVERSES * bool((orbit.kind == EventKind.CONTACT_REVERSAL).any())
+    return Ending(
+        label, happens(find_model(drive.model), found), amplitude, found.period, found.multiplier, force, impulse
     )
 
 
@@ -100,8 +94,8 @@ def all_endings(
     alone. ``progress`` is told how many of how many are done. ``others``: values of the other states by name, by
     default those that the model begins with.
     """
-    if drives.kind.model != "rigid":
-        return compliant_endings(drives, starts, others or {}, resume, workers, progress)
+    if drives.drive_class.model != "rigid":
+        return endings_one_by_one(drives, starts, others or {}, resume, workers, progress)
     found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
 
     def tell(more: int) -> None:
@@ -122,13 +116,10 @@ def all_endings(
     places = np.flatnonzero(is_open)
     work = partial(_one, resume=resume)
     cases = ((drives.one(k), tuple(starts[k].tolist())) for k in places)
-    if workers == 1 or places.size < _WORTH:
-        for k, one in zip(places, map(work, cases), strict=True):
-            found.put(k, one)
-            tell(1)
-        return found
-    with get_context("spawn").Pool(workers) as processes:
-        for k, one in zip(places, processes.imap(work, cases, _SHARE), strict=True):
+    apart = workers > 1 and places.size >= _WORTH
+    with get_context("spawn").Pool(workers) if apart else nullcontext() as processes:
+        ends = processes.imap(work, cases, _SHARE) if processes else map(work, cases)
+        for k, one in zip(places, ends, strict=True):
             found.put(k, one)
             tell(1)
     return found

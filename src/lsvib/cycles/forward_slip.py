@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from decimal import Decimal
 from itertools import count
 from types import SimpleNamespace
+from typing import Any
 
 from mpmath import MPContext
 
@@ -95,7 +96,7 @@ class Slip:
             (self.slow * slow - self.fast * fast) / spread,
         )
 
-    def state(self, u, w, time):
+    def state(self, u: Any, w: Any, time: Any) -> tuple[Any, Any]:
         """Return (u, w) a time [s] after the deviation u [rad] from the equilibrium and the rate w [rad/s]."""
         c, s, s_rate = self.responses(time)
         return u * c + w * s, w * s_rate - self.a0 * u * s

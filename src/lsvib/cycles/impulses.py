@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lsvib.cycles.attractors import arc_integrals
 from lsvib.drives.parameters import RigidParameters
@@ -53,7 +54,7 @@ class MeanLoad:
     deflection: float
 
 
-def seizure_impulses(drive: RigidParameters, speed) -> Impulses:
+def seizure_impulses(drive: RigidParameters, speed: ArrayLike) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
     return Impulses(
@@ -70,7 +71,7 @@ def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_in
 
 def seizure_speeds(drive: RigidParameters, motion: Motion) -> np.ndarray:
     """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
-    return drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1]
+    return np.asarray(drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1])
 
 
 def event_impulses(drive: RigidParameters, motion: Motion) -> Impulses:

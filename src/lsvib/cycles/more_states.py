@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from lsvib.cycles import drifts
+from lsvib.cycles import drift_more_states
 from lsvib.cycles.cones import shrinking
 from lsvib.cycles.family_edges import comes_to_edge
 from lsvib.cycles.patience import FEW, follow_patiently
@@ -48,7 +48,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
             return settled(automaton, part)
         return shrinking(part, budget) or recurrence(automaton, part, budget, apart)
 
-    found: SteadyState | drifts.Recurrence | None = None
+    found: SteadyState | drift_more_states.Recurrence | None = None
     if conserves(automaton):
         found = comes_to_edge(automaton, state, mode, Budget(_EDGE * all_of_it))
     doubt = Doubt.EVENTS
@@ -60,11 +60,11 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
             used, chunk = used + motion.time.size, 2 * chunk
         if found is None:
             again = Budget(budget.left)
-            found, leapt = drifts.pursue(motion, budget, ended)
+            found, leapt = drift_more_states.pursue(motion, budget, ended)
             if leapt and found is not None:  # a leap loses the phase of fast oscillations
                 budget = again
                 later = follow_patiently(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
-                second, _ = drifts.pursue(later, budget, ended)
+                second, _ = drift_more_states.pursue(later, budget, ended)
                 found, doubt = (found, doubt) if _name(second) == _name(found) else (None, Doubt.FORK)
     except DivergenceError:
         return out_of_range(automaton, state)
@@ -72,7 +72,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
         found, doubt = None, Doubt.of(error)
     if found is None and doubt == Doubt.EVENTS:
         found = _further(automaton, state, mode, _FURTHER[0 if in_blocks else 1] * all_of_it)
-    if isinstance(found, drifts.Recurrence):
+    if isinstance(found, drift_more_states.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState.unresolved(state, doubt)
 
@@ -95,7 +95,7 @@ def _further(automaton: Automaton, state: np.ndarray, mode: int | None, work: fl
     return found
 
 
-def _name(found: SteadyState | drifts.Recurrence | None) -> Attractor:
+def _name(found: SteadyState | drift_more_states.Recurrence | None) -> Attractor:
     """Return the label of a result of leaps."""
     if isinstance(found, SteadyState):
         return found.label

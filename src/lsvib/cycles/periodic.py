@@ -18,6 +18,7 @@ from lsvib.cycles.impulses import Impulses, event_impulses
 from lsvib.cycles.multipliers import AT_REST, multipliers, section_derivative
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
+from lsvib.cycles.steady_states import cycle_label
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
@@ -59,13 +60,7 @@ class Cycle:
     @property
     def label(self) -> Attractor:
         """Sprag–slip if it sprags, stick–slip if it rests, else other; neutral if it is one of a family."""
-        automaton = self.orbit.automaton
-        codes = automaton.codes[self.orbit.arcs()[0]]
-        if self.neutral:
-            return Attractor.NEUTRAL_FAMILY
-        if np.isin(self.orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
-            return Attractor.SPRAG_SLIP_CYCLE
-        return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
+        return Attractor.NEUTRAL_FAMILY if self.neutral else cycle_label(self.orbit)
 
     @property
     def leading(self) -> float:

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles import leaps
+from lsvib.cycles import drift_two_states
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import MARGIN, section_key
-from lsvib.cycles.steady_states import Attractor, SteadyState
+from lsvib.cycles.steady_states import Attractor, SteadyState, cycle_label
 from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, flow_planar
@@ -86,7 +86,7 @@ def recurrence(
         found = section.fixed_point(before) if len(before) else None
         if found is None:
             continue
-        if section.dimension == 1 and not leaps.goes_straight(section, float(section.place(found.state)[0])):
+        if section.dimension == 1 and not drift_two_states.goes_straight(section, float(section.place(found.state)[0])):
             continue
         if size.size > 2 and not _by_the_same_events(section, found):
             continue
@@ -257,15 +257,10 @@ def cycle_through(section: ReturnSection, found: FixedPoint) -> SteadyState | No
     orbit = section.come_back(found.state)
     if orbit is None:
         return None
-    automaton = orbit.automaton
-    modes = automaton.codes[orbit.arcs()[0]]
-    rests = np.isin(modes, automaton.rest_codes).any()
-    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(modes, automaton.sprag_codes).any():
-        label = Attractor.SPRAG_SLIP_CYCLE
-    elif found.neutral or (rests and conserves(automaton) and _only_touches_rest(orbit)):
+    label = cycle_label(orbit)
+    touches = label == Attractor.STICK_SLIP_CYCLE and conserves(orbit.automaton) and _only_touches_rest(orbit)
+    if touches or (found.neutral and label != Attractor.SPRAG_SLIP_CYCLE):
         label = Attractor.NEUTRAL_FAMILY
-    else:
-        label = Attractor.STICK_SLIP_CYCLE if rests else Attractor.OTHER_CYCLE
     residual = float(np.max(np.abs(orbit.end_state - found.state) / section.size))
     return SteadyState(label, found.state, orbit, section.returns, residual, found.enclosure, found.multiplier)
 

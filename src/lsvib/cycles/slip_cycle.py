@@ -37,7 +37,8 @@ class Half(NamedTuple):
 def half_return(slip: Any, height: Any, time: Any) -> Half:
     """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``.
 
-    ``slip`` is a :class:`Slip`, or has its ``a0``, ``a1`` and ``responses`` in another arithmetic.
+    ``slip`` is one of :mod:`lsvib.cycles.forward_slip`, or has its ``a0``, ``a1`` and ``responses`` in another
+    arithmetic.
     """
     c, s, s_rate = slip.responses(time)
     leaves = -height * (1 - c) / s

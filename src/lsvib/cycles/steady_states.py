@@ -127,6 +127,14 @@ def out_of_range(automaton: Automaton, state: np.ndarray) -> SteadyState:
     return SteadyState(Attractor.UNBOUNDED, state)
 
 
+def cycle_label(orbit: Motion) -> Attractor:
+    """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if it rests, else other."""
+    automaton, codes = orbit.automaton, orbit.automaton.codes[orbit.arcs()[0]]
+    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
+        return Attractor.SPRAG_SLIP_CYCLE
+    return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
+
+
 def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
     """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
 

@@ -13,7 +13,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.clipping import Window
-from lsvib.basins.exact_basin import Basin, basin
+from lsvib.basins.exact_basin import basin
 from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.basins.planar_mapper import PlanarMapper
@@ -21,7 +21,7 @@ from lsvib.basins.refinement import RefinedMap, count
 from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import phase_plane
-from lsvib.data.attributes import attributes, flags, flags_or_none, fractions, quantity, variable
+from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
@@ -35,7 +35,7 @@ _BOUNDARY_SAMPLES = 100  # of each arc
 
 @dataclass(frozen=True)
 class AttractionMap:
-    """A ``dataset`` of :meth:`RigidDrive.attraction`, its cells counted by attractor, and the ``seconds`` it took.
+    """A ``dataset`` of ``drive.attraction(…)``, its cells counted by attractor, and the ``seconds`` it took.
 
     ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
     """
@@ -55,7 +55,7 @@ def map_attraction(
     refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
-    """Map the region of attraction of a drive as :meth:`RigidDrive.attraction`; the seconds are without compiling."""
+    """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
     mapper = mapper_of(drive, drive.model, resume=rule(resume))
@@ -113,7 +113,7 @@ def dimensions(grid: Grid) -> tuple[str, str]:
     return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
-def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
     """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
     return {
         "settling_time" if name == "time" else name: (
@@ -149,13 +149,13 @@ def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
     )
 
 
-def axis_coordinate(axis: Axis) -> tuple:
+def axis_coordinate(axis: Axis) -> Variable:
     """Return the coordinate variable of an axis: the middles of its cells."""
     name = coordinates()[axis.coordinate]
     return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
 
 
-def parameters(mapper: Mapper) -> dict[str, tuple]:
+def parameters(mapper: Mapper) -> dict[str, Variable]:
     """Return the parameters of the drive of a map as variables."""
     return {name: ((), value, parameter(name, GIVEN)) for name, value in mapper.drive}
 
@@ -179,14 +179,14 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
     return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
 
 
-def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     """Return what is drawn around a map in the plane of u and w.
 
     Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
     :mod:`lsvib.basins.exact_basin` covers the drive, the exact boundary of the basin of steady sliding and the area of
     the basin within the map.
     """
-    data: dict[str, tuple] = {}
+    data: dict[str, Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
@@ -198,23 +198,14 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, tuple]:
         return data
     lines = phase_plane.lines([mapper.drive])
     data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
-    found = exact_basin(mapper)
-    if found is not None:
-        window = window_of(grid)
-        line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
-        data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
-        data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
-    return data
-
-
-def exact_basin(mapper: Mapper) -> Basin | None:
-    """Return the exact basin of steady sliding, or None for a model or a drive that it is not known for."""
-    if mapper.model != "rigid":
-        return None
     try:
-        return basin(mapper.drive)
+        found, window = basin(mapper.drive), window_of(grid)
     except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
-        return None
+        return data
+    line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
+    data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
+    data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
+    return data
 
 
 def window_of(grid: Grid) -> Window:

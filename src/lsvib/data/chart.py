@@ -16,7 +16,7 @@ from lsvib import numbers
 from lsvib.basins.grid import Axis
 from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
-from lsvib.data.attributes import attributes, flagged, flags, fractions, named_flags, variable
+from lsvib.data.attributes import Variable, attributes, flagged, flags, fractions, named_flags, variable
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
@@ -140,16 +140,16 @@ class Plane:
         points = self._points(self.curves() if curves is None else curves)
         return self.axes(resume).assign(fixed | points | self._readings())
 
-    def _readings(self) -> dict[str, tuple]:
+    def _readings(self) -> dict[str, Variable]:
         """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
         free = {self.x.name, self.y.name, "axial_force"}
         ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
-        if ends is None or self.drive.model != "rigid":
+        if ends is None:
             return {}
         own, found = {name: value for name, value in self.drive if name not in free}, []
         for place, reading in enumerate(chapter.READINGS):
             theirs = dict(RigidParameters(**reading.drive))
-            if all(value == theirs[name] for name, value in own.items()):
+            if all(value == theirs.get(name) for name, value in own.items()):
                 found += [(reading.stated, place, 0), (reading.needed, place, 1)]
         found = [one for one in found if ends[0] <= one[0] <= ends[1]]
         if not found:
@@ -168,7 +168,7 @@ class Plane:
         ends = (self.x.name, self.x.ends), (self.y.name, self.y.ends)
         return boundary_curves(self.drive, *ends, kinds or None)
 
-    def _points(self, found: Curves) -> dict[str, tuple]:
+    def _points(self, found: Curves) -> dict[str, Variable]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
         lines = [(kind, line) for kind, parts in found.items() for line in parts]
         if not lines:
@@ -208,9 +208,9 @@ def chart(
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
-    counts = {kind: np.count_nonzero(labels == kind) for kind in Behaviour}
+    counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
     shares = fractions("behaviour", LABEL["long_name"], counts)
-    return plane.frame(resumption, curves).assign(label=(plane.dims, labels, LABEL), **shares)
+    return plane.frame(resumption, curves).assign({"label": (plane.dims, labels, LABEL), **shares})
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:

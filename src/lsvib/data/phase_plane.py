@@ -110,7 +110,7 @@ def lines(drives: Sequence[RigidParameters]) -> Variables:
 
 def motions(drives: Sequence[RigidParameters], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     """Return sampled motions, dimensions (case, start, sample), and their events, (case, start, event)."""
-    sampled = [[_sample(motion, samples) for motion in row] for row in followed]
+    sampled = [[sample(motion, samples) for motion in row] for row in followed]
     dims = ("case", "start", "sample")
     time, states, _ = (np.array([[s[i] for s in row] for row in sampled]) for i in range(3))
     pairs = [list(zip(*rows, strict=True)) for rows in zip(followed, sampled, strict=True)]
@@ -178,16 +178,8 @@ def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) 
 def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sample a motion at ``count`` times, each event twice: in the state before it and in the one after.
 
-    Returns times [s] (count), states (count, n), mode codes (count). Raises ``InputError`` as :func:`_sample`.
-    """
-    times, states, modes = _sample(motion, count)
-    return times, states, motion.automaton.codes[modes]
-
-
-def _sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return times, states and indices of modes, as :func:`sample`.
-
-    Samples are shared out by duration, with a few for the shortest arc; ``InputError`` below two for each arc.
+    Returns times [s] (count), states (count, n), indices of modes (count). Samples are shared out by duration, with a
+    few for the shortest arc; ``InputError`` below two for each arc.
     """
     modes, starts, ends, durations = motion.arcs()
     least = min(_ARC, count // durations.size)

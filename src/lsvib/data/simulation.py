@@ -68,9 +68,9 @@ def as_scene(
 
 def run(scene: Scene) -> Motion:
     """Follow the motion of a scene to its end."""
-    kind = scene.kind
-    automaton = kind.build(scene.drive, scene.terms, scene.resume)
-    return follow(automaton, kind.initial_state(scene.drive, scene.start), scene.duration)
+    definition = scene.definition
+    automaton = definition.build(scene.drive, scene.terms, scene.resume)
+    return follow(automaton, definition.initial_state(scene.drive, scene.start), scene.duration)
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
@@ -79,7 +79,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     states, modes = motion.at(times)
     codes = motion.automaton.codes
     data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
-    data["mode"] = ("time", codes[modes], attributes("1", "mode of motion", **flags(scene.kind.modes)))
+    data["mode"] = ("time", codes[modes], attributes("1", "mode of motion", **flags(scene.definition.modes)))
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
@@ -96,7 +96,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
         attrs={
             "title": f"Motion of the {scene.model} lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
-            "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.kind.equations}",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
             "model": scene.model,
             "parameters": json.dumps(scene.parameters()),
             "physics": " ".join(scene.terms),
@@ -133,11 +133,11 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
 def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
     events = {
         "event_time": (motion.time, attributes("s", "time of the event")),
-        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(scene.kind.events))),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(scene.definition.events))),
         "event_sign": (motion.sign, SIGNS),
         "event_mode": (
             motion.automaton.codes[motion.mode],
-            attributes("1", "mode of motion after the event", **flags(scene.kind.modes)),
+            attributes("1", "mode of motion after the event", **flags(scene.definition.modes)),
         ),
     }
     if motion.automaton.sprag_kinds:
@@ -159,18 +159,18 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
     that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure [N s], zero without one; the impulse of each is
     in the motion's dataset).
     """
-    kind, automaton = scene.kind, motion.automaton
-    counts = np.bincount(motion.kind, minlength=len(kind.events))
-    keys = (*kind.required, *kind.optional)
+    definition, automaton = scene.definition, motion.automaton
+    counts = np.bincount(motion.kind, minlength=len(definition.events))
+    keys = (*definition.required, *definition.optional)
     steady = steady or attractor_of(motion)
     result = {
         "model": scene.model,
         "duration": scene.duration,
         "final_state": {
             **dict(zip(keys, motion.end_state.tolist(), strict=True)),
-            "mode": kind.modes(int(automaton.codes[motion.end_mode])).name.lower(),
+            "mode": definition.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
-        "events": {event.name.lower(): int(counts[event]) for event in kind.events if counts[event]},
+        "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},
         "attractor": steady.label.name.lower(),
         "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
         "status": motion.status.name.lower(),

@@ -54,24 +54,24 @@ def sweep(
     model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
     states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.cycles.ending.Ending`. Raises ``InputError`` for values, starts or drives that are not acceptable.
+    :class:`lsvib.cycles.ending_numbers.Ending`. Raises ``InputError`` for what is not acceptable.
     """
-    kind, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
-    axes = axes_of(over, kind.drive, _MOST)
+    definition, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
+    axes = axes_of(over, definition.drive, _MOST)
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
-    kind.initial_state(drive, begin)  # refuses other keys
+    definition.initial_state(drive, begin)  # refuses other keys
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
     found = all_endings(drives, starts, resumption, at_once, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
-        coords={name: (name, np.array(values), coordinate(name, kind.drive)) for name, values in axes.items()},
+        coords={name: (name, np.array(values), coordinate(name, definition.drive)) for name, values in axes.items()},
         attrs={
             "title": f"What a lead-screw drive ends on over {', '.join(axes)}",
             "source": "lsvib, exact event-driven motion and its return map",
-            "references": f"doi:10.1007/978-1-4419-1752-2_8, {kind.equations}",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
             "model": drive.model,
             "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
             "resume": resume,

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Self
 
+from lsvib.engine.exact.polynomials import multiplied
+
 Polynomial = tuple[Fraction, ...]  # highest power first
 
 
@@ -43,12 +45,3 @@ class LinearParts:
         """Return factor · A B + own · D, the polynomial of a model with a second coordinate."""
         free, tied = multiplied(self.screw, self.slide), multiplied(own, self.rigid())
         return tuple(factor * a + b for a, b in zip(free, tied, strict=True))
-
-
-def multiplied(a: Polynomial, b: Polynomial) -> Polynomial:
-    """Return the product of two polynomials."""
-    product = [Fraction(0)] * (len(a) + len(b) - 1)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            product[i + j] += x * y
-    return tuple(product)

@@ -50,12 +50,14 @@ class Group:
 class ManyDrives:
     """Drives of one model that are given by arrays of their parameters.
 
-    ``values``: one value [SI unit] or an array (k) of each parameter of ``kind``, the parameters of the model, within
-    its range.
+    ``values``: one value [SI unit] or an array (k) of each parameter of the model, within its range;
+    ``drive_class`` is the class of the model's drives.
     """
 
-    def __init__(self, values: Mapping[str, np.ndarray | float], kind: type[RigidParameters] = RigidParameters) -> None:
-        self.kind = kind
+    def __init__(
+        self, values: Mapping[str, np.ndarray | float], drive_class: type[RigidParameters] = RigidParameters
+    ) -> None:
+        self.drive_class = drive_class
         # -0.0 and 0.0 are one drive, hence + 0.0 below
         self.size = max(np.size(value) for value in values.values())
         self.values = {
@@ -70,11 +72,11 @@ class ManyDrives:
 
     def some(self, entries: np.ndarray) -> "ManyDrives":
         """Return some of the drives, by their indices (j)."""
-        return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.kind)
+        return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.drive_class)
 
     def one(self, entry: int) -> RigidParameters:
         """Return one of the drives."""
-        return self.kind(**{name: float(column[entry]) for name, column in self.values.items()})
+        return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
 
     def exact(self, entries: np.ndarray, unsafe: np.ndarray) -> ExactMany:
         """Return some of the drives (j) in pairs of doubles, with a record of what is unsafe (j)."""

@@ -56,30 +56,30 @@ class Scene(BaseModel):
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
-        kind = self.kind
-        kind.initial_state(self.drive, self.start)
-        for key, words in (("physics", (*kind.terms, *kind.options)), ("outputs", kind.outputs)):
+        definition = self.definition
+        definition.initial_state(self.drive, self.start)
+        for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
                     raise InputError(f"{key} has the word {word!r}; the model {self.model} knows {', '.join(words)}.")
-        for term in kind.terms:
+        for term in definition.terms:
             value = getattr(self.drive, term)
             if self.physics is not None and term not in self.physics and value != 0:
                 raise InputError(f"{term} = {value:g} although physics does not list {term}; set it to 0 or list it.")
 
     @property
-    def kind(self) -> Model:
+    def definition(self) -> Model:
         """The model by its name."""
         return find_model(self.model)
 
     @property
     def terms(self) -> tuple[str, ...]:
         """The physics of the scene, spelled out."""
-        return self.kind.physics_of(self.drive) if self.physics is None else self.physics
+        return self.definition.physics_of(self.drive) if self.physics is None else self.physics
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
-        return {key: value for key, value in self.drive if key not in self.kind.terms or key in self.terms}
+        return {key: value for key, value in self.drive if key not in self.definition.terms or key in self.terms}
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:

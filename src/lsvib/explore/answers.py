@@ -58,9 +58,8 @@ class Followed:
 def followed(view: View) -> Followed:
     """Follow the motion of a view and find its attractor; raises ``EngineError``."""
     motion = run(view.scene())
-    time, states, mode = _sampled(motion)
-    indices = {int(code): k for k, code in enumerate(motion.automaton.codes)}
-    force = motion.automaton.observe("normal_force", states, np.array([indices[int(code)] for code in mode]))
+    time, states, modes = _sampled(motion)
+    mode, force = motion.automaton.codes[modes], motion.automaton.observe("normal_force", states, modes)
     try:
         steady = steady_state(motion.automaton, motion.start_state)
     except EngineError:

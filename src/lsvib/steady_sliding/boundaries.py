@@ -13,8 +13,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.linear_parts import multiplied
 from lsvib.drives.parameters import RigidParameters
+from lsvib.engine.exact.polynomials import multiplied
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
 from lsvib.steady_sliding.linearised import steady_law
 from lsvib.steady_sliding.real_roots import SAME, positive_roots, trimmed
@@ -145,8 +145,8 @@ def interpolated(values: Sequence[Fraction]) -> Polynomial:
             differences[i] = (differences[i] - differences[i - 1]) / order
     result: Polynomial = (Fraction(0),)
     for place in range(len(values) - 1, -1, -1):
-        result = multiplied(result, (Fraction(1), Fraction(-place)))
-        result = (*result[:-1], result[-1] + differences[place])
+        *others, last = multiplied(result, (Fraction(1), Fraction(-place)))
+        result = (*others, last + differences[place])
     return trimmed(result)
 
 

@@ -107,7 +107,7 @@ class Line:
 
     def __init__(self, drive: RigidParameters, unknown: str, side: int) -> None:
         self.drive, self.unknown, self.side = drive, unknown, side
-        self.kind = type(drive)
+        self.drive_class = type(drive)
         self.fixed = rationals(drive)
         self.tangent = tangents(drive, DIGITS)[0]
         self.neutral = undamped(drive, unknown)
@@ -117,7 +117,7 @@ class Line:
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:
-            self.limit = Fraction(self.kind.model_json_schema()["properties"][unknown]["maximum"])
+            self.limit = Fraction(self.drive_class.model_json_schema()["properties"][unknown]["maximum"])
 
     def at(self, x: Fraction) -> tuple[dict[str, Fraction], Fraction, int]:
         """Return the parameters, tan λ and sgn Ω at a distance x ≥ 0 from zero; of λ it is tan λ."""
@@ -133,7 +133,7 @@ class Line:
 
     def roots(self, condition: RootCondition) -> list[Fraction] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
-        p = interpolated([condition.of(self.kind, *self.at(Fraction(x))) for x in range(_DEGREE + 1)])
+        p = interpolated([condition.of(self.drive_class, *self.at(Fraction(x))) for x in range(_DEGREE + 1)])
         if len(p) < 2:
             return None
         return ([Fraction(0)] if p[-1] == 0 else []) + positive_roots(p, self.limit)
@@ -141,13 +141,13 @@ class Line:
     def law(self, x: Fraction) -> int:
         """Return the law s_0 of steady sliding, 0 where the contact carries no force."""
         values, t, sense = self.at(x)
-        force = _net_force(self.kind, values, t, sense) * sense
+        force = _net_force(self.drive_class, values, t, sense) * sense
         return int(force > 0) - int(force < 0)
 
     def margins(self, x: Fraction, law: int) -> tuple[Fraction, ...]:
         """Return the numbers of :func:`margins` under a law."""
         values, t, _ = self.at(x)
-        return margins(polynomial(self.kind, values, law, t), self.neutral)
+        return margins(polynomial(self.drive_class, values, law, t), self.neutral)
 
     def stable(self, x: Fraction) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""

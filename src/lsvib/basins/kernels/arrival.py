@@ -89,7 +89,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
 
 @allocating_entry
 def map_approaches(tables, known, sprags, x, y, across, budget, times, counts):
-    """Fill ``times`` [s] and ``counts`` (rows, columns) by :func:`approach`; arguments as in :func:`map_labels`."""
+    """Fill ``times`` [s] and ``counts`` (rows, columns) by :func:`approach`; other arguments as ``map_labels`` has."""
     scratch = new_scratch(tables)
     for i in range(y.size):
         for j in range(x.size):

@@ -124,7 +124,7 @@ class Hybrid:
             own = slice(t.guard_start[mode], t.guard_start[mode + 1])
             rows = t.guard_sign[own, None] * t.surfaces[t.guard_surface[own]]
             self.modes.append(HybridMode(field[:, :-1].copy(), field[:, -1].copy(), rows, int(own.start)))
-        self.names = {int(kind): kind.name.lower() for kind in scene.kind.events}
+        self.names = {int(kind): kind.name.lower() for kind in scene.definition.events}
         self._guards = [_plain_guards(mode) for mode in self.modes]
         self._landings = [
             (t.surfaces[surface].tolist(), int(snap), int(transition))

@@ -36,7 +36,7 @@ class RaceScene:
     explicit: bool = True
 
     @property
-    def kind(self) -> Model:
+    def definition(self) -> Model:
         """The model of the drive."""
         return find_model(self.drive.model)
 
@@ -56,7 +56,7 @@ class RaceScene:
 
     def automaton(self) -> Automaton:
         """Build the automaton of the scene."""
-        return self.kind.build(self.drive, self.kind.options, "contact_sign")
+        return self.definition.build(self.drive, self.definition.options, "contact_sign")
 
 
 @cache

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 from lsvib.bench.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
 from lsvib.bench.sweeps.taylor import DIGITS
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.engine.exact.factors import multiplied
+from lsvib.engine.exact.polynomials import multiplied
 from lsvib.steady_sliding.linearised import threads_model
 
 _LOW, _HIGH = 1e-3, 1e14  # of k_c [N/m] and c_c [N s/m]

@@ -58,19 +58,19 @@ def is_rigid(case: Case) -> bool:
 
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
-    kind = find_model(case.drive.model)
-    return kind.build(case.drive, (*kind.options, *case.physics), "contact_sign")
+    model = find_model(case.drive.model)
+    return model.build(case.drive, (*model.options, *case.physics), "contact_sign")
 
 
 def engine_path(motion: Motion, case: Case) -> Record:
     """Record of the engine's motion."""
-    kind, counted = find_model(case.drive.model), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    model, counted = find_model(case.drive.model), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
     if case.drive.model in _TWO_BODIES:
-        pairs = zip(motion.mode[counted], motion.kind[counted] == kind.events["SEIZURE"], strict=True)
-        kinds = [token(kind.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
+        pairs = zip(motion.mode[counted], motion.kind[counted] == model.events["SEIZURE"], strict=True)
+        kinds = [token(model.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
     else:
-        kinds = [kind.events(event).name.lower() for event in motion.kind[counted]]
+        kinds = [model.events(event).name.lower() for event in motion.kind[counted]]
     return shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import mpmath
 
+from lsvib.engine.exact.polynomials import inverse_modulo, modulo, multiplied
+
 # Relative sizes that only rounding can have, by the number of digits in use. _TINY is for rates: two that coincide may
 # differ by the root of the rounding of these digits, or of the 50 of the coefficients. _ROUNDING is for projectors.
 _TINY = {60: mpmath.mpf(10) ** -25, 120: mpmath.mpf(10) ** -40}
@@ -121,33 +123,3 @@ def _polynomial(coefficients, matrix):
         for i in range(matrix.rows):
             result[i, i] += coefficient
     return result
-
-
-def multiplied(left: list, right: list) -> list:
-    """Return the product of two polynomials, coefficients from the highest power; of any kind of number."""
-    result: list = [0] * (len(left) + len(right) - 1)
-    for i, x in enumerate(left):
-        for j, y in enumerate(right):
-            result[i + j] += x * y
-    return result
-
-
-def modulo(polynomial: list, factor: list) -> list:
-    """Return what is left of a polynomial after division by a factor, whose first coefficient is one."""
-    polynomial = list(polynomial)
-    while len(polynomial) >= len(factor):
-        lead = polynomial.pop(0)
-        for i, coefficient in enumerate(factor[1:]):
-            polynomial[i] -= lead * coefficient
-    return polynomial
-
-
-def inverse_modulo(remainder: list, factor: list) -> list:
-    """Return the inverse of a polynomial of lower degree modulo the factor."""
-    remainder = [0] * (len(factor) - 1 - len(remainder)) + list(remainder)
-    if len(factor) == 2:
-        return [1 / remainder[0]]
-    a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
-    _, a1, a0 = factor
-    norm = b * b - a * b * a1 + a * a * a0
-    return [-a / norm, (b - a * a1) / norm]

@@ -104,7 +104,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _motion(motion: Motion, samples: int) -> phase_plane.Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
-    times, states, codes = phase_plane.sample(motion, samples)
+    times, states, modes = phase_plane.sample(motion, samples)
     # The same rows in every mode.
     row, deflection = (motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection"))
     return {
@@ -114,7 +114,7 @@ def _motion(motion: Motion, samples: int) -> phase_plane.Variables:
         "normal_force": ("sample", states @ row[:-1] + row[-1], quantity("normal_force")),
         "coupling_deflection": ("sample", states @ deflection[:-1] + deflection[-1], quantity("coupling_deflection")),
         **{name: ("sample", states[:, 2 + k], quantity(name)) for k, name in enumerate(motion.automaton.states[2:])},
-        "mode": flagged("sample", codes, "mode of motion", ThreadsMode),
+        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", ThreadsMode),
     }
 
 

@@ -62,38 +62,36 @@ def far_drift(section: ReturnSection) -> tuple[ReturnSection, Drift | None]:
 
     Returns the last line and the drift on it: it SHRINKS only if it cannot be followed on a finer line.
     """
-    end = drift(section, 0.0)
+    end = drift(section)
     while end is not None and end.end == End.SHRINKS:
         finer = section.finer(end.place)
-        after = None if finer is None else drift(finer, 0.0, length=_FAR * finer.distance(0.0))
+        after = None if finer is None else drift(finer, length=_FAR * finer.distance(0.0))
         if after is None:
             break
         section, end = finer, after
     return section, end
 
 
-def drift(
-    section: ReturnSection, place: float, farthest: float = math.inf, length: float | None = None
-) -> Drift | None:
-    """Follow the drift of a motion from y = ``place`` on a section of one dimension; None if that is impossible.
+def drift(section: ReturnSection, farthest: float = math.inf, length: float | None = None) -> Drift | None:
+    """Follow the drift of a motion from y = 0 on a section of one dimension; None if that is impossible.
 
     It is followed up to |y| = ``farthest``, with a first leap of ``length``. It is impossible if f is zero to rounding,
     or if its zeros and turning points lie too close for ``_LEAPS`` leaps.
     """
-    first = section.return_from(place)
-    if first.events is None or abs(first.excess) <= _rounding(place):
+    first = section.return_from(0.0)
+    if first.events is None or abs(first.excess) <= _rounding(0.0):
         return None
-    way, here, stalls = np.sign(first.excess), place, 0
+    way, here, stalls = np.sign(first.excess), 0.0, 0
     length = _FIRST * abs(first.excess) if length is None else length
     for _ in range(_LEAPS):
         if abs(here) > farthest:
             return Drift(here, here, End.GROWS)
         step = abs(section.return_from(here).excess)
         # A line's zero is no special place if the drift there does not fade.
-        distance = max(section.distance(here), section.distance(place) * min(1.0, step / abs(first.excess)))
+        distance = max(section.distance(here), section.distance(0.0) * min(1.0, step / abs(first.excess)))
         length = min(length, max(_NEARER * distance, _FIRST * step))
         there = here + way * length
-        if step < _FINE * _rounding(here) and abs(here - place) > _FAR:
+        if step < _FINE * _rounding(here) and abs(here) > _FAR:
             return Drift(here, here, End.SHRINKS)
         if section.return_from(there).events != first.events:
             there = _last_same(section, here, there, first.events, step)
@@ -130,10 +128,10 @@ def goes_straight(section: ReturnSection, target: float) -> bool:
     return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
 
 
-def reach_back(section: ReturnSection, place: float) -> float:
-    """Return a place as far back as possible from which all motions drift to y = ``place``."""
-    first = section.return_from(place)
-    way, here, length = np.sign(first.excess), place, _FIRST * abs(first.excess)
+def reach_back(section: ReturnSection) -> float:
+    """Return a place as far back as possible from which all motions drift to y = 0."""
+    first = section.return_from(0.0)
+    way, here, length = np.sign(first.excess), 0.0, _FIRST * abs(first.excess)
     for _ in range(_LEAPS):
         step = abs(section.return_from(here).excess)
         if not length > _SHORTEST * step:
@@ -161,18 +159,17 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
     return here, there
 
 
-def enclosure(section: ReturnSection, place: float) -> tuple[float, float] | None:
-    """Return an interval about y = ``place`` into which its ends return, beyond doubt, by the same events; else None.
+def enclosure(section: ReturnSection) -> tuple[float, float] | None:
+    """Return an interval about y = 0 into which its ends return, beyond doubt, by the same events; else None.
 
     P is monotone, so every motion from it tends to a cycle in it: however faint the damping is, that is a proof.
     """
-    widest, grain = _WIDEST * section.distance(place), section.grain(np.array([place]))
-    width = min(np.finfo(float).eps * max(1.0, abs(place)), widest)
+    widest, clear = _WIDEST * section.distance(0.0), _SAFE * section.grain(np.zeros(1)) * _rounding(0.0)
+    width = min(np.finfo(float).eps, widest)
     while True:
-        left, right = (section.return_from(place + side * width) for side in (-1, 1))
-        clear = _SAFE * grain * _rounding(place)
+        left, right = (section.return_from(side * width) for side in (-1, 1))
         if left.events is not None and left.events == right.events and left.excess > clear and right.excess < -clear:
-            return place - width, place + width
+            return -width, width
         if width >= widest:
             return None
         width = min(_LONGER * width, widest)

@@ -2,7 +2,7 @@
 
 Every motion of a search – a part of the whole one, a return to a section, a cycle – is followed by one and the same
 call of the event loop, which would else be compiled once for each: what comes back is *answered* by a plan of what to
-follow next (:mod:`lsvib.cycles.kernels.answers`). Every step is that of the search for one drive
+follow next (:mod:`lsvib.cycles.kernels.next_part`). Every step is that of the search for one drive
 (:func:`lsvib.cycles.attractors.steady_state`, :class:`lsvib.cycles.return_map.ReturnSection`,
 :func:`lsvib.cycles.steady_states.orbit_extremes`), number by number, so that the results are the same to the last bit.
 What is rare there – undamped families, leaps over slow returns, cycles of several returns, lost searches – is not here:
@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from lsvib.cycles.kernels.answers import answer
+from lsvib.cycles.kernels.next_part import answer
 from lsvib.cycles.kernels.plan import (
     CHUNK,
     CYCLE,

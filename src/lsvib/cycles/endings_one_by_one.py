@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.cycles.ending import Ending, Endings
+from lsvib.cycles.ending_numbers import Ending, Endings
 from lsvib.cycles.impulses import event_impulses
-from lsvib.cycles.kernels.endings import RESTS, REVERSES, SPRAGS
+from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.many_threads import threads_automata
 from lsvib.drives.parameters import RigidParameters
@@ -53,17 +53,16 @@ class Prepared(NamedTuple):
 
 def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
     """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
-    model = find_model(drives.kind.model)
-    seizures_only_by_contact(drives.kind.model, resume)
-    made = threads_automata(drives) if drives.kind.model == "threads" else [None] * drives.size
+    model = find_model(drives.drive_class.model)
+    seizures_only_by_contact(drives.drive_class.model, resume)
+    made = threads_automata(drives) if drives.drive_class.model == "threads" else [None] * drives.size
     for k, one in enumerate(made):
         if one is not None:
             yield Prepared(k, model, drives, *one)
             continue
         drive = drives.one(k)
-        terms = (*(term for term in model.terms if getattr(drive, term) != 0), *model.options)
         try:
-            automaton = model.build(drive, terms, resume)
+            automaton = model.build(drive, model.physics_of(drive), resume)
         except EngineError:  # rates that lie too far apart: nothing can be told
             automaton = None
         yield Prepared(k, model, drives, automaton, None)
@@ -95,20 +94,19 @@ def ending_of(one: Prepared, state: np.ndarray) -> Ending:
 
 
 def happens(model: Model, found: SteadyState) -> int:
-    """Return what happens on a cycle, as :class:`lsvib.cycles.ending.Ending` has it."""
+    """Return what happens on a cycle, as :class:`lsvib.cycles.ending_numbers.Ending` has it."""
     orbit = found.orbit
     if orbit is None:
         return 0
     codes = orbit.automaton.codes[orbit.arcs()[0]]
-    reversal = next(kind for kind in model.events if kind.name == "CONTACT_REVERSAL")
     return (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
         + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
-        + REVERSES * bool((orbit.kind == reversal).any())
+        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
     )
 
 
-def compliant_endings(
+def endings_one_by_one(
     drives: ManyDrives,
     starts: np.ndarray,
     others: Mapping[str, float],
