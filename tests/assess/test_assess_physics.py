@@ -213,6 +213,28 @@ def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
     assert assess(given, samples=64).verdict == "vibrates"
 
 
+@pytest.mark.parametrize("support", [False, True])
+def test_where_drag_balances_only_forces_and_speeds_within_the_window_is_looked_at(support):
+    """At 20 rad/s all forces exceed the drag, at 60 rad/s none does; in between, beside R̃ = 0, friction that rises with
+    speed damps nothing."""
+    more = {"support": {"stiffness": "1e8 N/m", "damping": "1000 N*s/m"}} if support else {}
+    given = sheet(
+        load={"mass": "1 kg", "force": ["-22 N", "-18 N"]},
+        operation={"speed": ["20 rad/s", "60 rad/s"], "direction": "out"},
+        screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
+        friction={"coefficient": 0.218, "slope": "1 s/m"},
+        damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"},
+        **more,
+    )
+    values = values_of(given)
+    found = worst(given, values)["negative_damping"]
+    ends = [reserves(given, values, 1, w, f)["negative_damping"] for w in (20.0, 60.0) for f in (-22.0, -18.0)]
+    assert found.reserve[0] < 0 < min(ends)
+    assert found.reserve[0] <= reserves(given, values, 1, 39.6, -20.0)["negative_damping"] + 1e-9
+    if not support:
+        assert assess(given, samples=64).verdict == "vibrates"
+
+
 @pytest.mark.parametrize("slope", ["-0.05 s/m", "0.05 s/m"])
 @pytest.mark.parametrize("support", [False, True])
 def test_no_speed_under_one_force_is_worse_than_those_that_are_looked_at(slope, support):

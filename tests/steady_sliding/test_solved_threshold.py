@@ -159,6 +159,16 @@ def test_both_sides_of_the_birth_and_the_fold_in_random_drives():
         assert abs(drive.threshold("global_stability").value) >= abs(fold)
 
 
+def test_a_fold_whose_durations_are_beyond_doubles_is_refused_in_a_sentence():
+    """Rates of the contact and of the swing with all decades of doubles between them."""
+    drive = lsvib.RigidDrive(
+        screw_inertia=1e-300, coupling_stiffness=1e15, support_damping=9.467254601033094e-06, input_speed=-40,
+        friction_coefficient=10.254070032476053, lead_angle=3.634496630164001e-297, axial_force=0,
+    )  # fmt: skip
+    with pytest.raises(lsvib.errors.NoThreshold, match="doubles do not hold them"):
+        drive.threshold("fold")
+
+
 def test_threads_that_hardly_rise_have_numbers_or_a_sentence():
     """A derivative and a natural size beyond doubles: no infinity, which is not JSON, and no division by zero."""
     flat = lsvib.RigidDrive(lead_angle=1e-300, screw_inertia=1e-310, pitch_radius=1e-6, friction_coefficient=0.2)

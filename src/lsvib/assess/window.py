@@ -38,9 +38,10 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
 
     All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
     sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
-    monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide; with a support, whose reserve
-    need not be, 9 forces on each side are looked at, or 9 speeds where the force is one value, and with a curve of
-    friction 17 speeds and either side of each of its points, where its slope changes.
+    monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide, which is looked for at the ends
+    of the speeds and of the forces; with a support, whose reserve need not be, 9 forces on each side are looked at, and
+    9 speeds where drag balances the end of the forces or the one force, and with a curve of friction 17 speeds and
+    either side of each of its points, where its slope changes.
     """
     return [
         (direction, speed, force)
@@ -67,8 +68,9 @@ def _speeds(sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArra
     rows = [low + np.multiply.outer(shares, high - low)]
     if curved:
         rows.append(_beside_points(sheet, values, low, high))
-    if (curved or sheet.friction.slope is not None) and not is_window(sheet, "load.force"):
-        rows.append(_beside_balance(sheet, values, direction, low, high))
+    if curved or sheet.friction.slope is not None:
+        for end in _ENDS if is_window(sheet, "load.force") else _ENDS[:1]:
+            rows += _beside_balance(sheet, values, direction, low, high, values[f"force_{end}"])
     return np.concatenate(rows)
 
 
@@ -83,15 +85,24 @@ def _beside_points(sheet: Sheet, values: Mapping[str, Any], low: NDArray, high: 
     return np.where(inside, speeds, low)[np.any(inside, axis=tuple(range(1, inside.ndim)))]
 
 
-def _beside_balance(sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray) -> NDArray:
-    """Speeds of the screw [rad/s] from the one in the window where |R̃| is least to its ends, under one force."""
-    p = without_friction(values, direction, 1.0, values["force_low"])
+def _beside_balance(
+    sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray, force: Any
+) -> list[NDArray]:
+    """Speeds of the screw [rad/s] from the one in the window where |R̃| is least under a ``force`` [N] to its ends.
+
+    None for an end of a window of forces that is balanced at none of the speeds: where R̃ = 0 lies in the window at all,
+    it then lies at an end of the speeds too, for which :func:`_forces` finds it.
+    """
+    p = without_friction(values, direction, 1.0, force)
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         balance = np.divide(p["axial_force"], drag)
     balance = np.where(np.isfinite(balance), balance, low)  # else nothing drags: R̃ is the same at every speed
-    nearest = np.where(np.real(balance) < np.real(low), low, np.where(np.real(balance) > np.real(high), high, balance))
-    return np.concatenate([nearest + np.multiply.outer(_shares(sheet), end - nearest) for end in (low, high)])
+    below, above = np.real(balance) < np.real(low), np.real(balance) > np.real(high)
+    if is_window(sheet, "load.force") and np.all(below | above | (np.real(balance) == np.real(low))):
+        return []
+    nearest = np.where(below, low, np.where(above, high, balance))
+    return [nearest + np.multiply.outer(_shares(sheet), end - nearest) for end in (low, high)]
 
 
 def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: NDArray) -> list[Any]:
