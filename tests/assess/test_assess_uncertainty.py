@@ -110,3 +110,20 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
     assert reserve <= evaluated(given, shares)["kinematic_constraint"].reserve.min() + 1e-12
     assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
     assert found.worst.vibration.attractor == "sprag slip cycle"
+
+
+def test_a_case_that_needs_two_entries_at_their_ends_at_once_is_found():
+    """Self-locking, and so fed by the damping of the load, only with the highest friction on the flattest thread.
+
+    Everywhere else nothing destabilises: the reserve is 1 however one entry alone is moved.
+    """
+    given = sheet(
+        thread={"lead_angle": ["5.57 deg", "7 deg"], "pitch_diameter": "10.36 mm"},
+        load={"mass": "1 kg", "force": "-6000 N"},
+        friction={"coefficient": {"low": 0.05, "mode": 0.06, "high": 0.1}},
+        damping={"translational": "1e4 N*s/m"},
+    )
+    found = assess(given, samples=64)
+    assert found.uncertainty.any.value == 0
+    assert found.verdict == "steady but for rare values"
+    assert found.worst.values["friction"] > math.tan(math.radians(5.57))

@@ -13,7 +13,7 @@ from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
-from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, study, worst_shares
+from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, first_shares, study, worst_shares
 from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
 from lsvib.assess.window import Worst, corners, worst
 from lsvib.errors import InputError
@@ -228,12 +228,12 @@ def _possible(pushed: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -
 def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> dict[str, WorstCase]:
     """Lowest reserve within the uncertainties of each mechanism, and the shares (d) of the unit cube that have it.
 
-    Searched for, since a corner of the uncertainties may be too small for any sample to fall into it. Empty if nothing
-    is uncertain.
+    Searched for from the corners, too, since one may be too small for any sample to fall into it. Empty if nothing is
+    uncertain.
     """
     if not random_entries(sheet):
         return {}
-    places = {name: worst_shares(sheet, name, spread.lowest[name]) for name in found}
+    places = {name: worst_shares(sheet, name, start) for name, start in first_shares(sheet, spread.lowest).items()}
     return {name: (float(evaluated(sheet, at[:, None])[name].reserve[0]), at) for name, at in places.items()}
 
 

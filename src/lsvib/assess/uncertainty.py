@@ -7,7 +7,7 @@ are computed, by whom, or in which order; so a run can be spread over threads an
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +33,7 @@ BINS = np.linspace(-1.0, 1.0, 41)
 """Edges of the classes of reserve that samples are counted in."""
 _EDGE = 1e-9  # of the unit interval: keeps quantiles off the ends
 _STARTS = 4  # of the search for the worst case
+_MOST_BITS = 12  # of its corners: no more of them are looked at than a block has samples
 
 
 @dataclass(frozen=True)
@@ -220,6 +221,23 @@ def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tup
         return {names[k]: dict(zip(entries, map(float, row), strict=True)) for k, row in zip(varied, rows, strict=True)}
 
     return table(result.first_order), table(result.total_order)
+
+
+def first_shares(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+    """Return where the search for the worst case of each mechanism begins: the ``lowest`` sample, or a lower corner.
+
+    A mechanism may need several entries at their ends at once; where it does not occur its reserve may be flat, so that
+    no step from a sample leads there. Corners at which the drive cannot move at all are left out.
+    """
+    size = len(random_entries(sheet))
+    if size <= _MOST_BITS:
+        corners = (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
+    else:
+        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(2**_MOST_BITS).T)
+    shares = np.concatenate([np.stack(list(lowest.values()), axis=1), corners], axis=1)
+    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
+    rows = {name: np.broadcast_to(found[name].reserve, shares.shape[1:]) for name in lowest}
+    return {name: shares[:, np.argmin(np.where(np.isnan(row), np.inf, row))] for name, row in rows.items()}
 
 
 def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray[np.float64]:
