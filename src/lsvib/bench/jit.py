@@ -49,5 +49,6 @@ def cached_apart(decorate: Callable, name: str, *more: Path) -> Callable:
     return decorated if jit.OPTIONS["cache"] else decorate
 
 
-allocating_kernel = cached_apart(jit.allocating_kernel, "bench")
-kernel = cached_apart(jit.kernel, "bench")
+# Python calls many of them, and they are few.
+allocating_kernel = cached_apart(jit.allocating_entry, "bench")
+kernel = cached_apart(jit.entry, "bench")

@@ -7,6 +7,6 @@ from lsvib.engine.kernels import jit
 
 _HERE = Path(__file__).parent
 
-allocating_kernel = cached_apart(jit.allocating_kernel, "judge", _HERE)
-kernel = cached_apart(jit.kernel, "judge", _HERE)
-inlined_kernel = cached_apart(jit.inlined_kernel, "judge", _HERE)
+allocating_kernel = cached_apart(jit.allocating_entry, "judge", _HERE)
+kernel = cached_apart(jit.entry, "judge", _HERE)
+inlined_kernel = cached_apart(jit.inlined_entry, "judge", _HERE)

@@ -6,7 +6,7 @@ from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, s
 from lsvib.engine.kernels import event_loop, flow_planar
 from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, EQUILIBRIUM
 from lsvib.engine.kernels.flow_planar import EPS
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 
 _SETTLED = int(Status.SETTLED)
@@ -51,7 +51,7 @@ def _on_cycle(known, mode, state):
     return False
 
 
-@kernel
+@entry
 def approach(tables, known, sprags, mode, scratch, budget):
     """Return the time [s] until the motion from ``scratch.state`` in ``mode`` is at its attractor, and its sprags.
 
@@ -87,7 +87,7 @@ def approach(tables, known, sprags, mode, scratch, budget):
     return math.inf, count
 
 
-@allocating_kernel
+@allocating_entry
 def map_approaches(tables, known, sprags, x, y, across, budget, times, counts):
     """Fill ``times`` [s] and ``counts`` (rows, columns) by :func:`approach`; arguments as in :func:`map_labels`."""
     scratch = new_scratch(tables)

@@ -6,7 +6,7 @@ from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, s
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.flow_planar import EPS
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
 from lsvib.engine.kernels.status import GRAZE_KIND, Status
 
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
@@ -14,7 +14,7 @@ _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
 
 
-@kernel
+@entry
 def put_on(tables, surface, state):
     """Set the dependent coordinate of a point of a surface, as :func:`lsvib.engine.kernels.event_loop.put_on_surface`
     does."""
@@ -35,7 +35,7 @@ def _signs(tables, transition, state, scale):
     return number
 
 
-@allocating_kernel
+@allocating_entry
 def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
     """Follow the motion from ``state`` (2, replaced by the last state) in ``mode`` and write what decides its course.
 
@@ -83,7 +83,7 @@ def itinerary(tables, known, absorbing, mode, state, push, alternate, symbols):
     return code, count, mode
 
 
-@allocating_kernel
+@allocating_entry
 def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, push, alternate, course, position):
     """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
 

@@ -16,7 +16,7 @@ import numpy as np
 from lsvib.engine.kernels import dispatch, event_loop
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
 
 UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
@@ -70,7 +70,7 @@ class Scratch(NamedTuple):
     work: np.ndarray  # of the search
 
 
-@allocating_kernel
+@allocating_entry
 def new_scratch(tables):
     """Return the working space for one motion at a time."""
     count = tables.guard_sign.size
@@ -107,7 +107,7 @@ def step(tables, mode, short, scratch):
     return outcome, guard, kind, mode, stay, 0 if kind == ACCUMULATION_KIND else short
 
 
-@kernel
+@entry
 def ellipse(tables, known, mode, state):
     """η² + κ² y² of a state with y = u − u_e, η = w + α y; with a damped mode and κ = max(α, β) it always falls."""
     row = tables.flow[mode]
@@ -124,7 +124,7 @@ def _settled(tables, known, mode, state):
     return known.settled[mode]
 
 
-@kernel
+@entry
 def look_up(known, mode, surface, state):
     """Return the label of a motion that enters ``mode`` at ``state`` on ``surface``, or UNKNOWN."""
     low, high = known.first[mode, surface], known.last[mode, surface]
@@ -197,7 +197,7 @@ def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
     return _CROSSING if depth > middle + rounding else _NONE if depth < middle - rounding else _GRAZE
 
 
-@allocating_kernel
+@allocating_entry
 def map_labels(tables, known, x, y, across, budget, labels, first_events):
     """Label the starts of a grid: ``labels`` and, unless it is empty, ``first_events`` (rows, columns) are filled.
 

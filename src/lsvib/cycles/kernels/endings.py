@@ -33,7 +33,7 @@ from lsvib.cycles.kernels.plan import (
     put,
 )
 from lsvib.engine.kernels import dispatch, event_loop
-from lsvib.engine.kernels.jit import allocating_kernel
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel
 from lsvib.engine.kernels.tables import Tables
 
 AMPLITUDE, PERIOD, MULTIPLIER, FORCE, SEIZURE_SPEED = range(5)  # columns of the numbers of a cycle
@@ -78,7 +78,7 @@ def _describe(tables, facts, plan, room, count, force, speed, numbers):
     return bits
 
 
-@allocating_kernel
+@allocating_entry
 def endings(many, members, facts, search, starts, force, speed, outcomes, bits, numbers):
     """Follow the motions of many drives, each from its own start.
 

@@ -2,13 +2,13 @@
 
 import math
 
-from lsvib.engine.kernels.jit import kernel
+from lsvib.engine.kernels.jit import entry, kernel
 
 _LONGER, _SHORTER = 2.0, 0.5  # factors from step to step
 _EXPONENT = 700.0  # largest exponent of a growing part: e^700 is a double
 
 
-@kernel
+@entry
 def walk(drift, parts, rates, sizes, lost, turn, end, most):
     """Walk in steps on which no guard can fire, each twice as long as the last one or, where that fails, half.
 

@@ -1,7 +1,7 @@
 """Affine functions of a state: rows of numbers, the constant after as many weights as the state has coordinates."""
 
 from lsvib.engine.kernels.flow_planar import ROUNDING
-from lsvib.engine.kernels.jit import inlined_kernel
+from lsvib.engine.kernels.jit import inlined_entry, inlined_kernel
 
 
 @inlined_kernel
@@ -15,7 +15,7 @@ def apply(table, vector, out):
         out[i] = total
 
 
-@inlined_kernel
+@inlined_entry
 def level(row, state, scale):
     """Value of an affine function at a state (n), and the size below which it is rounding only.
 

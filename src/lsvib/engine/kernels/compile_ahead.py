@@ -68,7 +68,6 @@ def _bounce(tables: Tables) -> None:
     )
     surface = tables.surfaces[0]
     dispatch.extremes(flow, 0, state, surface, 1.0)
-    dispatch.slopes_at(flow, 0, state, np.abs(state), surface)
     dispatch.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
         search_planar.crossing(flow, 0, state, surface, False, 1.0)

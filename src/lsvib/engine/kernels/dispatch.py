@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from numba import types
-from numba.extending import overload
+from numba.core.typing.templates import AbstractTemplate, infer_global
 
 from lsvib.engine.kernels import (
     carried,
@@ -22,7 +22,7 @@ from lsvib.engine.kernels import (
     search_planar,
 )
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
 from lsvib.engine.kernels.status import Found
 from lsvib.engine.kernels.tables import BlockFlow
 
@@ -129,11 +129,22 @@ def _by_kind(planar_kernel, modal_kernel, block_kernel):
     def choose(flow, *arguments):
         return chosen(isinstance(flow, np.ndarray), type(flow))(flow, *arguments)
 
-    def choose_typed(flow, *arguments):
-        kernel_of_type = chosen(isinstance(flow, types.Array), getattr(flow, "instance_class", None))
-        return lambda flow, *arguments: kernel_of_type(flow, *arguments)
+    class Choice(AbstractTemplate):
+        """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
 
-    overload(choose)(choose_typed)
+        key = choose
+
+        def generic(self, arguments, keywords):
+            return self._kernel(arguments).get_call_type(self.context, arguments, keywords)
+
+        def get_impl_key(self, signature):
+            return self._kernel(signature.args).get_impl_key(signature)
+
+        def _kernel(self, arguments):
+            flow = arguments[0]
+            return types.Dispatcher(chosen(isinstance(flow, types.Array), getattr(flow, "instance_class", None)))
+
+    infer_global(choose, types.Function(Choice))
     return choose
 
 
@@ -155,7 +166,7 @@ take_up = _by_kind(_nothing, carried.take_up, _nothing)
 leave_behind = _by_kind(_nothing, carried.leave_behind, _nothing)
 
 
-@allocating_kernel
+@allocating_entry
 def _searched_extremes(flow, mode, state, functional, duration):
     """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
 

@@ -12,7 +12,15 @@ import numpy as np
 
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel, merged_kernel
+from lsvib.engine.kernels.jit import (
+    allocating_entry,
+    allocating_kernel,
+    entry,
+    inlined_entry,
+    inlined_kernel,
+    kernel,
+    merged_kernel,
+)
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 _NONE = int(Found.NONE)
@@ -70,7 +78,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     return found, first_guard + k, when
 
 
-@inlined_kernel
+@inlined_entry
 def choose_branch(tables, transition, state, scale):
     """Return the first branch of a transition whose conditions hold at ``state``, or −1; ``scale`` as in next_event."""
     for branch in range(tables.branch_start[transition], tables.branch_start[transition + 1]):
@@ -164,7 +172,7 @@ def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     return GOES_ON, tables.branch_mode[branch], tables.branch_kind[branch], tables.branch_sign[branch]
 
 
-@allocating_kernel
+@allocating_entry
 def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
@@ -234,7 +242,7 @@ def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events
             return Status.STOP_EVENT, mode, count
 
 
-@allocating_kernel
+@allocating_entry
 def returns(tables, mode, states, limit, kind, kinds, modes, counts):
     """Follow many motions from ``mode`` until an event of a ``kind`` enters it again, for at most ``limit`` [s].
 
@@ -286,7 +294,7 @@ def _move(flow, mode, state, t, out):
         out[i] = 0.0
 
 
-@kernel
+@entry
 def states_at(
     tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
 ):

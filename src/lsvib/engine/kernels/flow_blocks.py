@@ -23,7 +23,7 @@ import numpy as np
 from lsvib.engine.kernels.affine import apply
 from lsvib.engine.kernels.flow_modal import FAR
 from lsvib.engine.kernels.flow_planar import OVERFLOW
-from lsvib.engine.kernels.jit import allocating_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, entry, kernel
 
 _DEGREE = 18  # of the Taylor polynomial
 
@@ -84,7 +84,7 @@ def _propagator(flow, mode, t, work):
             _exponential(flow.matrix[mode], edges[block], edges[block + 1], t, work[0], work[1])
 
 
-@kernel
+@entry
 def carry(flow, mode, start, t, out, work):
     """Write the block coordinates (q) a time t [s] after ``start`` to ``out``."""
     _propagator(flow, mode, t, work)
@@ -167,7 +167,7 @@ def _move(flow, mode, state, t, scale):
                 state[i], scale[i] = total, size
 
 
-@allocating_kernel
+@allocating_entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
     for i in range(state.size):

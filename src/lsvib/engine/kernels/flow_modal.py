@@ -22,7 +22,7 @@ from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, TIME_SCALE
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
-from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel, kernel
 
 FAR = 2.0**14  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
 _GAIN = 16.0  # by so much the terms must change less than they are: where a pair has turned, it gives them anew
@@ -175,7 +175,7 @@ def _displace(flow, mode, before, t, state, scale, room):
             state[i], scale[i] = total, size
 
 
-@allocating_kernel
+@allocating_entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
     n, count = state.size, size_of(flow, mode)

@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, TIME_SCALE, B
-from lsvib.engine.kernels.jit import inlined_kernel, kernel
+from lsvib.engine.kernels.jit import entry, inlined_kernel, kernel
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent
@@ -29,7 +29,7 @@ def own_rate(row):
     return -row[ALPHA] if row[BETA] > 0.0 else row[R1]
 
 
-@kernel
+@entry
 def responses(row, t):
     """Return C, S and S′ of a mode at time t [s]; ``row`` is the mode's row of the flow table."""
     if row[BETA] > 0.0:
@@ -57,7 +57,7 @@ def _integrated_exponential(rate, t):
     return math.expm1(rate * t) / rate if rate != 0.0 else t
 
 
-@kernel
+@entry
 def integrated_response(row, t):
     """Return J = ∫₀ᵗ S, by its Taylor series where the closed form would cancel."""
     if abs(row[A1]) * t < 0.5 and abs(row[A0]) * t * t < 0.25:
@@ -87,7 +87,7 @@ def far(row, u, w):
     return row[A0] == 0.0 or abs(row[EQUILIBRIUM]) > 16.0 * (abs(u) + abs(w) * row[TIME_SCALE])
 
 
-@kernel
+@entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
     row = flow[mode]
@@ -121,7 +121,7 @@ def magnitudes(flow, mode, state, stay, scale):
         scale[1] += more * (speed + push * reach)
 
 
-@kernel
+@entry
 def slopes_at(flow, mode, state, scale, guard):
     """First and second derivative of a guard at a state, each with the size below which it is rounding only.
 

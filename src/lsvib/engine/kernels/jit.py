@@ -23,6 +23,7 @@ from typing import Any
 import numba
 from numba.core import event
 from numba.core.caching import IndexDataCacheFile
+from numba.core.registry import CPUDispatcher
 
 from lsvib.engine.kernels.compilation_notice import Notice
 
@@ -75,7 +76,13 @@ else:
     numba.config.CACHE_DIR = str(_folder)
     event.register("numba:compile", Notice())
 
-OPTIONS = {"cache": _folder is not None, "error_model": "numpy", "fastmath": False, "nogil": True}
+OPTIONS = {
+    "cache": _folder is not None,
+    "error_model": "numpy",
+    "fastmath": False,
+    "nogil": True,
+    "no_cfunc_wrapper": True,  # by which a kernel could be called through a pointer, as a C function; none is
+}
 
 
 class OneWriter(IndexDataCacheFile):
@@ -88,25 +95,56 @@ class OneWriter(IndexDataCacheFile):
             super().save(key, data)
 
 
-def _compiler(**options: bool) -> Callable:
-    """Return numba's decorator with our options and a cache that several processes may fill."""
-    decorate = numba.njit(**OPTIONS, **options)
+class Inner(CPUDispatcher):
+    """A kernel that kernels call, compiled without what Python needs to call it.
+
+    That is code which takes every array of every table out of its Python object: as much to compile as the kernel.
+    Where Python calls such a kernel all the same, as tests do, it is compiled once more, with that code, into a folder
+    beside the cache.
+    """
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the kernel from Python."""
+        if self.from_python is None:
+            folder, numba.config.CACHE_DIR = numba.config.CACHE_DIR, f"{self.folder}/from_python"
+            try:
+                self.from_python = _cached(self.py_func, {**self.options, "no_cpython_wrapper": False})
+            finally:
+                numba.config.CACHE_DIR = folder
+        return self.from_python(*arguments)
+
+
+def _cached(function: Callable, options: dict[str, Any]) -> Any:
+    """Make a kernel of a function; its cache is written by one process at a time."""
+    made = numba.njit(**options)(function)
+    if OPTIONS["cache"] and not numba.config.DISABLE_JIT:
+        made._cache._cache_file.__class__ = OneWriter
+    return made
+
+
+def _compiler(**more: bool | str) -> Callable:
+    """Return numba's decorator with our options and ``more``, and a cache that several processes may fill."""
+    options = {**OPTIONS, **more}
 
     def compiled(function: Callable) -> Callable:
-        """Decorate a kernel; its cache is written by one process at a time."""
-        kernel = decorate(function)
-        if OPTIONS["cache"] and not numba.config.DISABLE_JIT:
-            kernel._cache._cache_file.__class__ = OneWriter
-        return kernel
+        """Decorate a kernel."""
+        made = _cached(function, options)
+        if "no_cpython_wrapper" in options and not numba.config.DISABLE_JIT:
+            made.__class__ = Inner
+            made.options, made.folder, made.from_python = options, numba.config.CACHE_DIR, None
+        return made
 
     return compiled
 
 
-allocating_kernel = _compiler(_nrt=True)
 # A kernel that makes no array need not count references to those that it is given. Each count is an atomic operation;
 # together they took half of the time of a run, and would make threads wait for each other.
-kernel = _compiler(_nrt=False)
-inlined_kernel = _compiler(_nrt=False, forceinline=True)
+allocating_entry = _compiler(_nrt=True)  # an entry is a kernel that Python calls
+entry = _compiler(_nrt=False)
+inlined_entry = _compiler(_nrt=False, forceinline=True)
+allocating_kernel = _compiler(_nrt=True, no_cpython_wrapper=True)
+kernel = _compiler(_nrt=False, no_cpython_wrapper=True)
+inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True)
 # A kernel with one caller, put into it before types are inferred: it is not compiled alone, with all that it calls, as
 # every other one is. Of kernels with several callers that would make more to compile.
-merged_kernel = _compiler(_nrt=False, inline="always")
+merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)

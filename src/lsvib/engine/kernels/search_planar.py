@@ -11,7 +11,7 @@ import math
 
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
-from lsvib.engine.kernels.jit import kernel
+from lsvib.engine.kernels.jit import entry, kernel
 from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Found
 
@@ -101,7 +101,7 @@ def _up_to(row, shape, low, high, guess, limit):
     return _CROSSING, _descent(row, shape, low, high, guess)
 
 
-@kernel
+@entry
 def crossing(flow, mode, state, guard, on_surface, limit):
     """Find the first time in (0, limit] at which a guard falls through zero or touches it from above.
 
@@ -251,7 +251,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
     return _up_to(row, shape, low, high, guess, limit)
 
 
-@kernel
+@entry
 def extremes(flow, mode, state, functional, duration):
     """Smallest and largest value of an affine function of the state over [0, duration] in a mode, in closed form.
 
