@@ -31,8 +31,9 @@ def used(tree: ast.Module) -> Iterator[tuple[str, object]]:
         if isinstance(node, ast.ImportFrom) and ".kernels" in (node.module or ""):
             room = importlib.import_module(node.module)
             for name in node.names:
-                thing = getattr(room, name.name, None) or importlib.import_module(f"{node.module}.{name.name}")
-                modules[name.asname or name.name] = thing
+                if not hasattr(room, name.name):
+                    importlib.import_module(f"{node.module}.{name.name}")
+                thing = modules[name.asname or name.name] = getattr(room, name.name)
                 yield name.name, thing
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in modules:
