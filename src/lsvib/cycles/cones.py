@@ -26,8 +26,8 @@ _ALIKE = 0.1  # part of 1 − λⁿ and of λⁿ by which n returns may differ f
 _FEWEST = 8  # returns to the section: the later half of them is compared
 _INSIDE = 0.9  # largest other multiplier, relative to λ: the direction is reached in a few dozen returns
 _LEADING = 1e-3  # relative difference of the leading multiplier from λ: the direction is exact but for less than that
-# Part of its size to which a motion has dwindled: what does not shrink is there at least as rounding, 1e-16 of the rest,
-# and would be all that is left after half as many decades.
+# Part of its size to which a motion has dwindled: what does not shrink is there at least as rounding, 1e-16 of the
+# rest, and would be all that is left after half as many decades.
 _DWINDLED = 1e-30
 
 
