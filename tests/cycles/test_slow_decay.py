@@ -5,6 +5,7 @@ The drives are those of ``judge.wide_drives``, far from the chapter's; each was 
 
 import math
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ import lsvib
 from lsvib.basins.mapper import mapper
 from lsvib.cycles import drift_more_states
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.cones import shrinking
+from lsvib.cycles.cones import Dwindling, keeps_proportion, shrinking
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.trends import trend_of
 from lsvib.drives.registry import find_model
@@ -113,6 +114,40 @@ def test_a_motion_that_shrinks_turn_by_turn_ends_in_steady_sliding():
     assert [mapped.destiny(wide.starts[k]).label for k in (2, 3)] == [Attractor.STEADY_SLIDING] * 2
     loaded, start = scene("nut", 7, 22, 0)
     assert shrinking(follow(loaded, start, math.inf, max_events=5000), Budget(1e5)) is None
+
+
+@pytest.mark.parametrize("start", [1, 3])
+def test_a_motion_that_dwindles_ends_in_steady_sliding(start):
+    """R = 0, and the contact creeps at 0.95 in a return: its direction is attracted, but not fast enough for a proof.
+
+    Followed for 20 000 events the motion has become a copy of itself, made smaller by the same factor again and again.
+    Leaps along it came to numbers below the range of doubles, and the label was unresolved.
+    """
+    automaton, state = scene("threads", 83, 16, start)
+    motion = follow(automaton, state, math.inf, max_events=28_000)
+    later = follow(automaton, motion.end_state, math.inf, mode=motion.end_mode, max_events=4000)
+    assert keeps_proportion(later)
+    assert not keeps_proportion(motion)
+    assert shrinking(later, Budget(1e5)) is None
+    sizes = np.array([np.abs(part).max(axis=0) for part in np.array_split(later.after, 4)])
+    factors = sizes[1:] / sizes[:-1]
+    assert factors == pytest.approx(np.full(factors.shape, factors[0, 0]), rel=1e-3)
+    assert factors[0, 0] < 0.9
+    assert steady_state(automaton, state, max_events=60_000).label == Attractor.STEADY_SLIDING
+
+
+def test_what_dwindles_has_shrunk_by_thirty_decades_and_shrinks_still():
+    automaton, _ = scene("threads", 83, 16, 1)
+    motion = follow(automaton, [0.0, 1e-4, 0.0, 1e-9], math.inf, max_events=1000)
+    assert keeps_proportion(motion)
+    dwindling = Dwindling(automaton)
+    assert not dwindling.done(motion)
+    small = replace(motion, after=motion.after * 1e-29)
+    assert not dwindling.done(small)
+    assert dwindling.done(replace(motion, after=motion.after * 1e-31))
+    assert not dwindling.done(replace(motion, after=motion.after[::-1] * 1e-31))  # it grows
+    loaded, start = scene("nut", 7, 22, 0)
+    assert not Dwindling(loaded).done(follow(loaded, start, math.inf, max_events=100))
 
 
 def test_what_grows_is_no_copy_of_itself():

@@ -7,12 +7,17 @@ steady sliding, whatever number of returns that takes. Guards that do not pass t
 because such a guard is positive at the equilibrium and at the state, and so on the whole line between them.
 The direction of y need not be exact if it is attracted. By Euler's theorem P′ y = P(y), so that at an exact direction λ
 is a multiplier of P; the direction is attracted if all others are well below it.
+
+Where several parts shrink alike no direction is attracted. Then leaps lead to smaller and smaller states
+(:mod:`lsvib.cycles.drift_more_states`), and a motion that has dwindled by so much that rounding would have grown instead, if it
+could, ends in steady sliding as well. That is evidence, not a proof.
 """
 
 import numpy as np
 
 from lsvib.cycles.return_section import ROUNDING, Section, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState
+from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import Budget, Motion
 
@@ -21,6 +26,9 @@ _ALIKE = 0.1  # part of 1 − λⁿ and of λⁿ by which n returns may differ f
 _FEWEST = 8  # returns to the section: the later half of them is compared
 _INSIDE = 0.9  # largest other multiplier, relative to λ: the direction is reached in a few dozen returns
 _LEADING = 1e-3  # relative difference of the leading multiplier from λ: the direction is exact but for less than that
+# Part of its size to which a motion has dwindled: what does not shrink is there at least as rounding, 1e-16 of the
+# rest, and would be all that is left after half as many decades.
+_DWINDLED = 1e-30
 
 
 def shrinking(motion: Motion, budget: Budget) -> SteadyState | None:
@@ -58,6 +66,34 @@ def shrinking(motion: Motion, budget: Budget) -> SteadyState | None:
     shrinks = (1 + growth) ** (period / modes.size)  # λ
     attracted = abs(leading - shrinks) <= _LEADING * shrinks and all(other < _INSIDE * shrinks for other in others)
     return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(size)) if attracted else None
+
+
+class Dwindling:
+    """The largest size that a motion has had since it passes only modes and surfaces without constants."""
+
+    def __init__(self, automaton: Automaton) -> None:
+        self._size = np.zeros(len(automaton.states))
+        self._never = bool(automaton.tables.flow.field[:, :, -1].any(axis=1).all())  # every mode has constants
+
+    def done(self, motion: Motion) -> bool:
+        """Whether the next part of a motion shows that it dwindles to nothing."""
+        if self._never or not motion.time.size or not keeps_proportion(motion):
+            self._size[:] = 0.0
+            return False
+        early, late = (np.abs(half).max(axis=0, initial=0.0) for half in np.array_split(motion.after, 2))
+        self._size = np.maximum(self._size, early)
+        return bool((late <= _DWINDLED * self._size).all() and (late <= early).all() and (late < early).any())
+
+
+def keeps_proportion(motion: Motion) -> bool:
+    """Whether a motion passes only modes and surfaces without constants: then it grows, shrinks or stays as it is."""
+    tables = motion.automaton.tables
+    if tables.flow.field[np.unique(motion.mode), :, -1].any():
+        return False
+    rows = tables.surfaces[tables.surfaces[:, -1] != 0]
+    values = motion.after @ rows[:, :-1].T + rows[:, -1]
+    sizes = np.abs(motion.after) @ np.abs(rows[:, :-1]).T + np.abs(rows[:, -1])
+    return bool((np.abs(values) > ROUNDING * sizes).all())
 
 
 def _through_zero(motion: Motion, mode: int, state: np.ndarray) -> bool:

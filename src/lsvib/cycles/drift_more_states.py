@@ -18,7 +18,8 @@ measured. This is numerical evidence, not a proof: a narrow attractor on the way
 
 A motion that has no trend over many events – neither an amplitude nor, such as while the motor winds the coupling up, a
 coordinate –, and comes to no cycle, *recurs*: it is quasi-periodic or chaotic. Fewer events tell it where nothing
-damps: slip preserves volumes, so that no amplitude dies away by itself.
+damps: slip preserves volumes, so that no amplitude dies away by itself. A motion about N = 0 without load that is
+damped does not recur: all that it meets passes through zero, so that it grows or shrinks, however slowly.
 """
 
 import math
@@ -28,11 +29,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from lsvib.cycles.cones import Dwindling, keeps_proportion
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.recurrences import CORNERS, cycle_through, long_cycle
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import section_key
-from lsvib.cycles.steady_states import SteadyState
+from lsvib.cycles.steady_states import Attractor, SteadyState
 from lsvib.cycles.trends import QUARTERS, Trend, extrapolated, no_trend, reach, trend_of
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
@@ -91,9 +93,11 @@ def pursue(
     """
     automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
     before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
-    conserved, quarters = conserves(automaton), 0.0
+    conserved, quarters, dwindling = conserves(automaton), 0.0, Dwindling(automaton)
     longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
     while budget.left > 0:
+        if dwindling.done(motion):
+            return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(motion.end_state)), leapt
         # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
@@ -146,7 +150,7 @@ def pursue(
             state = extrapolated(motion, trend, quarters, trust)
             after = max(_BETWEEN, window // QUARTERS)
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
-        elif window == longest and not trend.moves:
+        elif window == longest and not trend.moves and (conserved or not keeps_proportion(motion)):
             seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
             blank = blank + 1 if trend.none or trend.consistent else 0
             if blank == _BLANKS or no_trend(seen):
