@@ -9,8 +9,8 @@ The direction of y need not be exact if it is attracted. By Euler's theorem P′
 is a multiplier of P; the direction is attracted if all others are well below it.
 
 Where several parts shrink alike no direction is attracted. Then leaps lead to smaller and smaller states
-(:mod:`lsvib.cycles.drift_more_states`), and a motion that has dwindled by so much that rounding would have grown instead, if it
-could, ends in steady sliding as well. That is evidence, not a proof.
+(:mod:`lsvib.cycles.drift_more_states`), and a motion that has dwindled by so much that rounding would have grown
+instead, if it could, ends in steady sliding as well. That is evidence, not a proof.
 """
 
 import numpy as np
