@@ -76,7 +76,7 @@ def test_compiling_is_said_once_for_each_part(caplog):
             kernel(tables_of(kind))
     told = [record.getMessage() for record in caplog.records]
     assert [words for words in told if "two-state models, once, about 10 s" in words] == told[:1]
-    assert [words for words in told if "three or four states, once, about 20 s" in words] == told[1:]
+    assert [words for words in told if "three or four states, once, about 30 s" in words] == told[1:]
     assert len(told) == 2
     say = compilation_notice.sentence
     assert "mapper of two-state models" in say("lsvib.basins.kernels.labelling", "Tables(array(float64, 2d, C))")

@@ -8,11 +8,11 @@ import logging
 
 from numba.core import event
 
-# What is compiled, by a word in the types of its arguments, with the processor time that was measured (7, 20 and 6 s).
+# What is compiled, by a word in the types of its arguments, with the processor time that was measured (7, 33 and 6 s).
 # Kernels without any of these words are small and are compiled for one of the others.
 _PARTS = (
     ("BlockFlow", "the engine for models whose field is taken in blocks, once, half a minute or so"),
-    ("ModalFlow", "the engine for models with three or four states, once, about 20 s"),
+    ("ModalFlow", "the engine for models with three or four states, once, about 30 s"),
     ("Tables", "the engine for two-state models, once, about 10 s"),
 )
 _MAPPER = "the mapper of two-state models, once, 6 to 15 s"
