@@ -7,6 +7,7 @@ larger forces. So the threshold is the smaller one of the forces at which the fi
 """
 
 import math
+from typing import Any
 
 from lsvib.cycles.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
@@ -33,16 +34,7 @@ def start(forward: ForwardDrive) -> Start:
         return _NONE  # slip seizes while u falls, so each seizure is left of the last, and their number is finite
     found = rest_goes_on_from(forward)
     if forward.contact[1] > 0:
-        try:
-            widest, _, time = widest_return(forward)
-        except (ZeroDivisionError, OverflowError):
-            raise NoThreshold(
-                "the force from which slip seizes again and again is not known: its durations lie so far apart that "
-                "doubles do not hold them."
-            ) from None
-        found = min(
-            found, Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), key=lambda at: at.force
-        )
+        found = min(found, fold(forward)[0], key=lambda at: at.force)
     elif forward.contact[1] < 0:
         _require_rest_in_every_cycle(forward, found.force)
     return found if found.force < forward.onset else _NONE
@@ -79,6 +71,22 @@ def rest_goes_on_from(forward: ForwardDrive) -> Start:
         "the force from which slip from the end of rest seizes is not known: Newton's method has not come to its end; "
         "please report it."
     )
+
+
+def fold(forward: ForwardDrive) -> tuple[Start, Any]:
+    """Smallest R [N] at which slip can seize again and again without rest, infinite if there is none; q_w > 0.
+
+    Two cycles of seizures meet there. Returns it with the u [rad] at which they seize. Raises ``NoThreshold`` where
+    slip is beyond the range of doubles.
+    """
+    try:
+        widest, x, time = widest_return(forward)
+    except (ZeroDivisionError, OverflowError):
+        raise NoThreshold(
+            "the force from which slip seizes again and again is not known: its durations lie so far apart that "
+            "doubles do not hold them."
+        ) from None
+    return Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), x
 
 
 def widest_return(forward: ForwardDrive):

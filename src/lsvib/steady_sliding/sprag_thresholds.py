@@ -94,19 +94,13 @@ def fold_start(drive: RigidParameters) -> Start:
 
     Raises ``NoThreshold`` where there is none.
     """
-    from lsvib.steady_sliding.global_stability import widest_return  # loads the engine
+    from lsvib.steady_sliding.global_stability import fold  # loads the engine
 
     forward = _without_rest(drive)
-    try:
-        widest, x, time = widest_return(forward)
-    except (ZeroDivisionError, OverflowError):
-        raise NoThreshold(
-            "the force at which two cycles of seizures meet is not known: durations lie so far apart that doubles do "
-            "not hold them."
-        ) from None
-    if widest == -many.inf:
+    found, x = fold(forward)
+    if found.force == many.inf:
         raise NoThreshold("slip under law - never comes back to where it started, so no cycle goes on without rest.")
-    return _before_rest(Start("fold", forward.onset - widest / forward.inertia[-1], (time,)), x, forward)
+    return _before_rest(found, x, forward)
 
 
 def cycle_birth_start(drive: RigidParameters) -> Start:

@@ -206,7 +206,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
     q = n + 1  # a mode in which some coordinates are kept is filled up with others that stay zero
     matrix, growth, edges = np.zeros((q, q)), np.zeros(q), np.full(q + 1, q)
     edges[: own + 1] = own
-    norm, inverse_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
+    norm, row_norm, rate = np.zeros((q, q)), np.zeros((q, q)), np.zeros(q)
     to_blocks, from_blocks = np.zeros((q, n + 1)), np.zeros((n, q + 1))
     places = [*field.alive, n]
     for i, value in field.kept.items():
@@ -218,7 +218,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         edges[k], first = first, first + d
         block, measure = _in_good_coordinates(block, _norm_of(block))
         matrix[part, part], norm[part, part] = _floats(block.matrix), _floats(measure.factor)
-        inverse_norm[part, part] = _floats(measure.inverse)
+        row_norm[part, part] = _floats(measure.inverse).T
         # A little more than the growth, so that the bound covers the rounding of B.
         turned = _floats(measure.factor * block.matrix * measure.inverse)
         growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
@@ -233,7 +233,7 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
             f"the coordinates of a mode cannot be told apart in double precision (condition {condition:.1e}); take "
             "parameters that lie less far apart."
         )
-    tables = BlockFlow(matrix, norm, inverse_norm, rate, edges, growth, to_blocks, from_blocks, field.table())
+    tables = BlockFlow(matrix, norm, row_norm, rate, edges, growth, to_blocks, from_blocks, field.table())
     return BlockMode(tables, condition)
 
 

@@ -197,7 +197,7 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
 
 @kernel
 def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work):
-    """Run, as :func:`run` says, in the room that it has made: what counts no references is a third faster."""
+    """Run, as :func:`run` says, in the room that it has made: what makes no array counts no references."""
     times, kinds, signs, modes, before, after = events
     n = state.size
     count = 0

@@ -46,36 +46,23 @@ def forms(flow, mode, guards, weights, constants, sizes):
                 for i in range(size):
                     weights[guard, k, j] += weights[guard, k - 1, i] * flow.matrix[mode, i, j]
         for k in range(ORDERS):
-            _row_norms(weights[guard, k], flow.inverse_norm[mode], edges, sizes[guard, k])
+            _norms(flow.row_norm[mode], True, weights[guard, k], edges, sizes[guard, k])
 
 
 @kernel
-def _row_norms(vector, inverse, edges, out):
-    """Write the norm of each block's part of a row, |g_c R_c⁻¹|, to its first place, zero elsewhere."""
-    for i in range(out.size):
-        out[i] = 0.0
-    for block in range(edges.size - 1):
-        first, last, total = edges[block], edges[block + 1], 0.0
-        for j in range(first, last):
-            part = 0.0
-            for i in range(first, j + 1):
-                part += vector[i] * inverse[i, j]
-            total += part * part
-        if total > 0.0:
-            out[first] = math.sqrt(total)
+def _norms(triangle, lower, vector, edges, out):
+    """Write the norm of each block's part of T v, with T lower or else upper triangular, to its first place.
 
-
-@kernel
-def _norms(vector, factor, edges, out):
-    """Write the norm of each block's part of a vector, |R_c z_c|, to its first place, zero elsewhere."""
+    The other places are zero. Of the zeros of T nothing is added, as what they multiply may be infinite.
+    """
     for i in range(out.size):
         out[i] = 0.0
     for block in range(edges.size - 1):
         first, last, total = edges[block], edges[block + 1], 0.0
         for i in range(first, last):
-            part = 0.0
-            for j in range(i, last):
-                part += factor[i, j] * vector[j]
+            begin, end, part = (first, i + 1, 0.0) if lower else (i, last, 0.0)
+            for j in range(begin, end):
+                part += triangle[i, j] * vector[j]
             total += part * part
         if total > 0.0:
             out[first] = math.sqrt(total)
@@ -91,9 +78,9 @@ def derivative_sizes(flow, mode, z, t, out, noise, moving):
     now, following = moving[0], moving[1]
     for i in range(z.size):
         now[i] = z[i]
-    _norms(z, factor, edges, noise)
+    _norms(factor, False, z, edges, noise)
     for k in range(ORDERS):
-        _norms(now, factor, edges, out[k])
+        _norms(factor, False, now, edges, out[k])
         for i in range(z.size):
             total = 0.0
             for j in range(z.size):

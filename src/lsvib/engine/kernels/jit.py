@@ -98,9 +98,8 @@ class OneWriter(IndexDataCacheFile):
 class Inner(CPUDispatcher):
     """A kernel that kernels call, compiled without what Python needs to call it.
 
-    That is code which takes every array of every table out of its Python object: as much to compile as the kernel.
-    Where Python calls such a kernel all the same, as tests do, it is compiled once more, with that code, into a folder
-    beside the cache.
+    That is code which takes every array of every table out of its Python object. Where Python calls such a kernel all
+    the same, as tests do, it is compiled once more, with that code, into a folder beside the cache.
     """
 
     def __call__(self, *arguments: Any) -> Any:
@@ -145,6 +144,6 @@ inlined_entry = _compiler(_nrt=False, forceinline=True)
 allocating_kernel = _compiler(_nrt=True, no_cpython_wrapper=True)
 kernel = _compiler(_nrt=False, no_cpython_wrapper=True)
 inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True)
-# A kernel with one caller, put into it before types are inferred: it is not compiled alone, with all that it calls, as
-# every other one is. Of kernels with several callers that would make more to compile.
+# A kernel that is put into its few callers before types are inferred: it is not compiled alone, with all that it calls,
+# as every other one is. Of kernels with many callers that would make more to compile.
 merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)

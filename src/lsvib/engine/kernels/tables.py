@@ -55,7 +55,7 @@ class BlockFlow(NamedTuple):
 
     matrix: np.ndarray  # (m, q, q), block-diagonal
     norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
-    inverse_norm: np.ndarray  # (m, q, q) R⁻¹
+    row_norm: np.ndarray  # (m, q, q) transpose of R⁻¹, lower triangular: the norm of a row g is |R⁻ᵀ gᵀ|
     rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
     edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
     growth: np.ndarray  # (m, q) σ of each block [1/s]
