@@ -15,7 +15,7 @@ from mpmath import mp, mpf
 from lsvib.engine.exact.block_form import block_flow, block_mode
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
-from lsvib.engine.kernels import dispatch, flow_blocks, guard_blocks
+from lsvib.engine.kernels import dispatch, guard_blocks
 from lsvib.engine.kernels.status import Found
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
@@ -131,19 +131,15 @@ def test_at_rest_an_angle_is_not_rounded_to_the_size_of_a_constant():
 
 def bound_holds(flow, state, guard, left, step, share=1.0) -> bool:
     """Whether a share of the bounds of the derivatives 2 to 4 of a guard bounds them on [left, left + step]."""
-    matrix, growth = flow.matrix[0], flow.growth[0]
-    size = len(matrix)
-    weights, constants = np.empty((1, guard_blocks.ORDERS, size)), np.empty(1)
-    sizes, moved = np.empty((1, guard_blocks.ORDERS, size)), np.empty((guard_blocks.ORDERS, size))
-    guard_blocks.forms(flow, 0, guard[None], weights, constants, sizes)
-    start, there, work = flow.to_blocks[0] @ [*state, 1.0], np.empty(size), np.empty((2, size, size))
-    flow_blocks.carry(flow, 0, start, left, there, work)
-    guard_blocks.derivative_sizes(flow, 0, there, left, moved, np.empty(size), np.empty((2, size)))
-    most = [guard_blocks.bound(sizes[0], moved, growth, k, step) for k in range(guard_blocks.ORDERS)]
+    work = guard_blocks.room_for(flow, 1)
+    guard_blocks.prepare(flow, 0, np.array(state), guard[None], work)
+    guard_blocks.go_to(flow, 0, work, left, 1)
+    assert guard_blocks.stand(flow, 0, work, 1, left)
+    most = [guard_blocks.bound(flow, 0, work, 0, k, step) for k in range(guard_blocks.ORDERS)]
     for t in np.linspace(left, left + step, 41):
-        flow_blocks.carry(flow, 0, start, t, there, work)
+        guard_blocks.go_to(flow, 0, work, t, 2)
         for k in range(2, guard_blocks.ORDERS):
-            if abs(weights[0, k] @ there) > share * most[k] * (1 + 1e-9):
+            if abs(work.weights[0, k] @ work.states[2]) > share * most[k] * (1 + 1e-9):
                 return False
     return True
 

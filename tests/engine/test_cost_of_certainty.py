@@ -1,6 +1,6 @@
 """The price of certainty: the certain search against a plain one that looks for changes of sign at the same nodes.
 
-The plain search is the same kernel compiled with another ``_decide``: it takes the certain search's nodes as given and
+The plain search is the same kernel compiled with another ``decide``: it takes the certain search's nodes as given and
 compares signs only. It is the cheapest search possible, since it need not even find out where to look.
 """
 
@@ -13,8 +13,9 @@ import pytest
 
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import threads_automaton
-from lsvib.engine.kernels import guard_sums, search_modal
+from lsvib.engine.kernels import guard_sums, search_steps, step_sums
 from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.status import Decision
 from lsvib.engine.motion import follow
 
 _LIMIT = 1.0
@@ -46,15 +47,15 @@ def nodes_of(flow, modes, starts, guards, zero):
         taken = []
 
         def decide(*arguments, taken=taken):
-            outcome = search_modal._decide(*arguments)
+            outcome = step_sums.decide(*arguments)
             taken.append((arguments[3], arguments[6], outcome[0]))
             return outcome
 
-        names = {**vars(search_modal), "_decide": decide}
-        search = types.FunctionType(search_modal.search.py_func.__code__, names)
+        names = {**vars(search_steps), "decide": decide}
+        search = types.FunctionType(search_steps.search.py_func.__code__, names)
         found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, guard_sums.room_for(flow, 2))
         roots.append((int(found), guard, when))
-        undecided = {step for _, step, outcome in taken if outcome == search_modal._UNDECIDED}
+        undecided = {step for _, step, outcome in taken if outcome == Decision.UNDECIDED}
         steps.append([step for guard, step, _ in taken if guard == 1 and step not in undecided])
     return steps, roots
 
@@ -91,8 +92,8 @@ def test_certainty_costs_less_than_twice_a_plain_search():
                 guard_sums.evaluate(flow, mode, work, guard, 1)
                 change = change or work.values[1, guard, 0] <= 0.0
             if change:
-                return search_modal._earliest(
-                    flow, mode, work, count, 1, a, b, off_surface, search_modal._fastest(flow, mode)
+                return search_steps._earliest(
+                    flow, mode, work, count, 1, a, b, off_surface, step_sums.fastest(flow, mode)
                 )[1]
             a = b
         return a
@@ -102,7 +103,7 @@ def test_certainty_costs_less_than_twice_a_plain_search():
         work = guard_sums.room_for(flow, 2)
         for i in range(modes.size):
             on = zero[i].copy()
-            out[i] = search_modal.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
+            out[i] = search_steps.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
 
     @numba.njit(error_model="numpy")
     def all_plain(flow, modes, starts, guards, nodes, out):

@@ -1,30 +1,26 @@
-"""One name for each kernel that depends on the kind of flow; the choice is made by type when a kernel is compiled.
+"""One name for each kernel that depends on the kind of flow (:mod:`lsvib.engine.kernels.choice`).
 
-A flow is a plain table of oscillators (two states, :mod:`lsvib.engine.kernels.flow_planar`), a ``ModalFlow``
-(:mod:`lsvib.engine.kernels.flow_modal`), or a ``BlockFlow`` (:mod:`lsvib.engine.kernels.flow_blocks`). Since the choice
-is by type, a model compiles none of the kernels of the other kinds.
+Since the choice is made by type when a kernel is compiled, a model compiles none of the kernels of the other kinds.
 """
 
 import math
 
 import numpy as np
-from numba import types
-from numba.core.typing.templates import AbstractTemplate, infer_global
 
 from lsvib.engine.kernels import (
     carried,
     flow_blocks,
     flow_modal,
     flow_planar,
+    guard_blocks,
     guard_sums,
-    search_blocks,
-    search_modal,
     search_planar,
+    search_steps,
 )
 from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.status import Found
-from lsvib.engine.kernels.tables import BlockFlow
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -37,24 +33,14 @@ def _no_workspace(flow, guards):
     return np.empty(0)
 
 
-@allocating_kernel
-def _steps_alone(flow, guards):
-    return np.full(1, math.inf)
-
-
 @kernel
 def _planar_allow(flow, work, steps):
     pass  # the search for roots of two states has no steps
 
 
 @kernel
-def _modal_allow(flow, work, steps):
+def _allow(flow, work, steps):
     work.steps[0] = steps
-
-
-@kernel
-def _block_allow(flow, work, steps):
-    work[0] = steps
 
 
 @kernel
@@ -63,13 +49,8 @@ def _planar_steps_left(flow, work):
 
 
 @inlined_kernel
-def _modal_steps_left(flow, work):
+def _steps_left(flow, work):
     return work.steps[0]
-
-
-@kernel
-def _block_steps_left(flow, work):
-    return work[0]
 
 
 @kernel
@@ -80,11 +61,6 @@ def _planar_search(flow, mode, state, guards, on_surface, limit, work):
         if outcome != _NONE:
             found, first, when = outcome, guard, t
     return found, first, when
-
-
-@allocating_kernel
-def _block_search(flow, mode, state, guards, on_surface, limit, work):
-    return search_blocks.search(flow, mode, state, guards, on_surface, limit, work)
 
 
 @kernel
@@ -118,52 +94,22 @@ def _block_travel(flow, mode, state, stay, scale, work):
     flow_blocks.travel(flow, mode, state, stay, scale)
 
 
-def _by_kind(planar_kernel, modal_kernel, block_kernel):
-    """Return a function for Python that chooses by type, registered so that kernels choose when they are compiled."""
-
-    def chosen(is_array, flow_type):
-        if is_array:
-            return planar_kernel
-        return block_kernel if flow_type is BlockFlow else modal_kernel
-
-    def choose(flow, *arguments):
-        return chosen(isinstance(flow, np.ndarray), type(flow))(flow, *arguments)
-
-    class Choice(AbstractTemplate):
-        """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
-
-        key = choose
-
-        def generic(self, arguments, keywords):
-            return self._kernel(arguments).get_call_type(self.context, arguments, keywords)
-
-        def get_impl_key(self, signature):
-            return self._kernel(signature.args).get_impl_key(signature)
-
-        def _kernel(self, arguments):
-            flow = arguments[0]
-            return types.Dispatcher(chosen(isinstance(flow, types.Array), getattr(flow, "instance_class", None)))
-
-    infer_global(choose, types.Function(Choice))
-    return choose
-
-
-advance = _by_kind(flow_planar.advance, flow_modal.advance, flow_blocks.advance)
-travel = _by_kind(_planar_travel, _modal_travel, _block_travel)
-workspace = _by_kind(_no_workspace, guard_sums.room_for, _steps_alone)
-allow = _by_kind(_planar_allow, _modal_allow, _block_allow)
-steps_left = _by_kind(_planar_steps_left, _modal_steps_left, _block_steps_left)
-slopes_at = _by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_modal.slopes_at)
-is_still = _by_kind(_planar_is_still, flow_modal.is_still, flow_modal.is_still)
-search = _by_kind(_planar_search, search_modal.search, _block_search)
-note = _by_kind(_nothing, carried.note, _nothing)
-note_at_once = _by_kind(_nothing, carried.note_at_once, _nothing)
-forget = _by_kind(_nothing, carried.forget, _nothing)
-put_as_noted = _by_kind(_nothing, carried.put_as_noted, _nothing)
-recalled = _by_kind(_as_the_state_says, carried.recalled, _as_the_state_says)
-begin = _by_kind(_nothing, carried.begin, _nothing)
-take_up = _by_kind(_nothing, carried.take_up, _nothing)
-leave_behind = _by_kind(_nothing, carried.leave_behind, _nothing)
+advance = by_kind(flow_planar.advance, flow_modal.advance, flow_blocks.advance)
+travel = by_kind(_planar_travel, _modal_travel, _block_travel)
+workspace = by_kind(_no_workspace, guard_sums.room_for, guard_blocks.room_for)
+allow = by_kind(_planar_allow, _allow, _allow)
+steps_left = by_kind(_planar_steps_left, _steps_left, _steps_left)
+slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_modal.slopes_at)
+is_still = by_kind(_planar_is_still, flow_modal.is_still, flow_modal.is_still)
+search = by_kind(_planar_search, search_steps.search, search_steps.search)
+note = by_kind(_nothing, carried.note, _nothing)
+note_at_once = by_kind(_nothing, carried.note_at_once, _nothing)
+forget = by_kind(_nothing, carried.forget, _nothing)
+put_as_noted = by_kind(_nothing, carried.put_as_noted, _nothing)
+recalled = by_kind(_as_the_state_says, carried.recalled, _as_the_state_says)
+begin = by_kind(_nothing, carried.begin, _nothing)
+take_up = by_kind(_nothing, carried.take_up, _nothing)
+leave_behind = by_kind(_nothing, carried.leave_behind, _nothing)
 
 
 @allocating_entry
@@ -216,4 +162,4 @@ def _searched_extremes(flow, mode, state, functional, duration):
     return min(low, value), max(high, value)
 
 
-extremes = _by_kind(search_planar.extremes, _searched_extremes, _searched_extremes)
+extremes = by_kind(search_planar.extremes, _searched_extremes, _searched_extremes)

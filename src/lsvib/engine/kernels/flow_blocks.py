@@ -10,7 +10,7 @@ the change of the block coordinates, (e^{B t} − 1) z. It has its own digits: D
 without its first term, and D(2t) = D(t) (D(t) + 2).
 
 Each block comes with a norm |R_c z_c| that obeys |R_c z_c(a + τ)| ≤ e^{σ_c τ} |R_c z_c(a)|;
-:mod:`lsvib.engine.kernels.search_blocks` isolates roots with that.
+:mod:`lsvib.engine.kernels.search_steps` isolates roots with that.
 
 Everything is written element by element: numba's own products of matrices need scipy, and its assignment of slices
 compiles for minutes.

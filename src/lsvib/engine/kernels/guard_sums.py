@@ -296,3 +296,40 @@ def lowest_from(flow, mode, sums, guard, node, t):
             way = factors[1] / -rate  # from time zero to the limit
             level += way - abs(way) * e
     return level
+
+
+@kernel
+def changed(flow, mode, sums, index, guard, t):
+    """Return a guard, by its number and its row (n + 1), at time t [s], and the size below which that is rounding only.
+
+    It is moved from its value at time zero by the changes of the modal state, which are as small as its own. That size
+    is no larger than those of its parts, which may have died away.
+    """
+    size = flow_modal.size_of(flow, mode)
+    start, moves, sizes = sums.states[0, :size], sums.states[3, :size], sums.states[4, :size]
+    form = sums.form[: size + 1]
+    flow_modal.in_modal_form(flow, mode, guard, form)
+    flow_modal.change(flow, mode, start, t, moves, sizes)
+    value, total = sums.starts[index], abs(sums.starts[index])
+    for j in range(size):
+        value += form[j] * moves[j]
+        total += abs(form[j]) * sizes[j]
+    return value, 8.0 * EPS * total
+
+
+@inlined_kernel
+def rounding_at_start(flow, sums, guard):
+    """Return the size of a guard at time zero below which it is rounding only."""
+    return sums.rounding[guard]
+
+
+@inlined_kernel
+def looseness(flow):
+    """Return how many times the rounding of its sum a guard may be wrong: once, as its parts have their digits."""
+    return 1.0
+
+
+@inlined_kernel
+def stand(flow, mode, sums, node, t):
+    """Make ready what bounds on a step from the node at t [s] need: nothing. True: no coordinate overflows."""
+    return True

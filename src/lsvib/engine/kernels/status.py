@@ -26,6 +26,15 @@ class Found(IntEnum):
     UNDECIDED = 3  # the search did not come to an end
 
 
+class Decision(IntEnum):
+    """What is proved of a guard on one step of the search; of several guards the largest number counts."""
+
+    POSITIVE = 0  # no root
+    TOUCHES = 1  # zero to rounding
+    ROOT = 2  # one root
+    UNDECIDED = 3
+
+
 class Test(IntEnum):
     """Sign test of an affine function of the state; 'zero' means zero to rounding."""
 

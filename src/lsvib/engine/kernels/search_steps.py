@@ -1,46 +1,50 @@
 """The certain search for the first guard that fires in a mode with many states.
 
-The search walks from time zero in steps [a, b] on which every guard g is *decided*. Each of g, g′, g″ is enclosed on
-the step (:func:`lsvib.engine.kernels.guard_sums.least_between`). Then, with g ≥ 0 at a,
+The search walks from time zero in steps [a, b] on which every guard is *decided*: proved to have no root, or one
+(:mod:`lsvib.engine.kernels.step_sums` for flows in modal form, :mod:`lsvib.engine.kernels.step_blocks` for those in
+blocks). If a guard is undecided, the step is shortened, so no root is passed over. If the step has become so short that
+the guard changes by less than its rounding on it, the guard grazes. With infinite time the walk ends when, for every
+guard, the bounds of all parts together are below the guard's constant.
 
-    g > 0 on [a, b]     no root;
-    g′ > 0              no root;
-    g′ < 0              g falls: one root if g_b ≤ 0, else none;
-    g″ > 0, g′_a ≥ 0    no root;
-    g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
-
-Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part
-enclosed on its own (:func:`lsvib.engine.kernels.guard_sums.least_by_swings`): a part that vibrates many times on the
-step stays within its amplitude. If a guard is undecided even so, the step is shortened, so no root is passed over. If
-the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
-time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
+``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` or :class:`lsvib.engine.kernels.guard_blocks.BlockSums` of
+the search. A *node* is one of three places in it for all that is known at a time.
 """
 
 import math
 
-from lsvib.engine.kernels import flow_modal, guard_sums
+from lsvib.engine.kernels import guard_blocks, guard_sums, step_blocks, step_sums
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
-from lsvib.engine.kernels.flow_planar import EPS, own_rate
+from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import GUESSES, next_guess
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels.status import Decision, Found
+
+prepare = by_kind(None, guard_sums.prepare, guard_blocks.prepare)
+stand = by_kind(None, guard_sums.stand, guard_blocks.stand)
+go_to = by_kind(None, guard_sums.go_to, guard_blocks.go_to)
+evaluate = by_kind(None, guard_sums.evaluate, guard_blocks.evaluate)
+changed = by_kind(None, guard_sums.changed, guard_blocks.changed)
+lowest_from = by_kind(None, guard_sums.lowest_from, guard_blocks.lowest_from)
+rounding_at = by_kind(None, guard_sums.rounding_at, guard_blocks.rounding_at)
+rounding_at_start = by_kind(None, guard_sums.rounding_at_start, guard_blocks.rounding_at_start)
+looseness = by_kind(None, guard_sums.looseness, guard_blocks.looseness)
+fastest = by_kind(None, step_sums.fastest, step_blocks.fastest)
+longest_step = by_kind(None, step_sums.longest_step, step_blocks.longest_step)
+first_step = by_kind(None, step_sums.first_step, step_blocks.first_step)
+decide = by_kind(None, step_sums.decide, step_blocks.decide)
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
-_POSITIVE, _TOUCHES, _ROOT, _UNDECIDED = range(4)
+_POSITIVE = int(Decision.POSITIVE)
+_TOUCHES = int(Decision.TOUCHES)
+_ROOT = int(Decision.ROOT)
+_UNDECIDED = int(Decision.UNDECIDED)
 _STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must come to an end
 # The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step is
 # 0.7 √f times as long, and 0.7 leaves a margin.
 _LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
-_BEYOND_ROUNDING = 128.0  # f where the guard changes by less than its rounding: the next step is 8 times as long
-_LITTLE = 4.0  # f below which the enclosure part by part is tried as well: the step would grow by less than 1.4
-_GROWTH = 8.0  # largest exponent of a growing term on one step: bounds, taken at its end, are too large by e⁸ at most
-# ωh of the fastest part from which on the enclosure part by part can be the better one: the bound by the chord is
-# (ωh)²/8 amplitudes, and a swing between two extremes is two of them.
-_FAR = 4.0
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
 # A root is sharpened if the rounding of the guard, eight last places of its parts, may move it by more than this part
 # of its time: by 1e-12.
@@ -61,7 +65,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     time [s]). It is long because its ends, written as functions of their own, made it a twentieth slower.
     """
     count = guards.shape[0]
-    guard_sums.prepare(flow, mode, state, guards, work)
+    prepare(flow, mode, state, guards, work)
     for guard in range(count):
         work.starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
         if work.known[guard] > 0.0:
@@ -69,9 +73,11 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
-    longest = _longest_step(flow, mode)
-    rate = _fastest(flow, mode)
-    steps, a, step = 0, 0.0, min(limit, longest, _first_step(flow, mode, work, count))
+    if not stand(flow, mode, work, 0, 0.0):
+        return _LOST, -1, limit
+    longest = longest_step(flow, mode)
+    rate = fastest(flow, mode)
+    steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count))
     for _ in range(_STEPS):
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
@@ -80,13 +86,11 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if a >= limit or (limit == math.inf and _never(flow, mode, work, count, here, a)):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
-        guard_sums.go_to(flow, mode, work, b, there)
+        go_to(flow, mode, work, b, there)
         outcome, stretch, touched = _POSITIVE, _LONGEST, -1
         for guard in range(count):
-            guard_sums.evaluate(flow, mode, work, guard, there)
-            decision, slack = _decide(
-                flow, mode, work, guard, here, there, b - a, rate * (b - a) > _FAR, on_surface[guard]
-            )
+            evaluate(flow, mode, work, guard, there)
+            decision, slack = decide(flow, mode, work, guard, here, there, b - a, rate, on_surface[guard])
             stretch = min(stretch, slack)
             if decision == _TOUCHES:
                 touched = guard
@@ -103,7 +107,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             t = _touching(flow, mode, work, touched, guards[touched], b, at[1], at[2])
             for guard in range(count):  # one that falls before that is looked for from here
                 if t > b and guard != touched:
-                    guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+                    evaluate(flow, mode, work, guard, _SPARE)
                     t = -1.0 if work.values[_SPARE, guard, 0] <= 0.0 else t
             if t > limit:
                 return _NONE, -1, limit
@@ -132,124 +136,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         steps += 1
+        if not stand(flow, mode, work, there, b):
+            return _LOST, -1, limit
     return _LOST, -1, limit
-
-
-@kernel
-def _fastest(flow, mode):
-    """Return the largest rate [1/s] of a mode."""
-    fastest = 0.0
-    for pair in range(flow.pairs[mode]):
-        row = flow.oscillators[mode, pair]
-        fastest = max(fastest, abs(row[R1]), abs(row[R2]), abs(row[ALPHA]) + row[BETA])
-    for single in range(flow.singles[mode]):
-        fastest = max(fastest, abs(flow.rates[mode, single]))
-    return fastest
-
-
-@kernel
-def _longest_step(flow, mode):
-    """Return the longest step [s] on which no term grows by more than e⁸."""
-    growing = 0.0
-    for pair in range(flow.pairs[mode]):
-        growing = max(growing, own_rate(flow.oscillators[mode, pair]))
-    for single in range(flow.singles[mode]):
-        growing = max(growing, flow.rates[mode, single])
-    return _GROWTH / growing if growing > 0.0 else math.inf
-
-
-@kernel
-def _first_step(flow, mode, work, count):
-    """Return a step [s] on which the guards would be decided if they consisted of pairs only."""
-    shortest = math.inf
-    for guard in range(count):
-        best = 0.0
-        for k in range(3):
-            curve = 0.0
-            for pair in range(flow.pairs[mode]):
-                curve += guard_sums.bound(work.pair_bounds[guard, pair, k + 2], 1.0, 1.0, 0.0)
-            best = max(best, 4.0 * abs(work.values[0, guard, k]) / curve if curve > 0.0 else math.inf)
-        shortest = min(shortest, math.sqrt(best))
-    if 0.0 < shortest < math.inf:
-        return shortest
-    fastest = _fastest(flow, mode)
-    return 1.0 / fastest if fastest > 0.0 else 1.0
-
-
-@inlined_kernel
-def _margin(end, bound):
-    """Return the factor by which a test passes: the lesser value at the ends over its distance to the lower bound."""
-    width = end - bound
-    return end / width if width > 0.0 else _LONGEST
-
-
-@inlined_kernel
-def _common_sign(x, y):
-    """Return the common sign of two numbers; zero if their signs differ or one of them is zero."""
-    if min(x, y) > 0.0:
-        return 1.0
-    return -1.0 if max(x, y) < 0.0 else 0.0
-
-
-@kernel
-def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
-    """Decide what a guard does on one step, with each part of it enclosed on its own; returns as :func:`_decide`."""
-    low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if low > 0.0:
-        return _POSITIVE, _margin(least, low)
-    slack = max(slack, _margin(least, low))
-    sign = _common_sign(work.values[here, guard, 1], work.values[there, guard, 1])
-    if sign != 0.0:
-        low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
-        if low > 0.0:
-            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-        slack = max(slack, _margin(least, low))
-    return _UNDECIDED, slack
-
-
-@inlined_kernel
-def _decide(flow, mode, work, guard, here, there, step, turns, starts_on_surface):
-    """Decide what a guard does on one step, by the tests of the module docstring.
-
-    ``here`` and ``there`` are the nodes at the ends of the step [s]; ``turns`` says that the step is long for the
-    fastest part. Returns the decision and the factor by which the test passes that decides; at most 1 if none does.
-    """
-    eighth, slack = 0.125 * step * step, 0.0
-    first, last = work.values[here, guard], work.values[there, guard]
-    if min(first[0], last[0]) > 0.0:
-        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-        slack = _margin(least, low)
-        if low > 0.0:
-            if turns and slack < _LITTLE:
-                _, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, _ROOT, slack)
-            return _POSITIVE, slack
-    after = _ROOT if last[0] <= 0.0 else _POSITIVE
-    sign = _common_sign(first[1], last[1])
-    if sign != 0.0:
-        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 1, sign, eighth)
-        slack = max(slack, _margin(least, low))
-        if low > 0.0:
-            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-    sign = _common_sign(first[2], last[2])
-    if sign < 0.0 or (sign > 0.0 and first[1] >= 0.0):
-        low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
-        if low > 0.0:
-            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-    if turns:
-        decision, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack)
-        if decision != _UNDECIDED:
-            return decision, slack
-    low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if least - low < work.rounding[guard]:
-        # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
-        if least > work.rounding[guard]:
-            return _POSITIVE, _BEYOND_ROUNDING
-        if last[0] <= -work.rounding[guard]:
-            return _ROOT, _BEYOND_ROUNDING
-        # While it still falls it has not touched zero: it may die away without ever coming there.
-        falls = last[0] >= 0.0 and last[1] <= 0.0
-        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _BEYOND_ROUNDING
-    return _UNDECIDED, slack
 
 
 @kernel
@@ -257,7 +146,7 @@ def _never(flow, mode, work, count, node, t):
     """True if every guard stays positive from t [s], a node, on."""
     least = math.inf
     for guard in range(count):
-        least = min(least, guard_sums.lowest_from(flow, mode, work, guard, node, t))
+        least = min(least, lowest_from(flow, mode, work, guard, node, t))
     return least > 0.0
 
 
@@ -286,39 +175,20 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
         node = there
         if first >= 0 and work.values[there, guard, 0] <= 0.0:
             node = _SPARE
-            guard_sums.go_to(flow, mode, work, when, node)
-            guard_sums.evaluate(flow, mode, work, guard, node)
+            go_to(flow, mode, work, when, node)
+            evaluate(flow, mode, work, guard, node)
         if work.values[node, guard, 0] <= 0.0:
             low = a
             if on_surface[guard]:  # The guard rises first, so a value within rounding may belong to its way up.
                 if first >= 0 and work.values[node, guard, 0] > -work.rounding[guard]:
                     continue
                 low = _top(flow, mode, work, guard, a, when)
-                guard_sums.go_to(flow, mode, work, when, _SPARE)
-                guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+                go_to(flow, mode, work, when, _SPARE)
+                evaluate(flow, mode, work, guard, _SPARE)
                 node = _SPARE
             first = guard
             when, slope, bend = _root(flow, mode, work, guard, node, low, when, rate)
     return first, when, slope, bend
-
-
-@kernel
-def _changed(flow, mode, work, index, guard, t):
-    """Return a guard, by its number and its row (n + 1), at time t [s], and the size below which that is rounding only.
-
-    It is moved from its value at time zero by the changes of the modal state, which are as small as its own. That size
-    is no larger than those of its parts, which may have died away.
-    """
-    size = flow_modal.size_of(flow, mode)
-    start, moves, sizes = work.states[0, :size], work.states[3, :size], work.states[4, :size]
-    form = work.form[: size + 1]
-    flow_modal.in_modal_form(flow, mode, guard, form)
-    flow_modal.change(flow, mode, start, t, moves, sizes)
-    value, total = work.starts[index], abs(work.starts[index])
-    for j in range(size):
-        value += form[j] * moves[j]
-        total += abs(form[j]) * sizes[j]
-    return value, 8.0 * EPS * total
 
 
 @kernel
@@ -329,10 +199,10 @@ def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
     next to nothing by its bend alone. The sum has lost nothing where its parts have died away: then it is closer than
     the value at time zero with its change.
     """
-    guard_sums.go_to(flow, mode, work, t, _SPARE)
-    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE)
+    go_to(flow, mode, work, t, _SPARE)
+    rounding = rounding_at(flow, mode, work, index, _SPARE)
     for _ in range(SHARPENINGS):
-        value, noise = _changed(flow, mode, work, index, guard, t)
+        value, noise = changed(flow, mode, work, index, guard, t)
         square = slope * slope - 2.0 * value * bend
         both = slope + math.copysign(math.sqrt(square) if square > 0.0 else slope, slope)
         step = -2.0 * value / both if both != 0.0 else 0.0
@@ -342,8 +212,8 @@ def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
         t += step
         if abs(step) < SHARP * t:
             break
-        guard_sums.go_to(flow, mode, work, t, _SPARE)
-        guard_sums.evaluate(flow, mode, work, index, _SPARE)
+        go_to(flow, mode, work, t, _SPARE)
+        evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
     return t
 
@@ -355,13 +225,13 @@ def _fallen(flow, mode, work, index, guard, t):
     Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen,
     unless the sum is beyond its own rounding there, as where its parts have died away.
     """
-    value, noise = _changed(flow, mode, work, index, guard, t)
+    value, noise = changed(flow, mode, work, index, guard, t)
     noise *= SHAKEN
     if not (noise < work.rounding[index] and value < -noise):
         return t
-    guard_sums.go_to(flow, mode, work, t, _SPARE)
-    guard_sums.evaluate(flow, mode, work, index, _SPARE)
-    if work.values[_SPARE, index, 0] > SHAKEN * guard_sums.rounding_at(flow, mode, work, index, _SPARE):
+    go_to(flow, mode, work, t, _SPARE)
+    evaluate(flow, mode, work, index, _SPARE)
+    if work.values[_SPARE, index, 0] > SHAKEN * rounding_at(flow, mode, work, index, _SPARE):
         return t
     at = work.values[_SPARE, index]
     return _sharpened(flow, mode, work, index, guard, at[1], at[2], t, t)
@@ -375,19 +245,20 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
     derivative touches zero after a turn, where rounding alone makes two roots of one. It is negative if its sum or its
     change says so; the sum is as wrong as it was at time zero, as far as its parts are left.
     """
-    guard_sums.go_to(flow, mode, work, 0.0, _SPARE)
-    guard_sums.evaluate(flow, mode, work, index, _SPARE)
+    go_to(flow, mode, work, 0.0, _SPARE)
+    evaluate(flow, mode, work, index, _SPARE)
     off = abs(work.values[_SPARE, index, 0] - work.starts[index])
     for _ in range(REPEATS):
         t -= slope / bend
         if not (t > 0.0 and bend > 0.0):
             return -1.0
-        guard_sums.go_to(flow, mode, work, t, _SPARE)
-        guard_sums.evaluate(flow, mode, work, index, _SPARE)
+        go_to(flow, mode, work, t, _SPARE)
+        evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
-    value, noise = _changed(flow, mode, work, index, guard, t)
-    rounding = guard_sums.rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / work.rounding[index])
-    return t if value >= -noise and work.values[_SPARE, index, 0] >= -rounding else -1.0
+    value, noise = changed(flow, mode, work, index, guard, t)
+    rounding = rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / rounding_at_start(flow, work, index))
+    more = looseness(flow)
+    return t if value >= -more * noise and work.values[_SPARE, index, 0] >= -more * rounding else -1.0
 
 
 @kernel
@@ -395,8 +266,8 @@ def _top(flow, mode, work, guard, low, high):
     """Return the time at which a concave guard that rises from zero has its maximum, at most ``high``."""
     t = high
     for _ in range(HALVINGS):
-        guard_sums.go_to(flow, mode, work, t, _SPARE)
-        guard_sums.evaluate(flow, mode, work, guard, _SPARE)
+        go_to(flow, mode, work, t, _SPARE)
+        evaluate(flow, mode, work, guard, _SPARE)
         if work.values[_SPARE, guard, 1] < 0.0:
             high = t
         elif t == high:
@@ -428,6 +299,6 @@ def _root(flow, mode, work, guard, node, low, high, rate):
         if found:
             return t, slope, curvature
         node = _SPARE
-        guard_sums.go_to(flow, mode, work, t, node)
-        guard_sums.evaluate(flow, mode, work, guard, node)
+        go_to(flow, mode, work, t, node)
+        evaluate(flow, mode, work, guard, node)
     return t, slope, curvature
