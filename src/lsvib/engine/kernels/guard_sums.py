@@ -116,7 +116,7 @@ def prepare(flow, mode, state, guards, sums):
         evaluate(flow, mode, sums, guard, 0)
 
 
-@kernel
+@inlined_kernel
 def pair_bounds(row, value, rate, out):
     """Write the factors of the bounds of a pair's part, given its value and rate at time zero, to ``out`` (orders, 4).
 
@@ -223,7 +223,7 @@ def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
     return other if other > low else low, least
 
 
-@kernel
+@inlined_kernel
 def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
     """Bound as :func:`least_between` for k = 0 or 1, but with each part enclosed on its own.
 
@@ -263,7 +263,7 @@ def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
     return least - smooth, least
 
 
-@kernel
+@inlined_kernel
 def lowest_from(flow, mode, sums, guard, node, t):
     """Return a lower bound of a guard for all times from the node at t [s] on; −∞ if a part of it grows.
 

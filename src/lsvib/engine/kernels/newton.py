@@ -2,7 +2,7 @@
 
 import math
 
-from lsvib.engine.kernels.jit import kernel
+from lsvib.engine.kernels.jit import inlined_kernel
 
 _PATIENCE = 8  # steps before bisection takes turns
 _LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
@@ -11,7 +11,7 @@ _LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
 GUESSES = 300
 
 
-@kernel
+@inlined_kernel
 def next_guess(t, value, slope, curvature, low, high, rate, count):
     """A step towards the root of a function that falls there, between ``low`` and ``high``, or their middle.
 

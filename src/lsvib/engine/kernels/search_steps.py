@@ -55,7 +55,7 @@ SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times 
 HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
-@kernel
+@inlined_kernel
 def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
@@ -141,7 +141,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     return _LOST, -1, limit
 
 
-@kernel
+@inlined_kernel
 def _never(flow, mode, work, count, node, t):
     """True if every guard stays positive from t [s], a node, on."""
     least = math.inf

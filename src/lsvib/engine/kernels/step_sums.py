@@ -34,7 +34,7 @@ GROWTH = 8.0  # largest exponent of a growing term on one step: bounds, taken at
 _FAR = 4.0
 
 
-@kernel
+@inlined_kernel
 def fastest(flow, mode):
     """Return the largest rate [1/s] of a mode."""
     most = 0.0
@@ -46,7 +46,7 @@ def fastest(flow, mode):
     return most
 
 
-@kernel
+@inlined_kernel
 def longest_step(flow, mode):
     """Return the longest step [s] on which no term grows by more than e⁸."""
     growing = 0.0
@@ -57,7 +57,7 @@ def longest_step(flow, mode):
     return GROWTH / growing if growing > 0.0 else math.inf
 
 
-@kernel
+@inlined_kernel
 def first_step(flow, mode, work, count):
     """Return a step [s] on which the guards would be decided if they consisted of pairs only."""
     shortest = math.inf
@@ -90,7 +90,7 @@ def _common_sign(x, y):
     return -1.0 if max(x, y) < 0.0 else 0.0
 
 
-@kernel
+@inlined_kernel
 def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
     """Decide what a guard does on one step, with each part of it enclosed on its own; returns as :func:`decide`."""
     low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
