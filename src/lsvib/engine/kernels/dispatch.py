@@ -53,7 +53,7 @@ def _steps_left(flow, work):
     return work.steps[0]
 
 
-@kernel
+@inlined_kernel
 def _planar_search(flow, mode, state, guards, on_surface, limit, work):
     found, first, when = _NONE, -1, limit
     for guard in range(guards.shape[0]):
@@ -63,7 +63,7 @@ def _planar_search(flow, mode, state, guards, on_surface, limit, work):
     return found, first, when
 
 
-@kernel
+@inlined_kernel
 def _planar_travel(flow, mode, state, stay, scale, work):
     flow_planar.magnitudes(flow, mode, state, stay, scale)
     flow_planar.advance(flow, mode, state, stay, state)

@@ -11,7 +11,7 @@ import math
 
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
-from lsvib.engine.kernels.jit import entry, kernel
+from lsvib.engine.kernels.jit import entry, inlined_entry, inlined_kernel, kernel
 from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Found
 
@@ -24,7 +24,7 @@ _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 
 
-@kernel
+@inlined_kernel
 def _shape(row, state, guard):
     """Constants of a guard along the flow: p, q, the form that holds, coefficients of 1, C or J, S, S′.
 
@@ -49,7 +49,7 @@ def _shape(row, state, guard):
     return p, q, _NEAR, constant, guard[0] * y, guard[0] * w + guard[1] * force, guard[1] * w
 
 
-@kernel
+@inlined_kernel
 def _value(row, shape, t):
     """Value and first two derivatives of a guard at time t."""
     p, q, form, constant, c_part, s_part, rate_part = shape
@@ -64,13 +64,13 @@ def _value(row, shape, t):
     return value, p * s_rate + q * s, (q - row[A1] * p) * s_rate - row[A0] * p * s
 
 
-@kernel
+@inlined_kernel
 def _positive(row, shape, t):
     """Whether a guard that falls from a moderate value is still positive; a huge value has overflowed on its way."""
     return 0.0 < _value(row, shape, t)[0] < _HUGE
 
 
-@kernel
+@inlined_kernel
 def _descent(row, shape, low, high, guess):
     """Root of a guard that falls from ``low`` to ``high``, where it is not positive."""
     t = guess if low < guess < high else 0.5 * (low + high)
@@ -89,7 +89,7 @@ def _descent(row, shape, low, high, guess):
     return t
 
 
-@kernel
+@inlined_kernel
 def _up_to(row, shape, low, high, guess, limit):
     """As :func:`_descent`, but only a root before ``limit`` counts: returns (found, time)."""
     if low >= limit:
@@ -101,7 +101,7 @@ def _up_to(row, shape, low, high, guess, limit):
     return _CROSSING, _descent(row, shape, low, high, guess)
 
 
-@entry
+@inlined_entry
 def crossing(flow, mode, state, guard, on_surface, limit):
     """Find the first time in (0, limit] at which a guard falls through zero or touches it from above.
 
@@ -121,14 +121,14 @@ def crossing(flow, mode, state, guard, on_surface, limit):
     return _monotone_crossing(row, shape, bend, on_surface, limit)
 
 
-@kernel
+@inlined_kernel
 def _hop(top, on_surface, limit):
     """Event of a guard whose maximum at ``top`` [s] is zero to rounding; from zero it rises and falls as a parabola."""
     t = 2.0 * top if on_surface else top
     return (_CROSSING, t) if t <= limit else (_NONE, limit)
 
 
-@kernel
+@inlined_kernel
 def _minimum(row, shape, middle, swing, t):
     """Value of a guard at its minimum at t [s], and the size below which that is rounding only."""
     reach = min(swing * math.exp(-row[ALPHA] * t), _HUGE)
@@ -136,7 +136,7 @@ def _minimum(row, shape, middle, swing, t):
     return lowest, 8.0 * EPS * (abs(shape[3]) + reach)
 
 
-@kernel
+@inlined_kernel
 def _oscillating_crossing(row, shape, bend, on_surface, limit):
     p, q, is_far, constant = shape[0], shape[1], shape[2] == _FAR, shape[3]
     alpha, beta = row[ALPHA], row[BETA]
@@ -197,7 +197,7 @@ def _parabolic_crossing(shape, on_surface, limit):
     return (_GRAZE, t) if q > 0.0 and square <= 8.0 * EPS * p * p else (_CROSSING, t)
 
 
-@kernel
+@inlined_kernel
 def _turning_time(row, shape):
     """The one positive zero of g′ when the characteristic roots are real; infinite if there is none."""
     p, q = shape[0], shape[1]
@@ -211,7 +211,7 @@ def _turning_time(row, shape):
     return math.log1p(2.0 * row[DELTA] * excess) / (2.0 * row[DELTA]) if row[DELTA] > 0.0 else excess
 
 
-@kernel
+@inlined_kernel
 def _monotone_crossing(row, shape, bend, on_surface, limit):
     p, q = shape[0], shape[1]
     if shape[2] == _SPLIT:
