@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, TIME_SCALE, B
-from lsvib.engine.kernels.jit import entry, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import entry, inlined_entry, inlined_kernel, kernel
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent
@@ -29,7 +29,7 @@ def own_rate(row):
     return -row[ALPHA] if row[BETA] > 0.0 else row[R1]
 
 
-@entry
+@inlined_entry
 def responses(row, t):
     """Return C, S and S′ of a mode at time t [s]; ``row`` is the mode's row of the flow table."""
     if row[BETA] > 0.0:
@@ -81,13 +81,13 @@ def integrated_response(row, t):
     return (math.exp(row[R1] * t) * row[R1] * h - math.expm1(row[R1] * t)) / row[A0]
 
 
-@kernel
+@inlined_kernel
 def far(row, u, w):
     """True if the equilibrium is absent, or so far away that displacements from it would cancel."""
     return row[A0] == 0.0 or abs(row[EQUILIBRIUM]) > 16.0 * (abs(u) + abs(w) * row[TIME_SCALE])
 
 
-@entry
+@inlined_entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
     row = flow[mode]
@@ -105,7 +105,7 @@ def advance(flow, mode, state, t, out):
         out[1] = w * s_rate - row[A0] * y * s
 
 
-@kernel
+@inlined_kernel
 def magnitudes(flow, mode, state, stay, scale):
     """Write to ``scale`` (2) the sizes of the terms that the state after a stay [s] in ``mode`` is summed from."""
     row = flow[mode]
@@ -121,7 +121,7 @@ def magnitudes(flow, mode, state, stay, scale):
         scale[1] += more * (speed + push * reach)
 
 
-@entry
+@inlined_entry
 def slopes_at(flow, mode, state, scale, guard):
     """First and second derivative of a guard at a state, each with the size below which it is rounding only.
 
