@@ -71,3 +71,21 @@ def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
     flow, out = tables_of(kind).flow, np.empty(2)
     quarter(flow, np.array([1.0, 0.0]), out)
     np.testing.assert_allclose(out, [0.0, -1.0], atol=1e-15)
+
+
+@pytest.mark.parametrize("said", [True, False])
+def test_a_kernel_is_not_inlined_because_its_caller_is(said):
+    """Without ``forceinline`` among the options the first caller would decide, as the second case shows."""
+    options = {name: value for name, value in jit.OPTIONS.items() if said or name != "forceinline"} | {"cache": False}
+
+    @jit.numba.njit(**options)
+    def below(x):
+        return x + 1.0
+
+    @jit.numba.njit(**{**options, "forceinline": True})
+    def above(x):
+        return 2.0 * below(x)
+
+    assert above(1.0) == 4.0
+    (code,) = below.inspect_llvm().values()
+    assert ("alwaysinline" in code) != said

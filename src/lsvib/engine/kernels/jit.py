@@ -81,7 +81,7 @@ OPTIONS = {
     "error_model": "numpy",
     "fastmath": False,
     "nogil": True,
-    "forceinline": False,  # said always: a kernel for which it is not said takes it from the first that calls it
+    "forceinline": False,  # said of every kernel: numba takes it from the first that calls it otherwise
     "no_cfunc_wrapper": True,  # by which a kernel could be called through a pointer, as a C function; none is
 }
 
