@@ -6,8 +6,9 @@ blocks). If a guard is undecided, the step is shortened, so no root is passed ov
 the guard changes by less than its rounding on it, the guard grazes. With infinite time the walk ends when, for every
 guard, the bounds of all parts together are below the guard's constant.
 
-``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` or :class:`lsvib.engine.kernels.guard_blocks.BlockSums` of
-the search. A *node* is one of three places in it for all that is known at a time.
+``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` or the
+:class:`lsvib.engine.kernels.guard_blocks.BlockSums` of the search. A *node* is one of three places in it for what is
+known at a time.
 """
 
 import math
@@ -60,9 +61,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     """Find the first of several guards that falls through zero, or touches it from above, within ``limit`` [s].
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
-    – zero and not falling; that array is overwritten; ``work``, the ``Sums`` of the search, overwritten; the steps that
-    it leaves are counted down, and without any left the search is undecided. Returns (``Found``, index of the guard,
-    time [s]). It is long because its ends, written as functions of their own, made it a twentieth slower.
+    – zero and not falling; that array is overwritten, and so is ``work``, whose steps are counted down: without any
+    left the search is undecided. Returns (``Found``, index of the guard, time [s]). It is long because its ends,
+    written as functions of their own, made it a twentieth slower.
     """
     count = guards.shape[0]
     prepare(flow, mode, state, guards, work)
