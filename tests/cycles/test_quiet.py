@@ -9,7 +9,6 @@ from judge.wide_drives import wide_drive
 from reference.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.quiet import parts_of, quiet_until
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
@@ -119,13 +118,3 @@ def test_a_rate_of_zero_beside_what_winds_up_is_told_by_no_parts():
     automaton, state = scene("support", 83, 10, 0)
     blocks = [parts_of(automaton.tables.flow, mode, state) for mode in range(len(automaton.codes))]
     assert any(found is None for found in blocks)
-
-
-def test_what_has_died_away_below_the_smallest_number_has_settled():
-    """The walk went on in twice as long steps at rest, to a time of 10³⁰⁸ s and then to none at all."""
-    automaton, _ = scene("threads", 83, 4, 3)
-    almost_at_rest = np.array([4e-122, -2e-124, -3e-111, 2e-113])
-    motion = follow_patiently(automaton, almost_at_rest, math.inf, mode=2, max_events=1000, budget=Budget(1e6))
-    assert motion.status == Status.SETTLED
-    assert not motion.end_state.any()
-    assert motion.end_time < 1.0

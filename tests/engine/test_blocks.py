@@ -4,6 +4,7 @@ The tolerances of the flow are those of the project, 1e-9 of the largest coordin
 is of rates near 1/s, so that the latter is 1e-12 of a time scale.
 """
 
+import math
 from functools import cache
 
 import numpy as np
@@ -11,13 +12,15 @@ import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from reference.wide_scenes import scene
 
 from lsvib.engine.exact.block_form import block_flow, block_mode
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch, guard_blocks
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels.status import Found, Status
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
+from lsvib.engine.motion import Budget, follow
 
 DIGITS = 60
 CHAIN = [[-3, 1, 0, 0, 0.1], [0, -3, 1, 0, 0], [0, 0, -3, 0, 0.7], [0, 0, 0, -50, 1]]
@@ -304,3 +307,13 @@ def test_undecided_where_the_steps_run_out():
 
 def test_rounding_is_not_amplified():
     assert block_mode(exact_field(mixed(FIELDS["condition 1e13"]), [1.0] * 4)).condition < 1e3
+
+
+def test_a_search_ends_where_a_guard_has_died_away_below_the_smallest_number():
+    """Without a load the contact force falls to zero for ever; zero over zero then led the walk nowhere."""
+    automaton, state = scene("threads", 83, 4, 3)
+    assert isinstance(automaton.tables.flow, BlockFlow)
+    budget = Budget(10_000.0)
+    motion = follow(automaton, state, math.inf, max_events=20, budget=budget)
+    assert motion.status == Status.SETTLED
+    assert budget.left > 9000.0

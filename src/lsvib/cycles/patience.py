@@ -56,8 +56,6 @@ def follow_patiently(
         over = last if piece.status == Status.TIME_REACHED else count == max_events
         if over or piece.status not in (Status.TIME_REACHED, Status.EVENTS_FULL, Status.WORK_SPENT):
             return _joined(pieces, piece.status)
-        if piece.status == Status.TIME_REACHED and dispatch.is_still(automaton.tables.flow, mode, state):
-            return _joined(pieces, Status.SETTLED)  # it has died away below the smallest number
         if found and piece.status != Status.WORK_SPENT:
             reach = math.inf
             continue

@@ -22,7 +22,7 @@ from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
 from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, TIME_SCALE
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
-from lsvib.engine.kernels.jit import allocating_entry, inlined_entry, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel, kernel
 
 FAR = 2.0**14  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
 _GAIN = 16.0  # by so much the terms must change less than they are: where a pair has turned, it gives them anew
@@ -222,7 +222,7 @@ def travel(flow, mode, state, stay, scale, room):
         _displace(flow, mode, before, stay, state, scale, room)
 
 
-@inlined_entry
+@inlined_kernel
 def is_still(flow, mode, state):
     """Whether a state is an equilibrium of a mode to the last bit; where N is zero there a guard rests on zero."""
     field, n = flow.field[mode], state.size

@@ -53,8 +53,10 @@ def first_step(flow, mode, work, count):
 
 @inlined_kernel
 def _factor(value, bound):
-    """Return the factor by which a test passes."""
-    return min(value / bound, _LONGEST) if bound > 0.0 else _LONGEST
+    """Return the factor by which a test passes, or would pass; a bound is zero where a guard has died away."""
+    if bound > 0.0:
+        return min(value / bound, _LONGEST)
+    return _LONGEST if value > 0.0 else 0.0
 
 
 @kernel
@@ -77,13 +79,13 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
     fall = -max(first[1], last[1])
     if fall > third:
         return _ROOT if last[0] <= 0.0 else _POSITIVE, _factor(fall, third)
-    slack = max(least / second, slowest / third, fall / third, 0.0)
+    slack = max(_factor(least, second), _factor(slowest, third), _factor(fall, third), 0.0)
     if first[1] >= 0.0:
         fourth = bound(flow, mode, work, guard, 4, step) * eighth
         curve = min(first[2], last[2])
         if curve > fourth:
             return _POSITIVE, _factor(curve, fourth)
-        slack = max(slack, curve / fourth)
+        slack = max(slack, _factor(curve, fourth))
     if second < rounding:
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > rounding:
