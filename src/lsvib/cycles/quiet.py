@@ -11,6 +11,7 @@ other part stays within its size |g_j| e^{Re λ_j t}. So steps grow as the parts
 of all parts leaves the guard room.
 """
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
@@ -179,13 +180,24 @@ def quiet_until(automaton: Automaton, mode: int, state: np.ndarray, budget: Budg
     """
     budget.spend(_START)
     found = parts_of(automaton.tables.flow, mode, state)
-    if found is None or found.rates.size == 0:
+    if found is None:
         return 0.0
     guards = guards_along(automaton, mode, found)
+    if found.rates.size == 0:
+        return _first_fall(guards)
     fastest, slowest = np.abs(guards.rates).max(), np.abs(guards.rates).min()
     time, steps = walk(*guards, _TURN / fastest, _END / slowest, _STEPS)
     budget.spend(_STEP * steps)
     return float(time)
+
+
+def _first_fall(guards: Guards) -> float:
+    """Return a time [s] up to which guards without any rate, polynomials of time, are surely positive."""
+    lowest = guards.drift - guards.lost * guards.sizes
+    if (lowest[:, 0] <= 0).any():
+        return 0.0
+    roots = np.concatenate([np.roots(row[::-1]) for row in lowest])
+    return float(roots[(roots.imag == 0) & (roots.real > 0)].real.min(initial=math.inf))
 
 
 def beats(automaton: Automaton, mode: int, state: np.ndarray) -> bool:
