@@ -26,6 +26,7 @@ _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # a multiple of its own spread.
 _NO_TREND = 3e-3
 _NOISE = 3.0
+_HIDDEN = 0.1  # part of the error of a step above which the damping of an amplitude itself may be what is seen
 _BACK = 0.05  # part of the change that a leap has made with which amplitudes have come back
 _LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
@@ -118,9 +119,10 @@ def trend_of(motion: Motion) -> Trend | None:
 def _may_die(step: np.ndarray, own: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Whether steps (t) of amplitudes may be nothing but their own damping, for all that their errors tell.
 
-    Events may add so little to a swing that is hardly damped that its decay is hidden by what scatters.
+    Events may add so little to a swing that is hardly damped that its decay is hidden by what scatters. Where they
+    move an amplitude by far more than it would fall, they decide what becomes of it.
     """
-    return (own > 0) & (np.abs(step + own) <= error)
+    return (own > _HIDDEN * error) & (np.abs(step + own) <= error)
 
 
 def no_trend(windows: list[Trend]) -> bool:
