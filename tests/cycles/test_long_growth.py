@@ -8,6 +8,7 @@ from reference.wide_scenes import scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.patience import follow_patiently
+from lsvib.cycles.quiet import quiet_until
 from lsvib.cycles.trends import no_trend, stays, trend_of
 from lsvib.engine.motion import Budget, follow
 
@@ -86,3 +87,19 @@ def test_a_long_wait_after_a_few_events_takes_the_work_of_a_few_events():
 def test_a_cycle_beyond_long_waits_is_told(start):
     automaton, state = scene("nut", 83, 9, start)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STICK_SLIP_CYCLE
+
+
+def test_a_rest_without_any_rate_is_quiet_until_its_guard_falls():
+    """Everything rests and the motor winds the coupling up: a search in blocks takes 5000 units to find the release.
+
+    It has fewer after a few events, and the quiet time was then asked in turns of the fastest rate, which is zero.
+    """
+    automaton, _ = scene("support", 84, 15, 3)
+    state, mode = np.array([-0.20690549, -4.53296625, 2.89408428, 0.0]), 14
+    assert not np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1]).any()
+    motion = follow(automaton, state, math.inf, mode=mode, max_events=1)
+    quiet = quiet_until(automaton, mode, state, Budget(1e3))
+    assert quiet < motion.time[0]
+    assert quiet == pytest.approx(motion.time[0], rel=1e-12)
+    patient = follow_patiently(automaton, state, math.inf, mode=mode, max_events=3, budget=Budget(3e3))
+    assert patient.time[0] == pytest.approx(motion.time[0], rel=1e-12)

@@ -9,7 +9,6 @@ from judge.wide_drives import wide_drive
 from reference.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.quiet import parts_of, quiet_until
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
@@ -119,19 +118,3 @@ def test_a_rate_of_zero_beside_what_winds_up_is_told_by_no_parts():
     automaton, state = scene("support", 83, 10, 0)
     blocks = [parts_of(automaton.tables.flow, mode, state) for mode in range(len(automaton.codes))]
     assert any(found is None for found in blocks)
-
-
-def test_a_rest_without_any_rate_is_quiet_until_its_guard_falls():
-    """Everything rests and the motor winds the coupling up: a search in blocks takes 5000 units to find the release.
-
-    It has fewer after a few events, and the quiet time was then asked in turns of the fastest rate, which is zero.
-    """
-    automaton, _ = scene("support", 84, 15, 3)
-    state, mode = np.array([-0.20690549, -4.53296625, 2.89408428, 0.0]), 14
-    assert not np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1]).any()
-    motion = follow(automaton, state, math.inf, mode=mode, max_events=1)
-    quiet = quiet_until(automaton, mode, state, Budget(1e3))
-    assert quiet < motion.time[0]
-    assert quiet == pytest.approx(motion.time[0], rel=1e-12)
-    patient = follow_patiently(automaton, state, math.inf, mode=mode, max_events=3, budget=Budget(3e3))
-    assert patient.time[0] == pytest.approx(motion.time[0], rel=1e-12)
