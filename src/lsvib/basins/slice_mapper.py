@@ -150,16 +150,18 @@ class StateMapper(Mapper):
             state, mode = motion.end_state, motion.end_mode
         end = self._end(state, mode)
         if end.doubt == Doubt.EVENTS:  # what has come near to a slow cycle shows the size of the motion no more
-            again = self._end(start, work=self._events // _AGAIN)
+            again = self._end(start, work=self._events // _AGAIN, further=False)
             end = end if again.doubt is not None else again
         return Destiny(
             end.label, time if end.doubt is None else np.inf, sprags, -1 if first is None else first, end.doubt
         )
 
-    def _end(self, state: np.ndarray, mode: int | None = None, work: int | None = None) -> SteadyState:
+    def _end(
+        self, state: np.ndarray, mode: int | None = None, work: int | None = None, further: bool = True
+    ) -> SteadyState:
         """Return the attractor of a motion; unresolved if the engine does not decide or the work does not suffice."""
         try:
-            return steady_state(self.automaton, state, mode=mode, max_events=work or self._events)
+            return steady_state(self.automaton, state, mode=mode, max_events=work or self._events, further=further)
         except EngineError as error:
             return SteadyState.unresolved(state, error)
 

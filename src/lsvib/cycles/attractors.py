@@ -45,12 +45,14 @@ def steady_state(
     mode: int | None = None,
     max_events: int = 300_000,
     patience: int = LONG,
+    further: bool = True,
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
     ``max_events`` bounds the work: it is a number of events with two states, and with more the budget in units of one
     ordinary event (:class:`lsvib.engine.motion.Budget`), which may be spent twice. ``patience`` is the number of events
-    after which returns that hardly move are leapt over, with two states.
+    after which returns that hardly move are leapt over, with two states. With more, a motion that leaps do not tell is
+    followed ``further``.
 
     The search ends in one of the following ways.
 
@@ -74,7 +76,12 @@ def steady_state(
       come nearer, beyond doubt, although P(y) = y is lost in rounding there. Then there is a cycle, and its numbers are
       known to ``enclosure`` only.
     """
-    return _steady_state(automaton, np.array(state, dtype=float), mode, max_events, patience, True)
+    start = np.array(state, dtype=float)
+    if mode is None and at_equilibrium(automaton, start):
+        return SteadyState(Attractor.STEADY_SLIDING, start)
+    if start.size > 2:
+        return of_more_states(automaton, start, mode, Budget(max_events), further)
+    return _steady_state(automaton, start, mode, max_events, patience, True)
 
 
 def _steady_state(
@@ -83,10 +90,6 @@ def _steady_state(
     """Search as :func:`steady_state`; with ``twice``, two motions must end alike where a drift leaves its line."""
     if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
-    if mode is None and at_equilibrium(automaton, state):
-        return SteadyState(Attractor.STEADY_SLIDING, state)
-    if state.size > 2:
-        return of_more_states(automaton, state, mode, Budget(max_events))
     used, chunk, faint = 0, min(CHUNK, patience), None
     while used < max_events:
         try:

@@ -62,7 +62,7 @@ _LEFT = 1e-3  # most that may be left of the way to it, in sizes of the cycle
 _ATTRACTS = 1e-11  # least distance of a multiplier from one: beyond the rounding of P′, which leaves 1e-13 to 1e-12
 _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
-_FIRST_WINDOW, _LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
+_FIRST_WINDOW, LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 # Attempts to measure a trend, by their number, at which the longest window is followed instead if the motion rests.
@@ -82,38 +82,46 @@ class Recurrence(NamedTuple):
 Ended = TypeVar("Ended")
 
 
-def pursue(
-    motion: Motion, budget: Budget, ended: Callable[[Motion], Ended | None]
-) -> tuple[Ended | SteadyState | Recurrence | None, bool]:
-    """Follow and extrapolate a motion until ``ended`` names its end; returns that end and whether leaps were made.
+class Course:
+    """How far a motion has been followed: its last part, ``motion``, and whether leaps have led there, ``leapt``."""
 
-    Arguments: a part of the motion, from whose end it goes on; the work that it may take; ``ended``, which is asked
+    def __init__(self, motion: Motion) -> None:
+        self.motion, self.leapt = motion, False
+
+
+def pursue(
+    course: Course, budget: Budget, ended: Callable[[Motion], Ended | None]
+) -> Ended | SteadyState | Recurrence | None:
+    """Follow and extrapolate a motion until ``ended`` names its end; returns that end.
+
+    Arguments: a course of the motion, which goes on from its end; the work that it may take; ``ended``, which is asked
     about parts of the motion. The end is None if the budget does not suffice. Raises ``EngineError`` where the engine
     does. It is one loop: which leap comes next depends on how far those of both kinds have led.
     """
-    automaton, window, blank, leapt = motion.automaton, _FIRST_WINDOW, 0, False
+    motion, automaton, window, blank = course.motion, course.motion.automaton, _FIRST_WINDOW, 0
     before, trust, moves, looks, gain, rows, seen = None, 1.0, 0, 0, 1.0, 0, list[Trend]()
     conserved, quarters, dwindling = conserves(automaton), 0.0, Dwindling(automaton)
-    longest = _CONSERVED_WINDOW if conserved else _LAST_WINDOW
+    longest = _CONSERVED_WINDOW if conserved else LAST_WINDOW
     while budget.left > 0:
+        course.motion = motion
         if dwindling.done(motion):
-            return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(motion.end_state)), leapt
+            return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(motion.end_state))
         # While leaps move the motion a cycle is seldom near, and looking for one costs more than a leap.
         found = ended(motion) if moves % _SELDOM == 0 or motion.status == Status.SETTLED else None
         if found is not None:
-            return found, leapt
+            return found
         # Where leaps by amplitudes go farther for their work, those by returns are seldom tried.
         skipped = rows % _SELDOM > 0
         leap = _Leap(motion.end_state, motion.end_mode, False, 0.0) if skipped else _by_returns(motion, budget)
         pays = leap.gain > gain
         moves = moves + 1 if pays else 0
-        leapt |= leap.moved
+        course.leapt |= leap.moved
         if leap.moved:
             motion = follow_patiently(
                 automaton, leap.state, math.inf, mode=leap.mode, max_events=_BETWEEN, budget=budget
             )
             if leap.cycle is not None:
-                return ended(motion) or leap.cycle, leapt
+                return ended(motion) or leap.cycle
             if pays and moves % _MOVES:
                 continue
         # Leaps that go on and on over rests, while the contact rattles, may go around a longer cycle.
@@ -127,7 +135,7 @@ def pursue(
         if look == longest:
             found = long_cycle(motion, budget)
             if found is not None:
-                return found, leapt
+                return found
         wanted = 2 * window
         if trend is not None and _WHOLE * window <= trend.turns * longest:
             wanted = max(wanted, math.ceil(_WHOLE * window / trend.turns))
@@ -145,8 +153,8 @@ def pursue(
                 continue
             found = ended(motion)  # a leap would throw it off a cycle that it comes to slowly
             if found is not None:
-                return found, leapt
-            leapt, gain = True, max(1.0, _PER_EVENT * quarters / QUARTERS)
+                return found
+            course.leapt, gain = True, max(1.0, _PER_EVENT * quarters / QUARTERS)
             state = extrapolated(motion, trend, quarters, trust)
             after = max(_BETWEEN, window // QUARTERS)
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
@@ -154,10 +162,10 @@ def pursue(
             seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
             blank = blank + 1 if trend.none or trend.consistent else 0
             if blank == _BLANKS or no_trend(seen):
-                return Recurrence(motion.end_state), leapt
+                return Recurrence(motion.end_state)
         else:
             window, blank = longer, 0
-    return None, leapt
+    return None
 
 
 def _rests(motion: Motion) -> bool:

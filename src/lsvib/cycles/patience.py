@@ -15,7 +15,9 @@ from lsvib.engine.motion import Budget, Motion, enter, follow
 from lsvib.errors import BeatError, EndlessSearchError, UndecidedError, WorkSpentError
 
 _EACH = 90.0  # work of an event, at most as a rule; so a search is left before it has taken all steps that it may
-FEW = 16  # events in blocks of the first search; each further one may have twice as many
+# Events of the first search in blocks, and of that after one that took too long; each further one has twice as many, up
+# to the second number: a search that finds no more events takes in vain what all of them may take.
+FEW, _MANY = 16, 512
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
 _IN_BLOCKS = 0.2  # part of all these works in blocks: quiet times are looked for after as many steps as ever
@@ -45,9 +47,9 @@ def follow_patiently(
         mode, state = enter(automaton, state)
     in_blocks = isinstance(automaton.tables.flow, BlockFlow)
     pieces: list[Motion] = []
-    time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else max_events
+    time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else _MANY
     while True:
-        here, most = min(max_events - count, most), 2 * most
+        here, most = min(max_events - count, most), min(2 * most, _MANY)
         work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * (_IN_BLOCKS if in_blocks else 1.0)
         piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, t_end - time <= reach
@@ -62,7 +64,7 @@ def follow_patiently(
         if piece.status == Status.WORK_SPENT and not found and reach < math.inf:
             kind = BeatError if beats(automaton, mode, state) else EndlessSearchError
             raise kind("the search for the next event takes more work than is allowed.")
-        quiet = quiet_until(automaton, mode, state, budget)
+        quiet, most = quiet_until(automaton, mode, state, budget), FEW
         if quiet == t_end - time == math.inf:
             return _joined(pieces, Status.SETTLED)
         quiet = min(quiet, t_end - time)
@@ -70,9 +72,11 @@ def follow_patiently(
             there = np.empty_like(state)
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
             state, time = there, time + quiet
-        fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
+        fastest = float(np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max())
+        if fastest == 0 and quiet == 0 and not found:  # no time is short in a mode without any rate
+            raise EndlessSearchError("the search for the next event takes more work than is allowed.")
         waits = quiet == 0 and not found and reach < math.inf  # an event has led to a mode with times of its own
-        reach = 2 * reach if waits else _TURNS / float(fastest)
+        reach = 2 * reach if waits else _TURNS / fastest if fastest else math.inf
 
 
 def _searched(
@@ -103,6 +107,12 @@ def _searched(
             work *= _MORE
         finally:
             budget.spend(before - part.left)
+
+
+def in_a_row(parts: Sequence[Motion]) -> Motion:
+    """Return one motion for several that follow each other, each of which begins at 0."""
+    starts = np.cumsum([0.0, *(part.end_time for part in parts)])
+    return _joined([_begun_at(part, start) for part, start in zip(parts, starts, strict=False)], parts[-1].status)
 
 
 def _begun_at(piece: Motion, time: float) -> Motion:

@@ -8,6 +8,7 @@ The trend is extrapolated; the phases stay as they are.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ _STEADY = 0.3  # spread of a trend over the quarters of a window, relative to it
 # a multiple of its own spread.
 _NO_TREND = 3e-3
 _NOISE = 3.0
+_HIDDEN = 0.1  # part of the error of a step above which the damping of an amplitude itself may be what is seen
 _BACK = 0.05  # part of the change that a leap has made with which amplitudes have come back
 _LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
@@ -37,8 +39,9 @@ _STILL = 1e-12  # added to a change that divides: a trend that is as small is le
 class Trend(NamedTuple):
     """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
 
-    ``quarters`` (4, t) are these logarithms of the pairs that turn, ``turning`` (t); ``turns``, how often the slowest
-    of them does in the window; ``moves``, whether a coordinate drifts.
+    ``quarters`` (4, t) are these logarithms of the pairs that turn, ``turning`` (t); ``own`` (t), by how much they
+    would fall in a quarter without events; ``turns``, how often the slowest of them does in the window; ``moves``,
+    whether a coordinate drifts.
     """
 
     mode: int
@@ -48,6 +51,7 @@ class Trend(NamedTuple):
     none: bool
     moves: bool
     quarters: np.ndarray
+    own: np.ndarray
     turning: np.ndarray
     turns: float
 
@@ -102,24 +106,54 @@ def trend_of(motion: Motion) -> Trend | None:
     bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
     bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
     moves = _moves(motion.after)
-    none = not moves and bool((np.abs(step) <= np.minimum(_NO_TREND, _NOISE * spread)).all())
+    own = rows[turning, ALPHA] * (motion.end_time - motion.start_time) / QUARTERS
+    level = (np.abs(step) <= np.minimum(_NO_TREND, _NOISE * spread)) & ~_may_die(step, own, spread)
+    none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
     consistent = bool(steady.any() and (steady | scatters).all())
     turns = (motion.end_time - motion.start_time) / turn
-    return Trend(home, full, bend, consistent and not none, none, moves, quarters, turning, turns)
+    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, turns)
+
+
+def _may_die(step: np.ndarray, own: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Whether steps (t) of amplitudes may be nothing but their own damping, for all that their errors tell.
+
+    Events may add so little to a swing that is hardly damped that its decay is hidden by what scatters. Where they
+    move an amplitude by far more than it would fall, they decide what becomes of it.
+    """
+    return (own > _HIDDEN * error) & (np.abs(step + own) <= error)
 
 
 def no_trend(windows: list[Trend]) -> bool:
     """Whether amplitudes that scatter have no trend over many windows that follow each other: a line through all."""
     if len(windows) < _SCATTERED:
         return False
-    quarters = np.concatenate([window.quarters for window in windows])
-    place = np.arange(len(quarters)) - 0.5 * (len(quarters) - 1)
-    slope = place @ quarters / (place @ place)
-    rest = quarters - quarters.mean(axis=0) - place[:, None] * slope
-    error = np.sqrt((rest**2).sum(axis=0) / ((len(quarters) - 2) * (place @ place)))
-    return bool((np.abs(slope) <= np.minimum(_NO_TREND, _NOISE * error)).all())
+    own = np.mean([window.own for window in windows], axis=0)
+    return _level(np.concatenate([window.quarters for window in windows]), own)
+
+
+def stays(parts: Sequence[Motion]) -> bool:
+    """Whether over long parts of a motion that follow each other neither amplitudes nor coordinates have a trend.
+
+    A line through all of them tells, since what scatters over the quarters of one part may seem to drift.
+    """
+    trends = [trend_of(part) for part in parts]
+    first, windows = trends[0], [trend for trend in trends if trend is not None and not trend.consistent]
+    if first is None or len(windows) < len(parts) or any(trend.mode != first.mode for trend in windows):
+        return False
+    means = np.array([quarter.mean(axis=0) for part in parts for quarter in np.array_split(part.after, QUARTERS)])
+    swing = np.ptp(np.concatenate([part.after for part in parts]), axis=0)
+    return no_trend(windows) and _level(means / np.where(swing == 0, 1.0, swing), np.zeros(swing.size))
+
+
+def _level(rows: np.ndarray, own: np.ndarray) -> bool:
+    """Whether lines through the columns of rows (k, t) rise by hardly anything and by less than their errors."""
+    place = np.arange(len(rows)) - 0.5 * (len(rows) - 1)
+    slope = place @ rows / (place @ place)
+    rest = rows - rows.mean(axis=0) - place[:, None] * slope
+    error = _NOISE * np.sqrt((rest**2).sum(axis=0) / ((len(rows) - 2) * (place @ place)))
+    return bool((np.abs(slope) <= np.minimum(_NO_TREND, error)).all()) and not _may_die(slope, own, error).any()
 
 
 def _quarters(motion: Motion, turn: float) -> list[tuple[slice, np.ndarray]]:
