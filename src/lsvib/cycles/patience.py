@@ -70,9 +70,11 @@ def follow_patiently(
             there = np.empty_like(state)
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
             state, time = there, time + quiet
-        fastest = np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max()
+        fastest = float(np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max())
+        if fastest == 0 and quiet == 0 and not found:  # no time is short in a mode without any rate
+            raise EndlessSearchError("the search for the next event takes more work than is allowed.")
         waits = quiet == 0 and not found and reach < math.inf  # an event has led to a mode with times of its own
-        reach = 2 * reach if waits else _TURNS / float(fastest)
+        reach = 2 * reach if waits else _TURNS / fastest if fastest else math.inf
 
 
 def _searched(

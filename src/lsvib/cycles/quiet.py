@@ -11,6 +11,7 @@ other part stays within its size |g_j| e^{Re λ_j t}. So steps grow as the parts
 of all parts leaves the guard room.
 """
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
@@ -98,7 +99,8 @@ def _blocks(flow: BlockFlow, mode: int, place: np.ndarray) -> Iterator[Uncoupled
         block, out = flow.matrix[mode, first:last, first:last], flow.from_blocks[mode][:, first:last]
         block, here = np.where(np.abs(block) <= _DUST * largest, 0.0, block), start[first:last]
         size = np.abs(block).max()
-        if np.abs(block @ block @ block).max() <= _NONE * size**3:
+        unit = block / size if size > 0 else block
+        if np.abs(unit @ unit @ unit).max() <= _NONE:
             yield block, None, here, out
             continue
         winds = _winds(block)
@@ -179,13 +181,32 @@ def quiet_until(automaton: Automaton, mode: int, state: np.ndarray, budget: Budg
     """
     budget.spend(_START)
     found = parts_of(automaton.tables.flow, mode, state)
-    if found is None or found.rates.size == 0:
+    if found is None:
         return 0.0
     guards = guards_along(automaton, mode, found)
+    if found.rates.size == 0:
+        return _quiet_drift(guards)
     fastest, slowest = np.abs(guards.rates).max(), np.abs(guards.rates).min()
     time, steps = walk(*guards, _TURN / fastest, _END / slowest, _STEPS)
     budget.spend(_STEP * steps)
     return float(time)
+
+
+def _quiet_drift(guards: Guards) -> float:
+    """Return :func:`quiet_until` of a motion without any rate, such as a rest: its guards are polynomials of time.
+
+    What is below each of them by its rounding falls to zero at a known time. A guard that is zero for ever never falls.
+    """
+    until = math.inf
+    for drift, sizes in zip(guards.drift, guards.sizes, strict=True):
+        if not drift.any():
+            continue
+        lower = drift - guards.lost * sizes
+        if not lower[0] > 0:
+            return 0.0
+        roots = np.roots(lower[::-1])
+        until = min([until, *roots[(roots.imag == 0) & (roots.real > 0)].real])
+    return float(until)
 
 
 def beats(automaton: Automaton, mode: int, state: np.ndarray) -> bool:
