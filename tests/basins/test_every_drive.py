@@ -214,6 +214,28 @@ def test_drive_that_enlarges_no_area_has_one_label(mass):
     assert (mapper(drive).labels_of(u, w) == Attractor.STEADY_SLIDING).all()
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"mass": 1e-300},  # Q hardly depends on the state: the square of its row underflowed
+        {"mass": 5e-324, "friction_coefficient": 0.0975, "screw_inertia": 743.0},  # or on nothing at all
+        {"lead_angle": 1e-300, "axial_force": -1e12, "mass": 7e-4},
+        {"mass": 1e-300, "lead_angle": 1e-300, "coupling_stiffness": 1e-300, "axial_force": 3e-3},
+        {"coupling_stiffness": 1e-300, "input_speed": 1e9, "axial_force": -1e-300},  # lengths beyond all numbers
+        {"lead_angle": 1.5, "friction_coefficient": 0.07, "support_damping": 1e-300},  # a rate beyond 1e154 1/s
+        {"lead_angle": 1e-300, "translation_damping": 1e15, "mass": 7e-4, "axial_force": -1e-6},
+    ],
+)
+def test_values_near_the_ends_of_the_range_of_doubles(values):
+    """Each ended in a warning of numpy, most of them with wrong lengths of the drive; one starts where all agree."""
+    drive = RigidParameters.of(**values)
+    automaton, speed = rigid_automaton(drive), drive.input_speed
+    starts = [(0.01, 0.1 * speed), (-1.0, -speed), (-0.3, 0.5 * speed)]
+    labels = mapper(drive).labels_of(*np.array(starts).T)
+    for start, label in zip(starts, labels, strict=True):
+        assert label in (steady_state(automaton, start).label, Attractor.UNRESOLVED)
+
+
 def _judged(seed: int, drives: int) -> list[str]:
     """What attractors and labels of random drives say against what a watcher sees; the disagreements."""
     wrong = []

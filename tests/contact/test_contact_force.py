@@ -62,6 +62,23 @@ def test_crossings_are_the_first_zeros_in_40_digits(case):
     assert found > 20
 
 
+@pytest.mark.parametrize("damping", [1e8, 1e11, 1e13])
+def test_crossings_of_contacts_that_are_damped_far_beyond_critical(damping):
+    """ζ from 4e5 to 4e10: the slow rate was the difference of two large numbers, 1 % off, then a division by zero."""
+    drive = ThreadsParameters.of(mass=30.0, contact_stiffness=1e8, contact_damping=damping)
+    flows = contact_force.contact_flows(drive, Paradox.INCONSISTENT)
+    slow = flows[-1]
+    unit = abs(slow.equilibrium)
+    for x, rate in ((-3.0, 0.0), (-1.0, 2.0), (-1e-3, -5.0)):
+        start = x * unit, rate * unit * slow.damping
+        time = slow.crossing(start)
+        place, speed = exact_path(slow, start)
+        with mpmath.workdps(40):
+            assert abs(place(mpmath.mpf(time)) / speed(mpmath.mpf(time))) < 1e-12 * time
+        _, outcome = contact_force.follow(flows, start)
+        assert outcome is ForceOutcome.PLUS_INFINITY
+
+
 def test_crossing_times_without_damping_have_a_closed_form():
     """Law −: a circle about 1/Γ₋; law +: the logarithm of the ratio of both amplitudes."""
     flows = FLOWS[0.0, Paradox.INDETERMINATE]

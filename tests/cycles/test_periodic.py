@@ -23,6 +23,20 @@ SUPPORTED = lsvib.SupportDrive(mass=15, support_damping=5e-4, support_stiffness=
 REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force=10)
 
 
+@pytest.mark.parametrize(
+    ("values", "count"),
+    [
+        ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-300, "axial_force": 1e12}, None),
+        ({"support_damping": 5e-324, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-300}, 1),
+        ({"coupling_stiffness": 1e-300, "input_speed": 1e-300, "axial_force": 1e-12, "mass": 4e-3}, None),
+    ],
+)
+def test_values_near_the_ends_of_the_range_of_doubles(values, count):
+    """Each ended in a warning of numpy, of a square that underflowed, a long rest or a small size."""
+    found = lsvib.RigidDrive(**values).cycles()
+    assert count is None or len(found.cycles) == count
+
+
 def by_differences(drive, x):
     """Derivative of the map from θ′ = 0 at u = x to the next seizure, by central differences with 40 digits."""
     step, ends = mpf(10) ** -12, []

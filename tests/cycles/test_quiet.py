@@ -10,10 +10,12 @@ from reference.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.quiet import parts_of, quiet_until
+from lsvib.drives.parameters import SupportParameters
+from lsvib.drives.registry import find_model
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Budget, follow
+from lsvib.engine.motion import Budget, enter, follow
 from lsvib.errors import EngineError
 
 PLACES = (0.0, 0.1, 0.5, 0.9, 0.999)  # parts of an arc at which the rest of it is asked about
@@ -118,3 +120,22 @@ def test_a_rate_of_zero_beside_what_winds_up_is_told_by_no_parts():
     automaton, state = scene("support", 83, 10, 0)
     blocks = [parts_of(automaton.tables.flow, mode, state) for mode in range(len(automaton.codes))]
     assert any(found is None for found in blocks)
+
+
+def test_a_rest_without_any_rate_is_left_out():
+    """The slide is held, so nothing but the coupling moves; its guards are polynomials of time, one is zero for ever.
+
+    Once a division by zero.
+    """
+    drive = SupportParameters.of(
+        mass=1388694.6563156238, axial_support_damping=737573862.7686116, slide_friction=177901468.5338863,
+        bearing_friction=5937.127289529576, friction_coefficient=0.017751527231213718, input_speed=-1e-9,
+        axial_force=-1e-300,
+    )  # fmt: skip
+    model = find_model("support")
+    automaton = model.build(drive, model.physics_of(drive), "contact_sign")
+    state = np.array([-3.23890441e-10, 1e-9, 0.0, 0.0])  # of rest; it lasts until u is zero
+    mode, _ = enter(automaton, state)
+    assert parts_of(automaton.tables.flow, mode, state).rates.size == 0
+    assert quiet_until(automaton, mode, state, Budget(1e5)) == pytest.approx(-state[0] / state[1], rel=1e-3)
+    assert steady_state(automaton, state, max_events=100_000).label == Attractor.UNRESOLVED

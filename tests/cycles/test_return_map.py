@@ -7,9 +7,10 @@ import pytest
 
 from lsvib.cycles import return_section
 from lsvib.cycles.return_map import ReturnSection
-from lsvib.cycles.return_section import section_key
-from lsvib.drives.parameters import RigidParameters
+from lsvib.cycles.return_section import Section, section_key
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.motion import follow
 
 DRIVES = {
@@ -41,3 +42,18 @@ def test_many_returns_at_once_are_those_of_each_place(monkeypatch, name, room):
         assert one.excess == alone.excess or (math.isnan(one.excess) and math.isnan(alone.excess))
         came_back += one.events is not None
     assert came_back >= 5
+
+
+def test_a_coordinate_that_is_zero_throughout():
+    """Its scale was zero, and the section divided by it."""
+    drive = ThreadsParameters.of(mass=11.0, axial_force=50.0)
+    automaton = threads_automaton(drive)
+    motion = follow(automaton, seated_state(drive, 0.003, -20.0), math.inf, max_events=40)
+    key, size = section_key(motion), np.abs(motion.after).max(axis=0)
+    ours = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
+    origin, size = motion.after[ours[-1]].copy(), size.copy()
+    origin[2] = size[2] = 0.0
+    section = Section(automaton, key, origin, size, 1, 1.0)
+    assert np.isfinite(section.axes).all()
+    assert np.isfinite(section.directions).all()
+    assert (section.place(origin) == 0).all()

@@ -159,7 +159,8 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     # Slip from (start, 0) never leaves |u| <= start, |w| <= start √(k/Γ_0).
     rate = math.sqrt(drive.coupling_stiffness / float(c.gamma[c.steady_law]))
     q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
-    start = _NEAR * min(q_0 / (q_u + q_w * rate), drive.input_speed / rate)
+    change = q_u + q_w * rate
+    start = _NEAR * min(q_0 / change if change else math.inf, drive.input_speed / rate)
     orbit = wind_up(drive, back, [start, 0.0], mode_index(back, mode))
     if orbit is None:
         return Boundary.NONE, []

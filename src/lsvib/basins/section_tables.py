@@ -8,6 +8,7 @@ from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, Known
 from lsvib.basins.pieces import Pieces
 from lsvib.cycles.attractors import Attractor, SteadyState
+from lsvib.cycles.return_section import nearest_to_origin
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, event_loop, flow_planar
 
@@ -31,13 +32,15 @@ def sizes(automaton: Automaton) -> np.ndarray:
     tau = float(flow[stiff, columns.TIME_SCALE].max())
     points = [np.array([u, 0.0]) for u in flow[stiff, columns.EQUILIBRIUM]]
     for i, one in enumerate(rows):
-        points.append(-one[2] * one[:2] / (one[:2] @ one[:2]))
+        point = nearest_to_origin(one)
+        if point is not None:
+            points.append(point)
         for other in rows[:i]:
             if one[0] * other[1] != one[1] * other[0]:
                 points.append(np.linalg.solve([one[:2], other[:2]], [-one[2], -other[2]]))
-    largest = np.abs(points).max(axis=0)
-    u = max(largest[0], largest[1] * tau) or 1.0
-    return np.array([u, u / tau])
+    largest_u, largest_w = np.abs(points).max(axis=0).tolist()
+    u = max(largest_u, largest_w * tau) or 1.0
+    return np.minimum([u, u / tau], event_loop.LARGEST / FAR)  # farther out motions have left the range of numbers
 
 
 def nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
@@ -120,17 +123,18 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
     """
     tables = automaton.tables
     row = tables.flow[mode]
-    if not (row[columns.ALPHA] > 0 and row[columns.A0] > 0):
-        return 0.0, 0.0, 0.0
     kappa, radius = max(row[columns.ALPHA], row[columns.BETA]), np.inf
-    for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-        u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
-        least = constant + u * row[columns.EQUILIBRIUM]
-        slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[columns.EQUILIBRIUM]))
-        radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[columns.ALPHA] * w) / kappa))
-    if radius == np.inf:
-        radius = float(size[1])
-    return kappa**2, radius**2, max(radius, ON_CYCLE * size[1]) ** 2
+    if not (row[columns.ALPHA] > 0 and row[columns.A0] > 0 and kappa < event_loop.LARGEST):  # whose square overflows
+        return 0.0, 0.0, 0.0
+    with np.errstate(all="ignore"):  # a guard that hardly depends on the state is beyond all numbers: so is the square
+        for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
+            u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
+            least = constant + u * row[columns.EQUILIBRIUM]
+            slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[columns.EQUILIBRIUM]))
+            radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[columns.ALPHA] * w) / kappa))
+        if radius == np.inf:
+            radius = float(size[1])
+        return kappa**2, radius**2, max(radius, ON_CYCLE * size[1]) ** 2
 
 
 def with_labels(known: Known, found: dict[LabelSection, Pieces]) -> Known:

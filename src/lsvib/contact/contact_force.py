@@ -59,9 +59,16 @@ class ForceFlow:
     stiffness: float
 
     def rates(self) -> tuple[complex, complex]:
-        """Return the eigenvalues; the first has the larger real part, or the positive imaginary one."""
+        """Return the eigenvalues; the first has the larger real part, or the positive imaginary one.
+
+        Of two real ones that nearer to zero follows from their product, as their sum would cancel.
+        """
         root = cmath.sqrt(self.damping**2 - 4 * self.stiffness)
-        return (root - self.damping) / 2, (-root - self.damping) / 2
+        if root.imag != 0 or self.damping == 0:
+            return (root - self.damping) / 2, (-root - self.damping) / 2
+        far = (-self.damping - math.copysign(root.real, self.damping)) / 2
+        near = self.stiffness / far
+        return complex(max(near, far)), complex(min(near, far))
 
     def amplitudes(self, start: ForceState) -> tuple[complex, complex]:
         """Return the factors of both exponentials in x − x* for a motion from ``start``."""

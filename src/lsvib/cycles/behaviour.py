@@ -79,6 +79,7 @@ def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
     return np.select(here, list(kinds.values()), Behaviour.UNRESOLVED).astype(np.int8)
 
 
+@np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables
 def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     """Return starts next to steady sliding and far away (k, 2), u [rad] and w [rad/s], in plain double precision."""
     v = drives.values

@@ -222,7 +222,7 @@ def solve(section: ReturnSection) -> tuple[Motion, float] | None:
 def _moves(orbit: Motion, size: np.ndarray) -> bool:
     """Whether a return is no mere touch: two events that rounding tells apart come back to where they began as well."""
     states, _ = orbit.at(orbit.end_time * np.array([0.25, 0.5, 0.75]))
-    return bool((np.abs(states - orbit.start_state) / size).max() > _MOVED)
+    return bool((np.abs(states - orbit.start_state) > _MOVED * size).any())
 
 
 _MOVED = 1e-9  # way of a return at one of its quarters, in sizes of the motion; a touch lasts for a few roundings

@@ -26,6 +26,7 @@ _ROOM = 64  # events of each of many returns that are followed together; one wit
 PATIENCE = 10  # time that the next return may take, in times of the longest return seen
 _ONE_PLANE = 1e-9  # relative singular value below which two surfaces count as one
 _LEAST_SCALE = 1e-6  # least scale of a coordinate of the origin, relative to its size in the whole motion
+_TINY = float(np.finfo(float).tiny)  # scale of a coordinate that is zero throughout, by which one can divide
 _MADE = 30.0  # cost of a section, in units of a budget: some hundred microseconds
 
 
@@ -90,6 +91,19 @@ def lines(automaton: Automaton) -> dict[tuple[int, int], np.ndarray]:
     return found
 
 
+def nearest_to_origin(line: np.ndarray) -> np.ndarray | None:
+    """Return the point (2) of a line, a row (3), that lies next to the origin; None if a double cannot tell it.
+
+    It is formed from the row times a power of two, which changes no digit, and no square underflows.
+    """
+    if not line[:2].any():
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers
+        row = np.ldexp(line, -np.frexp(np.abs(line[:2]).max())[1])
+        point = -row[2] * row[:2] / (row[:2] @ row[:2])
+    return point if np.isfinite(point).all() else None
+
+
 def _line(automaton: Automaton, key: tuple[int, int], met: np.ndarray) -> np.ndarray | None:
     """Return the normal (2) of the line of a section whose origin lies on the surfaces ``met``; None if it is a point.
 
@@ -126,8 +140,10 @@ class Section:
             budget.spend(_MADE)
         met = _surfaces(automaton, origin, size)
         if origin.size > 2:
-            scales = np.maximum(np.abs(origin), _LEAST_SCALE * size)
+            scales = np.maximum(np.abs(origin), np.maximum(_LEAST_SCALE * size, _TINY))
             normals = met * scales
+            units = np.frexp(np.abs(normals).max(axis=1, keepdims=True, initial=0.0))[1]
+            normals = np.ldexp(normals, -units)  # whose squares do not underflow; all digits stay
             lengths = np.linalg.norm(normals, axis=1, keepdims=True)
             normals /= np.where(lengths == 0, 1.0, lengths)
             _, lengths, basis = np.linalg.svd(normals)
@@ -316,6 +332,8 @@ class Section:
             exact = derivative(motion)
             found = self._axes @ exact.matrix @ self.directions
             if np.isfinite(found).all():
-                lost = np.abs(self._axes) @ exact.rounding @ np.abs(self.directions) * self.automaton.condition
-                return found, min(max(eigenvalues(found)[1] * float(np.linalg.norm(lost)), _FINER), MARGIN)
+                with np.errstate(over="ignore"):  # beyond all numbers it is more than the margin
+                    lost = np.abs(self._axes) @ exact.rounding @ np.abs(self.directions) * self.automaton.condition
+                    size = float(np.linalg.norm(lost))
+                return found, min(max(eigenvalues(found)[1] * size, _FINER), MARGIN)
         return self.jacobian(place), MARGIN

@@ -20,7 +20,7 @@ from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.edges import edge_cycles
 from lsvib.cycles.periodic import Cycle, cycle_from, cycle_of, cycle_on
 from lsvib.cycles.return_map import ReturnSection
-from lsvib.cycles.return_section import lines
+from lsvib.cycles.return_section import lines, nearest_to_origin
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.automaton import Automaton
@@ -137,9 +137,10 @@ def _same(one: Cycle, other: Cycle) -> bool:
 def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int], row: np.ndarray):
     """Yield the cycles that the return map of a line shows."""
     sizes = np.array(swing(drive))
-    normal = row[:2] * sizes
-    middle = -row[2] * normal / (normal @ normal) * sizes  # the point of the line next to the origin, in these sizes
-    section = ReturnSection(automaton, key, middle, sizes, 1, _patience(automaton))
+    middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
+    if middle is None:
+        return
+    section = ReturnSection(automaton, key, middle * sizes, sizes, 1, _patience(automaton))
     if section.dimension != 1:
         return
     steps = np.logspace(*_DECADES, _SAMPLES)

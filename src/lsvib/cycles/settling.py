@@ -29,15 +29,14 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     if automaton.codes[mode] in automaton.rest_codes:
         return SteadyState(Attractor.REST, state)
     if isinstance(flow, BlockFlow):  # such a mode settles only if everything that moves dies away
-        field = flow.field[mode]
-        return SteadyState(Attractor.STEADY_SLIDING, np.linalg.solve(field[:, :-1], -field[:, -1]))
+        return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(flow.field[mode]))
     if isinstance(flow, np.ndarray):
         rows, equilibrium = flow[mode][None], np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])
     else:
-        pairs, field = flow.pairs[mode], flow.field[mode]
+        pairs = flow.pairs[mode]
         rows, table = flow.oscillators[mode, :pairs], flow.to_modal[mode, : 2 * pairs + flow.singles[mode]]
-        equilibrium = np.linalg.solve(field[:, :-1], -field[:, -1])
+        equilibrium = _equilibrium(flow.field[mode])
         rounding = ROUNDING * (np.abs(table[:, :-1]) @ np.abs(state) + np.abs(table[:, -1]))
         moved = np.abs(table[:, :-1] @ state + table[:, -1]) > rounding
         if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
@@ -54,3 +53,15 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
     orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], columns.BETA], mode=mode)
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
+
+
+def _equilibrium(field: np.ndarray) -> np.ndarray:
+    """Return where A x + b = 0 (n), from the field (n, n + 1) of a mode.
+
+    If doubles do not tell its rows apart, that is the solution with no share of what they leave open: deviations from
+    steady sliding, which is zero.
+    """
+    try:
+        return np.linalg.solve(field[:, :-1], -field[:, -1])
+    except np.linalg.LinAlgError:
+        return np.linalg.lstsq(field[:, :-1], -field[:, -1])[0]

@@ -53,7 +53,8 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
         c, s, s_rate = flow_planar.responses(row, time)
         moved = flow_planar.integrated_response(row, time)
         a0, b = row[columns.A0], row[columns.B]
-        return np.array([[c, s, b * moved], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
+        pushed = b * moved if b else 0.0  # in a rest so long that t² is beyond all numbers as well
+        return np.array([[c, s, pushed], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
     if isinstance(flow, BlockFlow):
         q = flow.matrix.shape[1]
         found, work = np.eye(q + 1), np.empty((2, q, q))
@@ -127,8 +128,8 @@ def event_derivative(automaton: Automaton, mode: int, kind: int, after: int, bef
     guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(automaton, mode, kind, after, before)
     f, f_size = field(automaton, mode, before)
     normal = tables.surfaces[tables.guard_surface[guard], :-1] if guard >= 0 else np.zeros(n)
-    speed = normal @ f
-    if not speed * speed > 0.0:  # one whose square has underflown is that of what rounding leaves of a motion
+    speed = float(normal @ f)
+    if not 0.0 < speed * speed < math.inf:  # whose square has underflown is that of what rounding leaves of a motion
         return Derivative(np.full((n, n), math.nan), np.full((n, n), math.nan))
     across, size = f[:, None] * normal, np.abs(normal)
     matrix = np.eye(n) - across / speed

@@ -275,7 +275,8 @@ def _entry(modes, flows, stand: _Stand, rest: bool):
     flow = flows[1].row
     a0, a1, b = flow[..., columns.A0], flow[..., columns.A1], flow[..., columns.B]
     q_u, q_w = double(stand.q[0]), double(stand.q[1])
-    q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
+        q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
     for direction in (1, -1):
         moving = ((scaled(stand.speed, direction), Test.POSITIVE),) if rest else ()
         if _name(direction, 1) not in modes:

@@ -15,6 +15,7 @@ does not spoil the other coordinates. The size of a block is |R y|, where R is t
 is not too far from a multiple of the identity.
 """
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -69,17 +70,29 @@ def block_mode(field: Field) -> BlockMode:
     with mpmath.workdps(_DIGITS):
         matrix, push, sizes = field.reduced()
         rates = [*mpmath.eig(matrix, left=False, right=False), mpmath.mpf(0)]
-        return _tables(field, [*sizes, mpmath.mpf(1)], _blocks(homogeneous(matrix, push, sizes), rates))
+        try:
+            return _tables(field, [*sizes, mpmath.mpf(1)], _blocks(homogeneous(matrix, push, sizes), rates))
+        except (ZeroDivisionError, ValueError, np.linalg.LinAlgError):  # no digit is left of the norm of a block
+            raise EngineError(
+                "the rates of a mode cannot be told apart with "
+                f"{_DIGITS} digits; take parameters that lie less far apart."
+            ) from None
 
 
 def _blocks(matrix, rates) -> list[Block]:
     groups = _groups(rates)
     while True:
-        blocks = [block_of(matrix, group, [rate for g in groups if g is not group for rate in g]) for group in groups]
-        worst = max(blocks, key=_amplification)
-        if len(groups) == 1 or _amplification(worst) <= _CONDITION:
+        blocks, losses = [], []
+        for group in groups:
+            try:
+                blocks.append(block_of(matrix, group, [rate for g in groups if g is not group for rate in g]))
+                losses.append(_amplification(blocks[-1]))
+            except ZeroDivisionError:  # all digits
+                losses.append(math.inf)
+        worst = max(losses)
+        if len(groups) == 1 or worst <= _CONDITION:
             return blocks
-        group = groups.pop(blocks.index(worst))
+        group = groups.pop(losses.index(worst))
         nearest = min(groups, key=lambda other: min(abs(a - b) for a in group for b in other))
         nearest += group
 
@@ -100,7 +113,10 @@ def _near(a, b, largest) -> bool:
 
 
 def block_of(matrix, group, others) -> Block:
-    """Return the block of a group of rates of a matrix (p + 1, p + 1), in the digits of the context."""
+    """Return the block of a group of rates of a matrix (p + 1, p + 1), in the digits of the context.
+
+    Raises ``ZeroDivisionError`` if these leave none of it.
+    """
     product = mpmath.eye(matrix.rows)
     for rate in others:
         factor = matrix - rate * mpmath.eye(matrix.rows)
@@ -222,7 +238,8 @@ def _tables(field: Field, sizes: list, blocks: list[Block]) -> BlockMode:
         # A little more than the growth, so that the bound covers the rounding of B.
         turned = _floats(measure.factor * block.matrix * measure.inverse)
         growth[part] = float(measure.growth) + 1e-14 * np.abs(turned).sum(axis=1)
-        rate[part] = np.linalg.norm(turned)
+        unit = np.frexp(np.abs(turned).max())[1]  # a power of two, so that no square overflows
+        rate[part] = np.ldexp(np.linalg.norm(np.ldexp(turned, -unit)), unit)
         for j, place in enumerate(places):
             to_blocks[part, place] = [float(x / sizes[j]) for x in block.into[:, j]]
             if place < n:

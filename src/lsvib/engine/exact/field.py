@@ -1,5 +1,6 @@
 """The field x′ = A x + b of a mode in many digits."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -58,7 +59,8 @@ def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mappin
     """
     with mpmath.workdps(DIGITS):
         matrix = mpmath.matrix([[many_digits(x) for x in row] for row in rows])
-        return Field(matrix, np.asarray(sizes, dtype=float), {i: many_digits(x) for i, x in (frozen or {}).items()})
+        positive = np.maximum(np.asarray(sizes, dtype=float), np.finfo(float).tiny)  # where one has underflown
+        return Field(matrix, positive, {i: many_digits(x) for i, x in (frozen or {}).items()})
 
 
 def many_digits(number: int | float | Decimal) -> mpmath.mpf:
@@ -69,7 +71,9 @@ def many_digits(number: int | float | Decimal) -> mpmath.mpf:
 def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> float:
     """Return the largest amplification of rounding into other coordinates and back, max_i Σ_j |V_ij| (|W| x)_j / x_i.
 
-    Arguments: V (n, p), W (p, n or n + 1, the last for constants), sizes x (n).
+    Arguments: V (n, p), W (p, n or n + 1, the last for constants), sizes x (n). Infinite beyond the range of doubles.
     """
     given = np.append(sizes, 1.0)[: into.shape[1]]
-    return float(np.max(np.abs(out) @ (np.abs(into) @ given) / sizes))
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = float(np.max(np.abs(out) @ (np.abs(into) @ given) / sizes))
+    return found if found == found else math.inf

@@ -48,8 +48,9 @@ class LinearMode:
     def time_scales(self) -> list[float]:
         """Time scales [s] of the mode's rates; without a modal form, of the field."""
         if self.modal is None:
-            rates = np.abs(self.field.table()[:, :-1]) @ self.field.sizes / self.field.sizes
-            return [1.0 / rate for rate in rates if rate > 0.0]
+            with np.errstate(over="ignore"):  # rates and times beyond all numbers
+                rates = np.abs(self.field.table()[:, :-1]) @ self.field.sizes / self.field.sizes
+                return [1.0 / rate for rate in rates if rate > 0.0]
         return self.modal.time_scales
 
 

@@ -95,6 +95,8 @@ def _spaces(entries: tuple, scale: tuple, digits: int) -> list[_Space]:
         rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
         frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
         spaces.append(_Space(factor, projector, slow, rank, frames))
+    if sum(space.rank for space in spaces) != n or not all(space.rank > 0 for space in spaces):
+        raise ArithmeticError("no digit is left of a subspace")
     return spaces
 
 

@@ -43,5 +43,8 @@ def _slow_projectors(matrix, horizon: float):
     for k in range(1, len(rates)):
         slow, fast = rates[:k], rates[k:]
         if abs(fast[0]) > max(_GAP * abs(slow[-1]), least):
-            block = block_of(matrix, slow, fast)
+            try:
+                block = block_of(matrix, slow, fast)
+            except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
+                continue
             yield block.out * block.into
