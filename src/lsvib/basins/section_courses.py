@@ -25,7 +25,6 @@ _COST = 60_000  # events that take about as long as a search for an attractor
 _LATER = 1000  # plus the label of an attractor that was found beyond the itinerary, it is the code at a course's end
 _FUTILE = 8  # searches without a result after which none is made: motions stay that long only near a repelling cycle
 _IN_VAIN = 20  # searches that leapt over nothing, after which motions are followed without leaps
-_ONE_CYCLE = 1e-6  # relative difference of periods below which two cycles of one label are one
 
 
 class Courses:
@@ -84,7 +83,7 @@ class Courses:
             return found.label
         for passage in found.passages if found.label != Attractor.UNRESOLVED else ():
             self.absorb_passage(passage, found.label)
-        if found.orbit is None or any(_same(found, other) for other in self.attractors):
+        if found.orbit is None or any(one.label == found.label and one.same_period(found) for one in self.attractors):
             return found.label
         self.attractors.append(found)
         if (self.known.resting[found.orbit.arcs()[0]] == UNKNOWN).all():
@@ -201,7 +200,3 @@ class Courses:
             self.automaton.tables, self.known, self.absorbing, section.mode, section.surface,
             *ends, resolution, *push, course, position,
         )  # fmt: skip
-
-
-def _same(one: SteadyState, other: SteadyState) -> bool:
-    return one.label == other.label and abs(one.period - other.period) <= _ONE_CYCLE * one.period

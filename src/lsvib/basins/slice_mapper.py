@@ -42,7 +42,6 @@ _PART = 10  # before a map begins, each start that looks for a cycle has a tenth
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _DOUBTS = list(Doubt)
-_ONE_CYCLE = 1e-6  # relative difference of periods below which two cycles are one
 _KINDS = 128  # kinds of events are numbers of eight bits
 _STILL = 1e-12  # size of a step on the section that is rounding, in sizes of the cycle
 
@@ -82,9 +81,7 @@ class StateMapper(Mapper):
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
             found = self._end(self.definition.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
-            known = [
-                other for other in self.attractors if abs(other.period - found.period) <= _ONE_CYCLE * other.period
-            ]
+            known = any(other.same_period(found) for other in self.attractors)
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
 

@@ -35,7 +35,6 @@ _ROUNDS = 8  # attempts of Newton's method: four on the first line, the others f
 _EVENTS = 2000  # that two motions are followed side by side
 _RETURNS = 4  # most returns to the section in a period that are tried
 _WORK = 10_000  # of telling one ending, in units of one event: some hundred returns and a slow approach
-_SAME_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
 _LONGER = 4.0  # a return may take so many times the longest one on the edge
 
 StateEnding = tuple[np.ndarray, SteadyState]
@@ -68,7 +67,7 @@ def alike(one: SteadyState, other: SteadyState) -> bool:
     if one.label != other.label:
         return False
     cycles = one.orbit is not None and other.orbit is not None and one.label != Attractor.NEUTRAL_FAMILY
-    return not cycles or abs(one.period - other.period) <= _SAME_PERIOD * one.period
+    return not cycles or one.same_period(other)
 
 
 def _cycle_between(

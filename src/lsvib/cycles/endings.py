@@ -96,7 +96,7 @@ def all_endings(
     """
     if drives.drive_class.model != "rigid":
         return endings_one_by_one(drives, starts, others or {}, resume, workers, progress)
-    found, is_open, done = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool), 0
+    done = 0
 
     def tell(more: int) -> None:
         """Count drives that are done, and tell the progress."""
@@ -105,14 +105,7 @@ def all_endings(
         if progress is not None and more:
             progress(done, drives.size)
 
-    size = max(1, min(_BLOCK, -(-drives.size // workers)))
-    blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
-    with ThreadPoolExecutor(workers) as pool:
-        for block, left in zip(
-            blocks, pool.map(lambda block: _block_endings(drives, block, starts, resume, found), blocks), strict=True
-        ):
-            is_open[block] = left
-            tell(int((~left).sum()))
+    found, is_open = endings_at_once(drives, starts, resume, workers, tell)
     places = np.flatnonzero(is_open)
     work = partial(_one, resume=resume)
     cases = ((drives.one(k), tuple(starts[k].tolist())) for k in places)
@@ -123,6 +116,29 @@ def all_endings(
             found.put(k, one)
             tell(1)
     return found
+
+
+def endings_at_once(
+    drives: ManyDrives,
+    starts: np.ndarray,
+    resume: Resume,
+    workers: int = 1,
+    tell: Callable[[int], None] = lambda _: None,
+) -> tuple[Endings, np.ndarray]:
+    """Return what the motions of rigid drives (k) end on, as far as the compiled search finds it, and what is open (k).
+
+    Arguments as :func:`all_endings` has them; ``tell`` is told how many more are done.
+    """
+    found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
+    size = max(1, min(_BLOCK, -(-drives.size // workers)))
+    blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+    with ThreadPoolExecutor(workers) as pool:
+        for block, left in zip(
+            blocks, pool.map(lambda block: _block_endings(drives, block, starts, resume, found), blocks), strict=True
+        ):
+            is_open[block] = left
+            tell(int((~left).sum()))
+    return found, is_open
 
 
 def _one(case: tuple[RigidParameters, tuple[float, float]], resume: Resume) -> Ending:

@@ -20,6 +20,8 @@ from lsvib.errors import (
     WorkSpentError,
 )
 
+_ONE_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
+
 
 class Attractor(IntEnum):
     """Where a motion ends up."""
@@ -105,6 +107,10 @@ class SteadyState:
     def period(self) -> float:
         """Period [s]; nan for an equilibrium."""
         return self.orbit.end_time if self.orbit else math.nan
+
+    def same_period(self, other: "SteadyState") -> bool:
+        """Whether two cycles have one period, as two motions reach them."""
+        return abs(self.period - other.period) <= _ONE_PERIOD * self.period
 
     def extremes(self, row: np.ndarray) -> tuple[float, float]:
         """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""

@@ -199,7 +199,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     lines = phase_plane.lines([mapper.drive])
     data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
     try:
-        found, window = basin(mapper.drive), window_of(grid)
+        found, window = basin(mapper.drive), grid_window(grid)
     except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
         return data
     line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
@@ -208,7 +208,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     return data
 
 
-def window_of(grid: Grid) -> Window:
+def grid_window(grid: Grid) -> Window:
     """Return the rectangle of a map in u and w."""
     return Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
 

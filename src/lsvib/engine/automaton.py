@@ -229,7 +229,7 @@ DIMENSIONS = {  # of the tables of doubles of one drive
 
 
 def one_of_many(automaton: Automaton, place: int) -> Automaton:
-    """Return the automaton of one drive from that of many with more than two states."""
+    """Return the automaton of one drive from that of many."""
 
     def own(table: np.ndarray, dimensions: int) -> np.ndarray:
         return table[place] if np.ndim(table) > dimensions else table
@@ -241,7 +241,7 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
             flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()}
         ),
         observables={name: own(table, 2) for name, table in automaton.observables.items()},
-        condition=float(np.asarray(automaton.condition)[place]),
+        condition=float(own(np.asarray(automaton.condition), 0)),
     )
 
 

@@ -23,13 +23,14 @@ from typing import Any
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor
-from lsvib.cycles.endings import all_endings
+from lsvib.cycles.endings import endings_at_once
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.engine.automaton import Automaton, one_of_many
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
@@ -44,7 +45,7 @@ LOGARITHMIC = ("contact_stiffness", "contact_damping")
 _NODES = 96  # along each side of the plane; a curve is missed only between two nodes
 _COSTLY_NODES = 32  # for a threshold of both parameters, some milliseconds at each node
 _ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
-_TURNS = 400  # most events of slip that neither stops nor settles: it is on a cycle, to rounding
+_TURNS = 400  # most events of slip: what still neither stops nor settles is on a cycle, or comes nearer to one slowly
 _STOPS = (EventKind.STICK, EventKind.REVERSAL, EventKind.ACCUMULATION)  # θ′ = 0
 _KEPT = 4096  # thresholds that are kept while a curve is traced; without R they are the same along it
 
@@ -116,7 +117,11 @@ def _over_force(function: Callable[[float, float], float], names: tuple[str, str
 
 
 def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> np.ndarray:
-    """What :func:`stops_again` says at the nodes, by the motions of all of them from the middle of rest."""
+    """What :func:`stops_again` says at the nodes, by the motions of all of them from the middle of rest.
+
+    Where it takes long to find what such a motion ends on, as next to a cycle that attracts slowly, it is enough to
+    see whether slip from the end of rest stops.
+    """
     v = _many(drive, names, nodes)
     where = np.broadcast_to((v.inertia > 0) & (v.damping < 0) & (v.drag < 0), v.shape)
     values, grids = np.full(v.shape, np.nan), dict(zip(names, np.meshgrid(*nodes), strict=True))
@@ -128,8 +133,16 @@ def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> 
     plus, minus = (friction_factor(d.friction_coefficient, tangent, law) for law in (1, -1))
     damping = effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, tangent, minus)
     middle = (damping * d.input_speed - 0.5 * d.pitch_radius * (plus - minus) * d.axial_force) / d.coupling_stiffness
-    found = all_endings(drives, np.stack([middle, -d.input_speed], axis=1), "contact_sign").attractor
-    values[where] = np.where(found == Attractor.STEADY_SLIDING, -1.0, np.where(found > 0, 1.0, 0.0))
+    ends, is_open = endings_at_once(drives, np.stack([middle, -d.input_speed], axis=1), "contact_sign")
+    found = np.where(ends.attractor == Attractor.STEADY_SLIDING, -1.0, np.where(ends.attractor > 0, 1.0, 0.0))
+    found[is_open] = np.nan
+    for group in drives.groups("contact_sign", np.flatnonzero(is_open)):
+        for k in np.flatnonzero(group.safe):
+            one, speed = one_of_many(group.automaton, k), d.input_speed[group.members[k]]
+            found[group.members[k]] = _slip_stops(one, speed)
+    for k in np.flatnonzero(np.isnan(found)):  # of drives whose tables need 50 digits
+        found[k] = stops_again(drives.one(k))
+    values[where] = found
     return values
 
 
@@ -220,13 +233,20 @@ def stops_again(drive: RigidParameters) -> float:
     c = coefficients(drive)
     if c.paradox or not c.damping[1] < 0 < c.damping[-1] or not c.net_force * drive.exact().input_speed < 0:
         return math.nan
-    automaton = rigid_automaton(drive)
+    return _slip_stops(rigid_automaton(drive), drive.input_speed)
+
+
+def _slip_stops(automaton: Automaton, speed: float) -> float:
+    """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it settles, 0 if it does neither for long.
+
+    It starts on θ′ = 0 where the screw would stay, and orbits do not cross: what has not come back after a turn never
+    does.
+    """
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
     tables = automaton.tables
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
-    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
-    start = (-row[2] / row[0] + before, -drive.input_speed)
-    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
+    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), speed) * abs(speed)
+    motion = follow(automaton, (-row[2] / row[0] + before, -speed), math.inf, mode=int(rest), max_events=_TURNS)
     if np.isin(motion.kind, _STOPS).any():
         return 1.0
     return -1.0 if motion.status == Status.SETTLED else 0.0

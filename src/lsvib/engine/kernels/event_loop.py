@@ -192,30 +192,34 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
     dispatch.allow(tables.flow, work, clock[3])
     dispatch.take_up(tables.flow, clock, work)
-    return _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work)
+    return _follow(
+        tables.flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work
+    )
 
 
-@kernel
-def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work):
-    """Run, as :func:`run` says, in the room that it has made: what makes no array counts no references."""
+def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work):
+    """Run, as :func:`run` says, in the room that it has made: what makes no array counts no references.
+
+    ``flow`` is that of the tables.
+    """
     times, kinds, signs, modes, before, after = events
     n = state.size
     count = 0
     while True:
-        clock[3] = dispatch.steps_left(tables.flow, work)
+        clock[3] = dispatch.steps_left(flow, work)
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
         if found == _LOST:
-            clock[3] = dispatch.steps_left(tables.flow, work)
+            clock[3] = dispatch.steps_left(flow, work)
             return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
-            _move(tables.flow, mode, state, remaining, state)
+            _move(flow, mode, state, remaining, state)
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
-            dispatch.leave_behind(tables.flow, clock, work)
+            dispatch.leave_behind(flow, clock, work)
             return Status.EVENTS_FULL, mode, count
         arrive(tables, mode, state, scale, guard, stay, work)
         add_time(clock, stay)
@@ -229,9 +233,9 @@ def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events
             return end, mode, count
         reset = tables.transition_reset[tables.guard_transition[guard]]
         if reset >= 0 and sign != 0:  # an impulse
-            dispatch.forget(tables.flow, work)
+            dispatch.forget(flow, work)
         elif reset >= 0:
-            dispatch.put_as_noted(tables.flow, tables, reset, state, work)
+            dispatch.put_as_noted(flow, tables, reset, state, work)
         if kind == ACCUMULATION_KIND:
             clock[2] = 0.0
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
@@ -240,6 +244,11 @@ def _loop(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events
         count += 1
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count
+
+
+# With two states it is compiled into ``run``: handing on the tables takes as long as an event. With more an event takes
+# so long that this does not show, but compiling the loop once more would take a quarter of the whole time.
+_follow = dispatch._by_kind(inlined_kernel(_loop), kernel(_loop), kernel(_loop))
 
 
 @allocating_entry

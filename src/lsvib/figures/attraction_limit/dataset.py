@@ -13,7 +13,7 @@ from lsvib.basins.mapper import mapper
 from lsvib.contact.limit_process import fitted_order
 from lsvib.cycles.attractors import Attractor
 from lsvib.data import phase_plane
-from lsvib.data.attraction_map import axis_coordinate, window_of
+from lsvib.data.attraction_map import axis_coordinate, grid_window
 from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import axis, drive_parameters
@@ -50,7 +50,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         _maps(grid, rigid, compliant)
         | _displacements(stiffness, displacement)
-        | phase_plane.curve("boundary", "boundary_point", exact.line(window_of(grid), _ARC), "on the exact boundary")
+        | phase_plane.curve("boundary", "boundary_point", exact.line(grid_window(grid), _ARC), "on the exact boundary")
         | _on_rays(np.array([radius, *((displacement + 1) * radius)])[:, None] * ends)
         | {"on_exact_boundary": yes_no("ray", _crossed(exact, radius, ends), crossing)},
         coords={
