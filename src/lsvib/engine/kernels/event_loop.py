@@ -12,6 +12,7 @@ import numpy as np
 
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.jit import (
     allocating_entry,
     allocating_kernel,
@@ -248,7 +249,8 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
 
 # With two states it is compiled into ``run``: handing on the tables takes as long as an event. With more an event takes
 # so long that this does not show, but compiling the loop once more would take a quarter of the whole time.
-_follow = dispatch._by_kind(inlined_kernel(_loop), kernel(_loop), kernel(_loop))
+_called = kernel(_loop)
+_follow = by_kind(inlined_kernel(_loop), _called, _called)
 
 
 @allocating_entry
