@@ -138,4 +138,4 @@ def test_a_rest_without_any_rate_is_left_out():
     mode, _ = enter(automaton, state)
     assert parts_of(automaton.tables.flow, mode, state).rates.size == 0
     assert quiet_until(automaton, mode, state, Budget(1e5)) == pytest.approx(-state[0] / state[1], rel=1e-3)
-    assert steady_state(automaton, state, max_events=100_000).label == Attractor.UNRESOLVED
+    assert steady_state(automaton, state, max_events=100_000).label == Attractor.STEADY_SLIDING

@@ -51,8 +51,9 @@ def follow_patiently(
     while True:
         here, most = min(max_events - count, most), min(2 * most, _MANY)
         work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * (_IN_BLOCKS if in_blocks else 1.0)
-        piece = _searched(automaton, state, min(t_end - time, reach), mode, stop, here, work, budget)
-        found, last = piece.time.size, t_end - time <= reach
+        left = max(t_end - time, 0.0)  # the sum of times may have been rounded beyond the end
+        piece = _searched(automaton, state, min(left, reach), mode, stop, here, work, budget)
+        found, last = piece.time.size, left <= reach
         pieces.append(_begun_at(piece, time))
         time, count, state, mode = pieces[-1].end_time, count + found, piece.end_state, piece.end_mode
         over = last if piece.status == Status.TIME_REACHED else count == max_events

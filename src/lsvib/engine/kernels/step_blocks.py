@@ -86,11 +86,11 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
         if curve > fourth:
             return _POSITIVE, _factor(curve, fourth)
         slack = max(slack, _factor(curve, fourth))
-    if second < rounding:
+    if second <= rounding:  # Both are zero where nothing is left of a guard.
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > rounding:
             return _POSITIVE, _LONGEST
-        if last[0] <= -rounding:
+        if last[0] <= -rounding and not (starts_on_surface and last[0] == 0.0):
             return _ROOT, _LONGEST
         falls = last[0] >= 0.0 and last[1] <= 0.0  # and may die away without ever touching zero
         return _POSITIVE if starts_on_surface or falls else _TOUCHES, _LONGEST

@@ -139,11 +139,11 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
         if decision != _UNDECIDED:
             return decision, slack
     low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if least - low < work.rounding[guard]:
+    if least - low <= work.rounding[guard]:  # Both are zero where nothing is left of a guard.
         # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
         if least > work.rounding[guard]:
             return _POSITIVE, _BEYOND_ROUNDING
-        if last[0] <= -work.rounding[guard]:
+        if last[0] <= -work.rounding[guard] and not (starts_on_surface and last[0] == 0.0):
             return _ROOT, _BEYOND_ROUNDING
         # While it still falls it has not touched zero: it may die away without ever coming there.
         falls = last[0] >= 0.0 and last[1] <= 0.0
