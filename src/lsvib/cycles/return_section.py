@@ -151,8 +151,9 @@ class Section:
             self.directions, self._axes = (axes * scales).T, axes / scales
         elif (normal := _line(automaton, key, met)) is not None:
             tangent = np.array([-normal[1], normal[0]])
-            direction = tangent / np.abs(tangent / size).max()
-            chosen = np.argmax(np.abs(direction / size))
+            scales = np.maximum(size, _TINY)
+            direction = tangent / np.abs(tangent / scales).max()
+            chosen = np.argmax(np.abs(direction / scales))
             self.directions, self._axes = direction[:, None], (np.arange(2) == chosen)[None] / direction[chosen]
         else:
             self.directions, self._axes = np.zeros((2, 0)), np.zeros((0, 2))
