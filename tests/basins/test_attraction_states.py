@@ -44,9 +44,9 @@ def test_what_is_open_after_many_events_is_asked_of_the_return_map_in_the_mode_r
     state = mapped.definition.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
     asked = []
 
-    def remember(automaton, state, *, mode, max_events):
+    def remember(automaton, state, *, mode, **how):
         asked.append((state, mode))
-        return steady_state(automaton, state, mode=mode, max_events=max_events)
+        return steady_state(automaton, state, mode=mode, **how)
 
     mapped._rounds = 1
     monkeypatch.setattr(slice_mapper, "steady_state", remember)
