@@ -30,7 +30,7 @@ rounding_at = by_kind(None, guard_sums.rounding_at, guard_blocks.rounding_at)
 rounding_at_start = by_kind(None, guard_sums.rounding_at_start, guard_blocks.rounding_at_start)
 looseness = by_kind(None, guard_sums.looseness, guard_blocks.looseness)
 fastest = by_kind(None, step_sums.fastest, step_blocks.fastest)
-longest_step = by_kind(None, step_sums.longest_step, step_blocks.longest_step)
+fastest_growth = by_kind(None, step_sums.fastest_growth, step_blocks.fastest_growth)
 first_step = by_kind(None, step_sums.first_step, step_blocks.first_step)
 decide = by_kind(None, step_sums.decide, step_blocks.decide)
 
@@ -46,14 +46,15 @@ _STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must
 # The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step is
 # 0.7 √f times as long, and 0.7 leaves a margin.
 _LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
+_GROWTH = 8.0  # largest exponent of growth on one step: bounds, taken at its end, are too large by e⁸ at most
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
 # A root is sharpened if the rounding of the guard, eight last places of its parts, may move it by more than this part
 # of its time: by 1e-12.
-SHARP = 2.0**-37
-SHAKEN = 16.0  # of rounding: a guard that is further from zero at its root has another root, and is beyond doubt
-REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
-SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times the root
-HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
+_SHARP = 2.0**-37
+_SHAKEN = 16.0  # of rounding: a guard that is further from zero at its root has another root, and is beyond doubt
+_REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
+_SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times the root
+_HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
 @inlined_kernel
@@ -76,9 +77,11 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
     if not stand(flow, mode, work, 0, 0.0):
         return _LOST, -1, limit
-    longest = longest_step(flow, mode)
-    rate = fastest(flow, mode)
-    steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count))
+    growing, rate, step = fastest_growth(flow, mode), fastest(flow, mode), first_step(flow, mode, work, count)
+    longest = _GROWTH / growing if growing > 0.0 else math.inf
+    if not 0.0 < step < math.inf:
+        step = 1.0 / rate if rate > 0.0 else 1.0
+    steps, a, step = 0, 0.0, min(limit, longest, step)
     for _ in range(_STEPS):
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
@@ -101,7 +104,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if outcome == _UNDECIDED:
             step = (b - a) * max(0.1, min(0.5, 0.7 * math.sqrt(stretch)))
             if a + step == a:
-                return first_below(work.values[there, :count], b)
+                return _first_below(work.values[there, :count], b)
             continue
         if outcome == _TOUCHES:
             at = work.values[there, touched]
@@ -118,7 +121,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             while t >= 0.0:
                 first, when, slope, bend = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
                 t = -1.0
-                if first >= 0 and slope * slope < 2.0 * SHAKEN * bend * work.rounding[first]:
+                if first >= 0 and slope * slope < 2.0 * _SHAKEN * bend * work.rounding[first]:
                     t = _touching(flow, mode, work, first, guards[first], when, slope, bend)
                 if t >= 0.0:
                     work.values[there, first, 0] = math.inf  # no root; another guard may have one before it touches
@@ -126,7 +129,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                         touched, bottom = first, t
             if bottom < when or first < 0:
                 return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
-            if work.rounding[first] > SHARP * abs(slope) * when:
+            if work.rounding[first] > _SHARP * abs(slope) * when:
                 when = _sharpened(flow, mode, work, first, guards[first], slope, bend, when, limit)
             for guard in range(count):
                 if work.values[there, guard, 0] <= work.rounding[guard] and guard != first and not on_surface[guard]:
@@ -152,7 +155,7 @@ def _never(flow, mode, work, count, node, t):
 
 
 @kernel
-def first_below(values, b):
+def _first_below(values, b):
     """Result of the search where a step that ends at b [s] cannot be halved any more: the guard that is lowest there.
 
     Returns (``Found``, index of the guard, b): undecided if every guard is positive.
@@ -202,16 +205,16 @@ def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
     """
     go_to(flow, mode, work, t, _SPARE)
     rounding = rounding_at(flow, mode, work, index, _SPARE)
-    for _ in range(SHARPENINGS):
+    for _ in range(_SHARPENINGS):
         value, noise = changed(flow, mode, work, index, guard, t)
         square = slope * slope - 2.0 * value * bend
         both = slope + math.copysign(math.sqrt(square) if square > 0.0 else slope, slope)
         step = -2.0 * value / both if both != 0.0 else 0.0
-        shaken = abs(value) > SHAKEN * work.rounding[index]
+        shaken = abs(value) > _SHAKEN * work.rounding[index]
         if not noise < rounding or shaken or not 0.0 < t + step <= limit:
             break
         t += step
-        if abs(step) < SHARP * t:
+        if abs(step) < _SHARP * t:
             break
         go_to(flow, mode, work, t, _SPARE)
         evaluate(flow, mode, work, index, _SPARE)
@@ -227,12 +230,12 @@ def _fallen(flow, mode, work, index, guard, t):
     unless the sum is beyond its own rounding there, as where its parts have died away.
     """
     value, noise = changed(flow, mode, work, index, guard, t)
-    noise *= SHAKEN
+    noise *= _SHAKEN
     if not (noise < work.rounding[index] and value < -noise):
         return t
     go_to(flow, mode, work, t, _SPARE)
     evaluate(flow, mode, work, index, _SPARE)
-    if work.values[_SPARE, index, 0] > SHAKEN * rounding_at(flow, mode, work, index, _SPARE):
+    if work.values[_SPARE, index, 0] > _SHAKEN * rounding_at(flow, mode, work, index, _SPARE):
         return t
     at = work.values[_SPARE, index]
     return _sharpened(flow, mode, work, index, guard, at[1], at[2], t, t)
@@ -249,7 +252,7 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
     go_to(flow, mode, work, 0.0, _SPARE)
     evaluate(flow, mode, work, index, _SPARE)
     off = abs(work.values[_SPARE, index, 0] - work.starts[index])
-    for _ in range(REPEATS):
+    for _ in range(_REPEATS):
         t -= slope / bend
         if not (t > 0.0 and bend > 0.0):
             return -1.0
@@ -266,7 +269,7 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
 def _top(flow, mode, work, guard, low, high):
     """Return the time at which a concave guard that rises from zero has its maximum, at most ``high``."""
     t = high
-    for _ in range(HALVINGS):
+    for _ in range(_HALVINGS):
         go_to(flow, mode, work, t, _SPARE)
         evaluate(flow, mode, work, guard, _SPARE)
         if work.values[_SPARE, guard, 1] < 0.0:

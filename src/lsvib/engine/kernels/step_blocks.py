@@ -9,15 +9,12 @@ that is not negative at a is decided on [a, b] if
     min(g″_a, g″_b) > M₄ h²/8      g is convex: no root if it also starts without falling.
 """
 
-import math
-
+from lsvib.engine.kernels.chord import decide_by_chord
 from lsvib.engine.kernels.guard_blocks import bound, rounding_at
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.status import Decision
-from lsvib.engine.kernels.step_sums import GROWTH
 
 _POSITIVE = int(Decision.POSITIVE)
-_TOUCHES = int(Decision.TOUCHES)
 _ROOT = int(Decision.ROOT)
 _UNDECIDED = int(Decision.UNDECIDED)
 _LONGEST = 64.0  # largest factor by which a test counts as passed: the next step is at most 0.7 √64 = 5.6 times as long
@@ -36,19 +33,18 @@ def fastest(flow, mode):
 
 
 @kernel
-def longest_step(flow, mode):
-    """Return the longest step [s] on which no block's norm grows by more than e⁸."""
+def fastest_growth(flow, mode):
+    """Return the largest rate [1/s] at which the norm of a block grows; at most zero if none does."""
     growing = 0.0
     for place in range(flow.growth.shape[1]):
         growing = max(growing, flow.growth[mode, place])
-    return GROWTH / growing if growing > 0.0 else math.inf
+    return growing
 
 
-@kernel
+@inlined_kernel
 def first_step(flow, mode, work, count):
-    """Return the step [s] that is tried first."""
-    rate = fastest(flow, mode)
-    return 1.0 / rate if rate > 0.0 else 1.0
+    """Return zero: no step [s] to try first is known."""
+    return 0.0
 
 
 @inlined_kernel
@@ -86,12 +82,6 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
         if curve > fourth:
             return _POSITIVE, _factor(curve, fourth)
         slack = max(slack, _factor(curve, fourth))
-    if second <= rounding:  # Both are zero where nothing is left of a guard.
-        # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
-        if least > rounding:
-            return _POSITIVE, _LONGEST
-        if last[0] <= -rounding and not (starts_on_surface and last[0] == 0.0):
-            return _ROOT, _LONGEST
-        falls = last[0] >= 0.0 and last[1] <= 0.0  # and may die away without ever touching zero
-        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _LONGEST
+    if second <= rounding:
+        return decide_by_chord(first, last, rounding, starts_on_surface), _LONGEST
     return _UNDECIDED, slack

@@ -17,18 +17,17 @@ step stays within its amplitude.
 import math
 
 from lsvib.engine.kernels import guard_sums
+from lsvib.engine.kernels.chord import decide_by_chord
 from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.flow_planar import own_rate
 from lsvib.engine.kernels.jit import inlined_kernel
 from lsvib.engine.kernels.status import Decision
 
 _POSITIVE = int(Decision.POSITIVE)
-_TOUCHES = int(Decision.TOUCHES)
 _ROOT = int(Decision.ROOT)
 _UNDECIDED = int(Decision.UNDECIDED)
 _BEYOND_ROUNDING = 128.0  # factor where the guard changes by less than its rounding: the next step is 8 times as long
 _LITTLE = 4.0  # factor below which the enclosure part by part is tried as well: the step would grow by less than 1.4
-GROWTH = 8.0  # largest exponent of a growing term on one step: bounds, taken at its end, are too large by e⁸ at most
 # ωh of the fastest part from which on the enclosure part by part can be the better one: the bound by the chord is
 # (ωh)²/8 amplitudes, and a swing between two extremes is two of them.
 _FAR = 4.0
@@ -47,19 +46,19 @@ def fastest(flow, mode):
 
 
 @inlined_kernel
-def longest_step(flow, mode):
-    """Return the longest step [s] on which no term grows by more than e⁸."""
+def fastest_growth(flow, mode):
+    """Return the largest rate [1/s] at which a term grows; at most zero if none does."""
     growing = 0.0
     for pair in range(flow.pairs[mode]):
         growing = max(growing, own_rate(flow.oscillators[mode, pair]))
     for single in range(flow.singles[mode]):
         growing = max(growing, flow.rates[mode, single])
-    return GROWTH / growing if growing > 0.0 else math.inf
+    return growing
 
 
 @inlined_kernel
 def first_step(flow, mode, work, count):
-    """Return a step [s] on which the guards would be decided if they consisted of pairs only."""
+    """Return a step [s] on which the guards would be decided if they were pairs only; zero or infinite if unknown."""
     shortest = math.inf
     for guard in range(count):
         best = 0.0
@@ -69,10 +68,7 @@ def first_step(flow, mode, work, count):
                 curve += guard_sums.bound(work.pair_bounds[guard, pair, k + 2], 1.0, 1.0, 0.0)
             best = max(best, 4.0 * abs(work.values[0, guard, k]) / curve if curve > 0.0 else math.inf)
         shortest = min(shortest, math.sqrt(best))
-    if 0.0 < shortest < math.inf:
-        return shortest
-    rate = fastest(flow, mode)
-    return 1.0 / rate if rate > 0.0 else 1.0
+    return shortest
 
 
 @inlined_kernel
@@ -139,13 +135,6 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
         if decision != _UNDECIDED:
             return decision, slack
     low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if least - low <= work.rounding[guard]:  # Both are zero where nothing is left of a guard.
-        # On so short a step the guard is its chord to rounding: it rests on zero, or it touches it.
-        if least > work.rounding[guard]:
-            return _POSITIVE, _BEYOND_ROUNDING
-        if last[0] <= -work.rounding[guard] and not (starts_on_surface and last[0] == 0.0):
-            return _ROOT, _BEYOND_ROUNDING
-        # While it still falls it has not touched zero: it may die away without ever coming there.
-        falls = last[0] >= 0.0 and last[1] <= 0.0
-        return _POSITIVE if starts_on_surface or falls else _TOUCHES, _BEYOND_ROUNDING
+    if least - low <= work.rounding[guard]:
+        return decide_by_chord(first, last, work.rounding[guard], starts_on_surface), _BEYOND_ROUNDING
     return _UNDECIDED, slack
