@@ -33,7 +33,7 @@ MODULES = {
     "Steady sliding": [
         "lsvib.steady_sliding.linearised",
         "lsvib.steady_sliding.stability_table",
-        "lsvib.steady_sliding.summary",
+        "lsvib.steady_sliding.threshold_table",
         "lsvib.steady_sliding.thresholds",
         "lsvib.steady_sliding.solved_threshold",
         "lsvib.steady_sliding.threshold_polynomials",

@@ -15,7 +15,7 @@ _HOMES = {
     "NutDrive": "lsvib.api",
     "Scene": "lsvib.drives.scene",
     "simulate": "lsvib.data.simulation",
-    "thresholds": "lsvib.steady_sliding.summary:threshold_table",
+    "thresholds": "lsvib.steady_sliding.threshold_table:threshold_table",
     "stability": "lsvib.steady_sliding.stability_table:stability_table",
     "StabilityReport": "lsvib.results",
     "UndampedStability": "lsvib.results",

@@ -29,7 +29,7 @@ from lsvib.results import Threshold as Threshold
 from lsvib.results import ThresholdSolution as ThresholdSolution
 from lsvib.results import UndampedStability as UndampedStability
 from lsvib.steady_sliding.stability_table import stability_table as stability
-from lsvib.steady_sliding.summary import threshold_table as thresholds
+from lsvib.steady_sliding.threshold_table import threshold_table as thresholds
 
 __all__ = [
     "Attractor",

@@ -72,7 +72,7 @@ class _Drive(RigidParameters):
         >>> f"{mass.value:.6f} {mass.unit}"
         '10.106965 kg'
         """
-        from lsvib.steady_sliding.summary import threshold_table
+        from lsvib.steady_sliding.threshold_table import threshold_table
 
         return Threshold.by_name(threshold_table(self, self.model))
 

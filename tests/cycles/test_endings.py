@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from judge.wide_drives import wide_drive
 
-from lsvib.cycles.endings import Endings, _block_endings, all_endings, ending
+from lsvib.cycles.ending_numbers import Endings
+from lsvib.cycles.endings import all_endings
+from lsvib.cycles.endings_of_models.rigid import _block_endings, ending
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
+from lsvib.drives.tables_of_models.rigid import groups
 
 RULES = ("contact_sign", "at_once")
 
@@ -21,7 +24,7 @@ def test_tables_are_those_of_one_drive(resume):
     """Random drives over decades: every double of every table, and every integer."""
     drives = [wide_drive("rigid", 11, k, 0).drive for k in range(150)]
     done = np.zeros(len(drives), dtype=bool)
-    for group in many_of(drives).groups(resume, np.arange(len(drives))):
+    for group in groups(many_of(drives), resume, np.arange(len(drives))):
         for place, member in enumerate(group.members):
             if not group.safe[place]:
                 continue

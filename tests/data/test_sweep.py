@@ -11,7 +11,7 @@ from reference.command_line import refused
 
 import lsvib
 from lsvib.cycles.attractors import orbit_extremes
-from lsvib.cycles.endings import Ending
+from lsvib.cycles.ending_numbers import Ending
 from lsvib.cycles.impulses import event_impulses
 from lsvib.data import sweep as sweeping
 from lsvib.engine.motion import follow

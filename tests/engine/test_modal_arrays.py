@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.many_threads import threads_automata
 from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.tables_of_models.threads import automata
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
@@ -29,14 +29,14 @@ def many_of(drives) -> ManyDrives:
 def test_tables_are_those_of_one_drive(kind):
     """All but the flow to the last bit; of the flow what the modal form does to a state, and its rates."""
     drives = drives_of(kind, 100)
-    found = threads_automata(many_of(drives))
+    found = automata(many_of(drives), "contact_sign")
     assert sum(one is not None for one in found) > 95
     for drive, made in list(zip(drives, found, strict=True))[:12]:
         if made is None:
             continue
-        (mine, mismatch), one = made, threads_automaton(drive)
+        (mine, seated), one = made, threads_automaton(drive)
         assert isinstance(one.tables.flow, ModalFlow)
-        assert mismatch == seated_state(drive, 0.0, 0.0)[2]
+        assert [seated["e"], seated["v"]] == seated_state(drive, 0.0, 0.0)[2:].tolist()
         for name, table in one.tables._asdict().items():
             if name != "flow":
                 np.testing.assert_array_equal(getattr(mine.tables, name), table, err_msg=f"{name} of {drive!r}")
@@ -68,9 +68,9 @@ def test_tables_are_those_of_one_drive(kind):
 def test_company_changes_no_bit():
     """A drive has the same tables alone and among others."""
     drives = drives_of("contact", 40)
-    together = threads_automata(many_of(drives))
+    together = automata(many_of(drives), "contact_sign")
     for k in (3, 17, 30):
-        (alone,) = threads_automata(many_of(drives[k : k + 1]))
+        (alone,) = automata(many_of(drives[k : k + 1]), "contact_sign")
         assert (alone is None) == (together[k] is None)
         if alone is not None:
             for mine, other in zip(alone[0].tables.flow, together[k][0].tables.flow, strict=True):
@@ -81,6 +81,6 @@ def test_what_arrays_cannot_tell_is_left_to_60_digits():
     """Without any damping rates are on the imaginary axis, which no enclosure shows; a double rate is no simple one."""
     undamped = ThreadsParameters(mass=5, support_damping=0.0, translation_damping=0.0, contact_damping=0.0)
     usual = ThreadsParameters(mass=5)
-    found = threads_automata(many_of([undamped, usual]))
+    found = automata(many_of([undamped, usual]), "contact_sign")
     assert found[0] is None
     assert found[1] is not None

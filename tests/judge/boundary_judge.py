@@ -12,7 +12,7 @@ import numpy as np
 from judge import linear_judge
 from judge.wide_drives import WideDrive
 from lsvib.errors import InputError
-from lsvib.steady_sliding.summary import threshold_table
+from lsvib.steady_sliding.threshold_table import threshold_table
 
 _ASIDE = 1e-9  # distance from a boundary, relative to it; thresholds are printed with 12 digits
 _PLACES = 4  # values asked at random besides

@@ -15,7 +15,7 @@ def test_slip_after_rest_is_not_followed_to_a_slow_cycle(monkeypatch):
     def refuse(*_, **__):
         raise AssertionError("the end of a single motion was searched")
 
-    monkeypatch.setattr("lsvib.cycles.endings.steady_state", refuse)
+    monkeypatch.setattr("lsvib.cycles.endings_of_models.rigid.steady_state", refuse)
     names = "axial_force", "translation_damping"
     nodes = [nodes_between(-0.0226, 0.0226, 12, names[0]), nodes_between(5.144, 41.96, 12, names[1])]
     drive = wide_drive("rigid", 555, 17, 1).drive

@@ -22,7 +22,7 @@ from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.steady_sliding import global_stability
 from lsvib.steady_sliding.global_stability import widest_return
-from lsvib.steady_sliding.summary import threshold_table
+from lsvib.steady_sliding.threshold_table import threshold_table
 from lsvib.steady_sliding.thresholds import NoThreshold, global_stability_force
 
 DIGITS = 40

@@ -18,7 +18,7 @@ from lsvib.engine.exact.polynomials import multiplied
 from lsvib.errors import InputError
 from lsvib.steady_sliding import boundaries, characteristic, linearised, real_roots, spectrum, stiff_contact
 from lsvib.steady_sliding.stability_table import stability_table
-from lsvib.steady_sliding.summary import threshold_table
+from lsvib.steady_sliding.threshold_table import threshold_table
 
 LEMMAS = (Path(__file__).parents[2] / "docs" / "lemmas.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (1e\d+) \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)

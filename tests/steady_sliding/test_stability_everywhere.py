@@ -13,7 +13,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
 from lsvib.steady_sliding.boundaries import stable_set
 from lsvib.steady_sliding.stability_table import stability_table
-from lsvib.steady_sliding.summary import threshold_table
+from lsvib.steady_sliding.threshold_table import threshold_table
 
 MODELS = ("rigid", "threads", "support", "nut")
 NEUTRAL = ("neutral", "centre")

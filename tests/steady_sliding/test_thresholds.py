@@ -25,7 +25,7 @@ from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
-from lsvib.steady_sliding.summary import threshold_table
+from lsvib.steady_sliding.threshold_table import threshold_table
 
 DIGITS = 40
 PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3)

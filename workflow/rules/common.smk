@@ -14,7 +14,7 @@ from pathlib import Path
 import grimp
 from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.drives.model_files import model_module
+from lsvib.drives.model_files import model_module, modules_of
 from lsvib.drives.registry import all_models
 from lsvib.drives.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
@@ -107,9 +107,14 @@ def sources(kind):
     return lambda wildcards: figure_sources(kind, wildcards.figure)
 
 
+def modules_with_model(module, settings):
+    """Return the modules that a module depends on, those of a model included, which are imported by its name."""
+    return frozenset().union(*map(imports, (module, *modules_of(settings.get("model", "rigid")))))
+
+
 def map_modules():
-    """Return the modules that the map depends on; the model, imported by its name, is unknown to the graph."""
-    return imports("lsvib.data.tiles") | imports(model_module(MAP.get("model", "rigid")))
+    """Return the modules that the map depends on."""
+    return modules_with_model("lsvib.data.tiles", MAP)
 
 
 def map_sources():
@@ -119,7 +124,7 @@ def map_sources():
 
 def chart_modules():
     """Return the modules that the chart depends on."""
-    return imports("lsvib.data.chart_tiles") | imports(model_module(CHART.get("model", "rigid")))
+    return modules_with_model("lsvib.data.chart_tiles", CHART)
 
 
 def chart_sources():

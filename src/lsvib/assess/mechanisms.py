@@ -34,7 +34,10 @@ from lsvib.steady_sliding.spectrum import spectrum
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
 
-_SCALARS = {"support": SupportParameters, "contact": ThreadsParameters}
+DRIVES = {"rigid": RigidParameters, "support": SupportParameters, "contact": ThreadsParameters}
+"""The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
+
+_MATRICES = {"support": support_model, "contact": threads_model}
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
 
 
@@ -141,9 +144,8 @@ def _full_reserve(part: str, parameters: dict[str, Any], law: Any) -> Any:
     if any(np.iscomplexobj(value) for value in parameters.values()):
         exact = {key: complex(value) for key, value in parameters.items()}
         tangent = complex(np.tan(parameters["lead_angle"]))
-        return _hurwitz_reserve(*polynomial(_SCALARS[part], exact, int(law), tangent))
-    model = support_model if part == "support" else threads_model
-    both = [_hurwitz_reserve(*model(parameters, s).polynomial()) for s in (1, -1)]
+        return _hurwitz_reserve(*polynomial(DRIVES[part], exact, int(law), tangent))
+    both = [_hurwitz_reserve(*_MATRICES[part](parameters, s).polynomial()) for s in (1, -1)]
     return np.where(law > 0, *both)
 
 
@@ -166,9 +168,8 @@ def drive_of(
 ):
     """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
     parameters = sheets.point(sheet, values, direction, speed, force).parameters
-    own = {} if part == "rigid" else sheets.own_parameters(values, part)
-    kind = RigidParameters if part == "rigid" else _SCALARS[part]
-    return kind(**{key: float(value) for key, value in {**parameters, **own}.items()})
+    own = sheets.own_parameters(values, part)
+    return DRIVES[part](**{key: float(value) for key, value in {**parameters, **own}.items()})
 
 
 def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:

@@ -45,6 +45,16 @@ QUANTITIES = {
 UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
 """The units of the quantities, and of those of the window that are changed together."""
 
+_OWN = {  # parameters of a drive that a part adds, each with its quantity
+    "rigid": {},
+    "contact": {"contact_stiffness": "contact_stiffness", "contact_damping": "contact_damping"},
+    "support": {
+        "screw_mass": "screw_mass",
+        "support_stiffness": "support_stiffness",
+        "axial_support_damping": "support_damping",
+    },
+}
+
 
 def nominal_draw(sheet: Sheet) -> dict[str, float]:
     """Return the entries of a sheet, each at the value in its middle."""
@@ -207,8 +217,5 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
 
 
 def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
-    """Return the parameters that a contact or a support adds to those of the rigid drive."""
-    if part == "contact":
-        return {key: values[key] for key in ("contact_stiffness", "contact_damping")}
-    own = {key: values[key] for key in ("screw_mass", "support_stiffness")}
-    return {**own, "axial_support_damping": values["support_damping"]}
+    """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
+    return {key: values[quantity] for key, quantity in _OWN[part].items()}

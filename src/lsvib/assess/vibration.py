@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import shown
 from lsvib.basins.exact_basin import AttractsNothing, basin
@@ -40,7 +40,6 @@ _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
 _TRIED, _HALVINGS = (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0), 6
 STRONG = 5.0  # times the speed: a push that shows what a strong one does, and the largest that has to be tried
 _WORK_TRIED = 20_000  # units for each of them, a tenth of a second or two
-_MODELS = {"rigid": "rigid", "support": "support", "contact": "threads"}
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ def vibration(
     ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed: a slope
     is not part of the motion.
     """
-    model = _MODELS[part]
+    model = DRIVES[part].model
     try:
         drive = drive_of(sheet, values, *corner, part)
         definition = find_model(model)
@@ -224,7 +223,7 @@ def springy_push(
     sentence.
     """
     drive = drive_of(sheet, values, *corner, "contact")
-    definition = find_model(_MODELS["contact"])
+    definition = find_model(drive.model)
 
     def ends(push: float) -> str:
         state = definition.initial_state(drive, {"u": 0.0, "w": push})

@@ -78,7 +78,7 @@ def thresholds(
 
         lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
-    from lsvib.steady_sliding.summary import threshold_table
+    from lsvib.steady_sliding.threshold_table import threshold_table, without_effect
 
     changed = pairs(changes)
     if solve is not None:
@@ -88,10 +88,9 @@ def thresholds(
         return
     if unknown is not None:
         raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
-    if model == "rigid" and "axial_force" in changed:
-        raise InputError(
-            "the forces of the rigid drive are thresholds of axial_force, so --set axial_force would change nothing."
-        )
+    for name, reason in without_effect(model).items():
+        if name in changed:
+            raise InputError(f"{reason}, so --set {name} would change nothing.")
     show(threshold_table(changed, model), as_json, print_thresholds)
 
 

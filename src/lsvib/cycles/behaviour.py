@@ -66,7 +66,7 @@ def behaviours(
 def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
     """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
 
-    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.cycles.endings.Ending` has it.
+    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.cycles.ending_numbers.Ending` has it.
     """
     sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
     kinds = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.cycles.behaviour import Behaviour, behaviour_of, near_and_far
-from lsvib.cycles.endings_one_by_one import Prepared, happens, in_shares, prepared
+from lsvib.cycles.endings import Prepared, happens, in_shares, prepared
 from lsvib.drives.many import ManyDrives
 
 
@@ -33,12 +33,12 @@ def _share(drives: ManyDrives, near: np.ndarray, far: np.ndarray, resume: str) -
     for one in prepared(drives, resume):
         if one.automaton is None:
             continue
-        first, again = (one.state(dict(zip("uw", start[one.index].tolist(), strict=True))) for start in (near, far))
-        found[one.index] = _behaviour(one, steady_state(one.automaton, first))
-        if found[one.index] == Behaviour.NO_VIBRATION:
+        first, again = (one.state(dict(zip("uw", start[one.place].tolist(), strict=True))) for start in (near, far))
+        found[one.place] = _behaviour(one, steady_state(one.automaton, first))
+        if found[one.place] == Behaviour.NO_VIBRATION:
             other = _behaviour(one, steady_state(one.automaton, again))
             vibrates = other not in (Behaviour.NO_VIBRATION, Behaviour.UNRESOLVED)
-            found[one.index] = Behaviour.COEXISTENCE if vibrates else other
+            found[one.place] = Behaviour.COEXISTENCE if vibrates else other
     return found
 
 

@@ -1,81 +1,121 @@
-"""What the motions of drives end on – attractor, size, forces – of one rigid drive or of many of any model at once.
+"""What the motions of drives of any model end on: attractor, size, forces.
 
-The tables of many drives are made at once, and a compiled search does the common cases, number by number as
-:func:`lsvib.cycles.attractors.steady_state` does, so that all results are the same to the last bit. What it leaves open
-goes to that function.
+Some models have a search of many motions at once (:mod:`lsvib.cycles.endings_of_models`). The others' drives are
+followed one by one, share by share, in processes of their own; their tables are made at once where that is known
+(:mod:`lsvib.drives.tables_of_models`). The search is that for one drive
+(:func:`lsvib.cycles.attractors.steady_state`), so all results are the same to rounding, and do not depend on how the
+drives are shared out.
 """
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from multiprocessing import get_context
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from lsvib.cycles import drift_two_states, more_states, recurrences, return_map, return_section
-from lsvib.cycles.attractors import steady_state
+from lsvib.cycles import endings_of_models
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.ending_numbers import Ending, Endings
-from lsvib.cycles.endings_one_by_one import endings_one_by_one, happens
-from lsvib.cycles.impulses import normal_impulse, seizure_impulses, seizure_speeds
-from lsvib.cycles.kernels import endings_at_once as kernels
-from lsvib.cycles.kernels.endings_at_once import RESTS, SPRAGS
-from lsvib.cycles.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
-from lsvib.cycles.steady_states import Attractor, orbit_extremes
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.many import Group, ManyDrives, steady_force
+from lsvib.cycles.impulses import event_impulses
+from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
+from lsvib.drives import tables_of_models
+from lsvib.drives.many import ManyDrives
+from lsvib.drives.model_files import of_model
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.registry import find_model
+from lsvib.drives.registry import Model, find_model
 from lsvib.drives.resumption import Resume
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.motion import enter
 from lsvib.errors import EngineError
 
-_SEARCH = SearchLimits(
-    chunk=more_states.CHUNK,
-    patience=more_states.LONG,
-    returns=recurrences.PERIODS,
-    solved=recurrences.SOLVED,
-    fewest=recurrences.FEWEST,
-    repeats=recurrences.REPEATS[0],
-    corner=recurrences.CORNERS[0],
-    few=drift_two_states.FEW,
-    patience_of_return=return_section.PATIENCE,
-    longest=return_section.LONGEST,
-    secants=return_map.SECANTS,
-    wider=return_map.WIDER,
-    widest=return_map.WIDEST,
-    slope_step=return_section.SLOPE_STEP,
-    clear=return_map.CLEAR,
-)
+_SHARE = 1024  # most drives whose tables are made at once: arrays pay, and a process has some seconds of work
+_LEAST = 64  # drives that a process takes at a time where there are few
+_WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED, Attractor.RECURRENT)
+
+Done = TypeVar("Done")
 
 
-_BLOCK = 8192  # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
-_SHARE = 50  # open motions that a process takes at a time, some 0.1 s
-_WORTH = 1000  # open motions that make it worth while to start processes, which takes some seconds
-_WITHOUT_EXTREMES = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
+class Prepared(NamedTuple):
+    """A drive by its place among others, with its automaton – None if the engine has none.
+
+    ``others``: values by name of what a start may leave out, None if the model is to be asked.
+    """
+
+    place: int
+    model: Model
+    drives: ManyDrives
+    automaton: Automaton | None
+    others: Mapping[str, float] | None
+
+    def drive(self) -> RigidParameters:
+        """Return the drive."""
+        return self.drives.one(self.place)
+
+    def state(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
+        if self.others is None:
+            return self.model.initial_state(self.drive(), values)
+        known = {**self.others, **values}
+        return np.array([known[key] for key in (*self.model.required, *self.model.optional)])
 
 
-def ending(drive: RigidParameters, state: Sequence[float], resume: Resume) -> Ending:
-    """Return what the motion of a rigid drive from a state (u [rad], w [rad/s]) ends on."""
-    automaton = rigid_automaton(drive, resume=resume)
+def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
+    """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
+    model = find_model(drives.drive_class.model)
+    at_once = of_model(tables_of_models, drives.drive_class.model, "automata", _none_at_once)
+    for k, one in enumerate(at_once(drives, resume)):
+        if one is not None:
+            yield Prepared(k, model, drives, *one)
+            continue
+        drive = drives.one(k)
+        try:
+            automaton = model.build(drive, model.physics_of(drive), resume)
+        except EngineError:  # rates that lie too far apart: nothing can be told
+            automaton = None
+        yield Prepared(k, model, drives, automaton, None)
+
+
+def _none_at_once(drives: ManyDrives, resume: str) -> list[None]:
+    """The tables of drives of a model of which none are made at once."""
+    return [None] * drives.size
+
+
+def ending_of(one: Prepared, state: np.ndarray) -> Ending:
+    """Return what the motion of a drive from a state ends on."""
+    automaton = one.automaton
+    if automaton is None:
+        return Ending.without_numbers(Attractor.UNRESOLVED)
     found = steady_state(automaton, state)
-    label = int(found.label)
-    if found.label in _WITHOUT_EXTREMES:
+    force = automaton.observables["normal_force"]
+    if found.label in _WITHOUT_NUMBERS or (found.orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return Ending.without_numbers(found.label)
-    if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
-        force = float(steady_force(coefficients(drive), drive.exact()))
-        return Ending(label, 0, 0.0, math.nan, math.nan, force, 0.0)
+    if found.orbit is None:
+        mode, _ = enter(automaton, found.state)
+        low, high = found.extremes(force[mode])
+        return Ending.without_numbers(found.label)._replace(
+            amplitude=0.0, peak_normal_force=max(abs(low), abs(high)), peak_normal_impulse=0.0
+        )
     try:
-        amplitude = found.amplitude
-        force = max(map(abs, orbit_extremes(found.orbit, automaton.observables["normal_force"])))
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(found.orbit, force)))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
-        amplitude = force = math.nan
-    impulses = np.abs(seizure_impulses(drive, seizure_speeds(drive, found.orbit)).normal)
-    impulse = float(np.max(impulses, initial=0.0))
-    return Ending(
-        label, happens(find_model(drive.model), found), amplitude, found.period, found.multiplier, force, impulse
+        amplitude = peak = np.nan
+    impulse = 0.0
+    if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
+        impulse = float(np.abs(event_impulses(one.drive(), found.orbit).normal).max())
+    return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
+
+
+def happens(model: Model, found: SteadyState) -> int:
+    """Return what happens on a cycle, as :class:`lsvib.cycles.ending_numbers.Ending` has it."""
+    orbit = found.orbit
+    if orbit is None:
+        return 0
+    codes = orbit.automaton.codes[orbit.arcs()[0]]
+    return (
+        SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
+        + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
+        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
     )
 
 
@@ -87,117 +127,67 @@ def all_endings(
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Endings:
-    """Return what the motions of drives (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+    """Return what motions of drives of one model (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
 
-    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of threads
-    and, if many motions are left open by the compiled search, of processes; with more than two states of processes
-    alone. ``progress`` is told how many of how many are done. ``others``: values of the other states by name, by
-    default those that the model begins with.
+    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
+    and, with a search of many motions at once, of threads. ``progress`` is told how many of how many are done.
+    ``others``: values of the other states by name, by default those that the model begins with. Raises ``InputError``
+    for a rule of resuming that the model does not know.
     """
-    if drives.drive_class.model != "rigid":
-        return endings_one_by_one(drives, starts, others or {}, resume, workers, progress)
-    done = 0
-
-    def tell(more: int) -> None:
-        """Count drives that are done, and tell the progress."""
-        nonlocal done
-        done += more
-        if progress is not None and more:
-            progress(done, drives.size)
-
-    found, is_open = endings_at_once(drives, starts, resume, workers, tell)
-    places = np.flatnonzero(is_open)
-    work = partial(_one, resume=resume)
-    cases = ((drives.one(k), tuple(starts[k].tolist())) for k in places)
-    apart = workers > 1 and places.size >= _WORTH
-    with get_context("spawn").Pool(workers) if apart else nullcontext() as processes:
-        ends = processes.imap(work, cases, _SHARE) if processes else map(work, cases)
-        for k, one in zip(places, ends, strict=True):
-            found.put(k, one)
-            tell(1)
+    at_once = of_model(endings_of_models, drives.drive_class.model, "all_endings", endings_one_by_one)
+    found: Endings = at_once(drives, starts, resume, workers, progress, others or {})
     return found
 
 
-def endings_at_once(
+def endings_one_by_one(
     drives: ManyDrives,
     starts: np.ndarray,
     resume: Resume,
-    workers: int = 1,
-    tell: Callable[[int], None] = lambda _: None,
-) -> tuple[Endings, np.ndarray]:
-    """Return what the motions of rigid drives (k) end on, as far as the compiled search finds it, and what is open (k).
-
-    Arguments as :func:`all_endings` has them; ``tell`` is told how many more are done.
-    """
-    found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
-    size = max(1, min(_BLOCK, -(-drives.size // workers)))
-    blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
-    with ThreadPoolExecutor(workers) as pool:
-        for block, left in zip(
-            blocks, pool.map(lambda block: _block_endings(drives, block, starts, resume, found), blocks), strict=True
-        ):
-            is_open[block] = left
-            tell(int((~left).sum()))
-    return found, is_open
+    workers: int,
+    progress: Callable[[int, int], None] | None,
+    others: Mapping[str, float],
+) -> Endings:
+    """Return what the motions of drives (k) end on, followed one by one; arguments as of :func:`all_endings`."""
+    found = Endings.unknown(drives.size)
+    parts = in_shares(partial(_share, others=dict(others), resume=resume), drives, (starts,), workers, progress)
+    for places, part in parts:
+        found.put(places, part)
+    return found
 
 
-def _one(case: tuple[RigidParameters, tuple[float, float]], resume: Resume) -> Ending:
-    """:func:`ending` of a drive and a start, for a process of its own."""
-    return ending(*case, resume)
+def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Endings:
+    found = Endings.unknown(drives.size)
+    for one in prepared(drives, resume):
+        u, w = starts[one.place].tolist()
+        found.put(one.place, ending_of(one, one.state({"u": u, "w": w, **others})))
+    return found
 
 
-def _block_endings(
-    drives: ManyDrives, block: np.ndarray, starts: np.ndarray, resume: Resume, found: Endings
-) -> np.ndarray:
-    """Write what the motions of a block of drives (j, ascending indices) end on; return which are left open (j)."""
-    is_open = np.ones(block.size, dtype=bool)
-    for group in drives.groups(resume, block):
-        closed, endings = _group_endings(drives, group, starts[group.members])
-        found.put(group.members[closed], Endings(*(column[closed] for column in endings)))
-        is_open[np.searchsorted(block, group.members[closed])] = False
-    return is_open
+def in_shares(
+    work: Callable[..., Done],
+    drives: ManyDrives,
+    columns: Sequence[np.ndarray],
+    workers: int,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[tuple[slice, Done]]:
+    """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
+    size = max(_LEAST, min(_SHARE, -(-drives.size // (2 * workers))))
+    places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+    cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
+
+    def told(parts: Any) -> Iterator[tuple[slice, Done]]:
+        """Yield each share with its place, and tell the progress."""
+        for here, part in zip(places, parts, strict=True):
+            yield here, part
+            if progress is not None:
+                progress(here.stop, drives.size)
+
+    if workers == 1 or len(places) == 1:
+        yield from told(work(*case) for case in cases)
+        return
+    with get_context("spawn").Pool(min(workers, len(places))) as pool:
+        yield from told(pool.imap(partial(_on_case, work), cases))
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Endings]:
-    """Return which motions of a group (j), from ``starts`` (j, 2), are known to end, and what all end on."""
-    automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
-    if automaton.contracts:  # steady sliding attracts all motions, but without damping
-        damped = (automaton.tables.flow[..., columns.ALPHA] > 0).any(axis=1)
-        _slides(group, group.safe & damped, found)
-        return group.safe & damped, found
-    (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
-    facts = Facts(int(rest), int(EventKind.SEIZURE), int(EventKind.CONTACT_REVERSAL), int(EventKind.RELEASE))
-    outcomes, numbers = np.zeros(size, dtype=np.int8), np.full((size, kernels.NUMBERS), np.nan)
-    kernels.endings(
-        automaton.tables,
-        np.flatnonzero(group.safe),
-        facts,
-        _SEARCH,
-        np.ascontiguousarray(starts, dtype=float),
-        automaton.observables["normal_force"],
-        drives.values["input_speed"][group.members],
-        outcomes,
-        found.happens,
-        numbers,
-    )
-    _slides(group, outcomes == SETTLED, found)
-    cycles = outcomes == CYCLE
-    happens = found.happens[cycles]
-    labels = np.where(happens & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
-    found.attractor[cycles] = np.where(happens & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
-    found.amplitude[cycles] = numbers[cycles, kernels.AMPLITUDE]
-    found.period[cycles] = numbers[cycles, kernels.PERIOD]
-    found.multiplier[cycles] = numbers[cycles, kernels.MULTIPLIER]
-    found.peak_normal_force[cycles] = numbers[cycles, kernels.FORCE]
-    members = group.members[cycles]
-    values = {name: drives.values[name][members] for name in ("mass", "pitch_radius", "screw_inertia")}
-    impulses = normal_impulse(numbers[cycles, kernels.SEIZURE_SPEED], drives.sines(members), **values)
-    found.peak_normal_impulse[cycles] = np.abs(impulses)
-    return outcomes != OPEN, found
-
-
-def _slides(group: Group, here: np.ndarray, found: Endings) -> None:
-    """Write steady sliding for some members of a group."""
-    found.attractor[here] = Attractor.STEADY_SLIDING
-    found.amplitude[here] = found.peak_normal_impulse[here] = 0.0
-    found.peak_normal_force[here] = group.steady_force[here]
+def _on_case(work: Callable[..., Done], case: tuple[Any, ...]) -> Done:
+    return work(*case)

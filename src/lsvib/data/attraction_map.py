@@ -13,24 +13,22 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.clipping import Window
-from lsvib.basins.exact_basin import basin
 from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.basins.refinement import RefinedMap, count
 from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
-from lsvib.data import phase_plane
+from lsvib.data import maps_of_models, phase_plane
 from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
+from lsvib.drives.model_files import of_model
 from lsvib.drives.parameters import RigidParameters, names_and_values
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
-_LINES = ("contact_line_angle", "contact_line_slope", "stop_velocity")
-_BOUNDARY_SAMPLES = 100  # of each arc
 
 
 @dataclass(frozen=True)
@@ -182,9 +180,7 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     """Return what is drawn around a map in the plane of u and w.
 
-    Of every model the limit cycles that were met; of the rigid drive also the lines Q = 0 and θ′ = 0 and, where
-    :mod:`lsvib.basins.exact_basin` covers the drive, the exact boundary of the basin of steady sliding and the area of
-    the basin within the map.
+    Of every model the limit cycles that were met, and what :mod:`lsvib.data.maps_of_models` has of some.
     """
     data: dict[str, Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
@@ -194,18 +190,13 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
-    if mapper.model != "rigid":
-        return data
-    lines = phase_plane.lines([mapper.drive])
-    data |= {name: ((), values[0], attrs) for name, (_, values, attrs) in lines.items() if name in _LINES}
-    try:
-        found, window = basin(mapper.drive), grid_window(grid)
-    except InputError:  # the few drives that docs/basin.md lists; the map itself needs no boundary
-        return data
-    line, words = found.line(window, _BOUNDARY_SAMPLES), "area of the basin of steady sliding within the map, exact"
-    data |= phase_plane.curve("boundary", "boundary_point", line, "on the exact boundary")
-    data["basin_area"] = variable((), found.area(window), "rad2 s-1", words)
+    data |= of_model(maps_of_models, mapper.model, "surroundings", _nothing)(mapper.drive, grid_window(grid))
     return data
+
+
+def _nothing(drive: RigidParameters, window: Window) -> dict[str, Variable]:
+    """What is drawn around a map of a model without a file of its own."""
+    return {}
 
 
 def grid_window(grid: Grid) -> Window:

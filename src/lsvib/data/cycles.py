@@ -1,7 +1,7 @@
-"""All cycles of a drive, with what is proved about them: exact boundaries of basins, attractors, and return maps."""
+"""All cycles of a drive, with what is proved about them, and how a cycle changes over a parameter."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,18 +9,17 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.exact_basin import Basin, Boundary, basin
 from lsvib.cycles.attractors import Attractor, SteadyState
 from lsvib.cycles.continuation import CycleBranch, follow_cycle
 from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.search import Seed, search, starts
+from lsvib.data import cycles_of_models
 from lsvib.data.attributes import flagged, variable, yes_no
+from lsvib.drives.model_files import of_model
 from lsvib.drives.parameters import RigidParameters, described
 from lsvib.drives.registry import find_model
-from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
-from lsvib.errors import InputError, LsvibError
+from lsvib.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -49,38 +48,18 @@ class Cycles:
 def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
 
-    Of the rigid drive by its return maps and the exact basin, of others from starts and on the edges of basins.
+    From starts and on the edges of basins; of a model with a file in :mod:`lsvib.data.cycles_of_models` as that says.
     """
-    if drive.model != RigidParameters.model:  # what is proved below holds for the rigid drive, not for every plane
-        model = find_model(drive.model)
-        states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
-        found = search(drive, automaton, states)
-        return Cycles(found.cycles, found.families, "", f"Searched: {found.searched}.")
-    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
-        return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
-    try:
-        exact = basin(drive)
-    except LsvibError:  # steady sliding attracts nothing, or its basin is of a shape that is not covered
-        exact = None
-    if exact is not None and exact.boundary == Boundary.NONE:
-        return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
-    states = [np.array(start) for start in starts(drive)]
-    found = search(drive, automaton, states, _boundary(exact, automaton) if exact else ())
-    proved = ""
-    if exact is not None:
-        kind = exact.boundary.name.lower().replace("_", " ")
-        proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
+    found: Cycles = of_model(cycles_of_models, drive.model, "find_cycles", searched)(drive, automaton)
+    return found
+
+
+def searched(drive: RigidParameters, automaton: Automaton, more: Sequence[Seed] = (), proved: str = "") -> Cycles:
+    """Return the cycles of a drive that a search finds from its starts and ``more``, beside what is ``proved``."""
+    model = find_model(drive.model)
+    states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
+    found = search(drive, automaton, states, more)
     return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
-
-
-def _boundary(found: Basin, automaton: Automaton) -> list[Seed]:
-    """The cycle that bounds a basin, as a start of the search."""
-    if found.boundary != Boundary.CYCLE:
-        return []
-    codes = rigid_automaton(found.drive).codes
-    arcs = [piece for piece in found.curves[0] if hasattr(piece, "mode")]
-    mode = automaton.codes.tolist().index(codes[arcs[0].mode])
-    return [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
 
 
 _MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memory

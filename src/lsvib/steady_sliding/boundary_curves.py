@@ -23,13 +23,14 @@ from typing import Any
 import numpy as np
 
 from lsvib.cycles.attractors import Attractor
-from lsvib.cycles.endings import endings_at_once
+from lsvib.cycles.endings_of_models.rigid import endings_at_once
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.drives.tables_of_models.rigid import groups
 from lsvib.engine.automaton import Automaton, one_of_many
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
@@ -136,7 +137,7 @@ def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> 
     ends, is_open = endings_at_once(drives, np.stack([middle, -d.input_speed], axis=1), "contact_sign")
     found = np.where(ends.attractor == Attractor.STEADY_SLIDING, -1.0, np.where(ends.attractor > 0, 1.0, 0.0))
     found[is_open] = np.nan
-    for group in drives.groups("contact_sign", np.flatnonzero(is_open)):
+    for group in groups(drives, "contact_sign", np.flatnonzero(is_open)):
         for k in np.flatnonzero(group.safe):
             one, speed = one_of_many(group.automaton, k), d.input_speed[group.members[k]]
             found[group.members[k]] = _slip_stops(one, speed)

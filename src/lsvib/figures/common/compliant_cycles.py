@@ -8,8 +8,8 @@ from lsvib.cycles.attractors import SteadyState, steady_state
 from lsvib.data import phase_plane
 from lsvib.data.attributes import variable
 from lsvib.data.phase_plane import Variables
-from lsvib.drives.many_threads import automata_of
 from lsvib.drives.parameters import ThreadsParameters
+from lsvib.drives.tables_of_models.threads import automata_of
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
 

@@ -5,11 +5,11 @@ from typing import Any
 from lsvib.drives.linear_parts import Polynomial
 from lsvib.drives.parameters import NutParameters
 from lsvib.steady_sliding import nut_conditions
-from lsvib.steady_sliding.said_of_models import condition, quantity
+from lsvib.steady_sliding.stability_of_models import condition, quantity
 
 
 def said(drive: NutParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
-    """Return conditions and quantities of a drive; arguments as of ``said_of``."""
+    """Return conditions and quantities of a drive; arguments as the folder says."""
     inertia = nut_conditions.kinematic_inertia(drive.exact(), law)
     return {
         "conditions": {"kinematic": condition(negative_effective_inertia=-inertia)},

@@ -7,14 +7,14 @@ from lsvib.drives.parameters import SupportParameters
 from lsvib.steady_sliding import support_conditions
 from lsvib.steady_sliding.characteristic import scale
 from lsvib.steady_sliding.conditions import critical_friction
-from lsvib.steady_sliding.said_of_models import condition, quantity
 from lsvib.steady_sliding.spectrum import neutral_margins, spectrum
+from lsvib.steady_sliding.stability_of_models import condition, quantity
 
 _UNDAMPED = dict.fromkeys(("support_damping", "translation_damping", "axial_support_damping"), 0.0)
 
 
 def said(drive: SupportParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
-    """Return conditions and quantities of a drive, and the same ``without_damping``; arguments as of ``said_of``."""
+    """Return conditions and quantities of a drive, and the same ``without_damping``; arguments as the folder says."""
     inertia = support_conditions.reduced_inertia(drive.exact(), law)
     undamped = drive.replace(**_UNDAMPED)
     undamped_class, _, undamped_polynomial = spectrum(undamped, law)

@@ -7,11 +7,11 @@ from lsvib.drives.coefficients import coefficients
 from lsvib.drives.linear_parts import Polynomial
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.steady_sliding import boundaries, stiff_contact
-from lsvib.steady_sliding.said_of_models import condition, quantity
+from lsvib.steady_sliding.stability_of_models import condition, quantity
 
 
 def said(drive: ThreadsParameters, law: int, polynomial: Polynomial, flutter: float | None) -> dict[str, Any]:
-    """Return conditions and quantities of a drive; arguments as of ``said_of``."""
+    """Return conditions and quantities of a drive; arguments as the folder says."""
     c = coefficients(drive)
     damped = boundaries.stable_set(drive, "contact_damping").intervals
     least = damped[0][0] if damped else None

@@ -1,25 +1,23 @@
-"""Thresholds of a drive as plain values, ready for JSON."""
+"""The rigid drive: the thresholds of the chapter (Sects 8.5 to 8.8)."""
 
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters, SupportParameters, model_of, parameters_of
-from lsvib.drives.registry import find_model
+from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.errors import NoThreshold
-from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.boundaries import model_thresholds
+from lsvib.steady_sliding import thresholds as forces
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
 from lsvib.steady_sliding.support_conditions import critical_friction_by_eigenvalues
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
     "critical_friction": lambda drive: critical_friction(drive, getattr(drive, "screw_mass", math.inf)),
-    "onset_force": thresholds.onset_force,
-    "stick_force": thresholds.stick_force,
-    "detach_force": thresholds.detach_force,
-    "global_stability_force": thresholds.global_stability_force,
+    "onset_force": forces.onset_force,
+    "stick_force": forces.stick_force,
+    "detach_force": forces.detach_force,
+    "global_stability_force": forces.global_stability_force,
 }
 _STATEMENTS = {  # for input_speed > 0; for input_speed < 0 all forces change sign
     "onset_force": "Steady sliding attracts what is near under every smaller force and repels it under larger ones.",
@@ -34,27 +32,16 @@ _ABSENT = {
     "critical_mass": "The drive is not self-locking, so no mass makes the effective inertia vanish.",
     "critical_friction": "No friction coefficient below cot(lead_angle) makes the effective inertia vanish.",
 }
+WITHOUT_EFFECT = {"axial_force": "the forces of the rigid drive are thresholds of axial_force"}
+"""Parameters of which a change moves none of these thresholds, and why."""
 
 
-def threshold_table(
-    changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid"
-) -> dict[str, dict[str, Any]]:
-    """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
+def thresholds(changes: Mapping[str, Any], itself: bool) -> dict[str, dict[str, Any]]:
+    """Return the chapter's thresholds, as :func:`lsvib.steady_sliding.threshold_table.threshold_table` has them.
 
-    A drive in place of ``changes`` stands for itself: all its parameters count, and it is of its own model. For another
-    ``model`` than the rigid one see :func:`lsvib.steady_sliding.boundaries.model_thresholds`. The chapter's critical
-    friction, alone among its thresholds, is that of a drive with axial support (8.28): for it alone a change of
-    ``screw_mass`` counts, and ``by_eigenvalues`` is the same threshold as the root of an eigenvalue. That of a rigid
-    drive that stands for itself is where its own Γ₊ vanishes (8.20). Returns by name: ``value`` and ``unit``, the
-    chapter's ``expected`` value with ``tolerance``, ``relative_error`` and whether it ``passed`` – all four None if
-    ``changes`` leave the chapter's parameters or, as for ``global_stability_force``, the chapter prints no number –,
-    ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0.
-    Raises ``InputError`` for unacceptable parameters.
+    Arguments: changes to the chapter's drives; whether these are all the parameters of a drive that stands for
+    ``itself``, so that every threshold is its own. Raises ``InputError`` for unacceptable parameters.
     """
-    itself = isinstance(changes, RigidParameters)
-    model, changes = model_of(changes, model), parameters_of(changes)
-    if model != "rigid":
-        return model_thresholds(find_model(model).drive.of(changes))
     table = {
         name: _entry(name, changes, claim.drive, claim.unit, claim.source, claim)
         for name, claim in chapter.THRESHOLDS.items()
