@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lsvib.drives import parameters
 from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.errors import InputError
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
 
 
-class _Drive(RigidParameters):
+class _Drive(DriveParameters):
     """What can be asked of a drive of any model."""
 
     @property
@@ -306,7 +306,7 @@ class _Drive(RigidParameters):
         return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
 
 
-class RigidDrive(_Drive):
+class RigidDrive(_Drive, parameters.RigidParameters):
     """A drive whose nut and screw are rigid: one degree of freedom (Sect. 5.3); parameters as below, in SI units.
 
     >>> import lsvib

@@ -1,11 +1,15 @@
-"""Habits of the sources and of the judge: constants and long functions have reasons, a name means one thing."""
+"""Habits of the sources and of the judge: reasons are given, a name means one thing, no room asks for the model."""
 
 import ast
 import re
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
+
+from lsvib.drives.model_files import model_names
+from lsvib.drives.registry import find_model
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted(path for folder in ("src/lsvib", "tests/judge") for path in (ROOT / folder).rglob("*.py"))
@@ -99,3 +103,51 @@ def test_a_name_means_one_thing():
             places.setdefault(name, []).append(str(path.relative_to(ROOT)))
     twice = {name: found for name, found in places.items() if len(found) > 1}
     assert twice.keys() == NAMED_ALIKE.keys(), {k: v for k, v in twice.items() if k not in NAMED_ALIKE}
+
+
+# What belongs to one model stands in its own file and in the folders ``*_of_models``. The benchmarks compare with
+# references that know one model each; ``model_of`` fills in the model that is meant if none is named; a data sheet has
+# parts that are compliant or, with the word of the model, rigid.
+OF_ONE_MODEL = (
+    *("src/lsvib/bench/*", "src/lsvib/*/*_of_models/*", "src/lsvib/drives/parameters.py"),
+    *("src/lsvib/assess/assessment.py", "src/lsvib/assess/sheet.py"),
+)
+
+
+def questions_about_the_model(text: str) -> Iterator[int]:
+    """Yield the lines that compare with the name of a model, or ask whether a drive is of the class of one."""
+    classes = {find_model(name).drive.__name__ for name in model_names()}
+    for node in ast.walk(ast.parse(text)):
+        parts: list[ast.expr] = []
+        if isinstance(node, ast.Compare):
+            parts = [node.left, *node.comparators]
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
+            parts = node.args[1:]
+        inner = [one for part in parts for one in ast.walk(part)]
+        named = any(isinstance(one, ast.Constant) and one.value in model_names() for one in inner)
+        if named or any(getattr(one, "id", getattr(one, "attr", "")) in classes for one in inner):
+            yield node.lineno
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ('if drive.model == "rigid": pass\n', [1]),
+        ('x = 1\ny = model in ("nut", "other")\n', [2]),
+        ("isinstance(drive, ThreadsParameters)\n", [1]),
+        ("isinstance(drive, a.NutParameters | int)\n", [1]),
+        ("kind is SupportParameters\n", [1]),
+        ('isinstance(drive, DriveParameters) and name == "threads_of_time"\nRigidParameters()\n', []),
+    ],
+)
+def test_what_asks_about_the_model(text, found):
+    assert list(questions_about_the_model(text)) == found
+
+
+def test_no_room_asks_which_model_a_drive_is_of():
+    found = []
+    for path in SOURCES:
+        name = path.relative_to(ROOT).as_posix()
+        if name.startswith("src/") and not any(fnmatch(name, pattern) for pattern in OF_ONE_MODEL):
+            found += [f"{name}:{line}" for line in questions_about_the_model(path.read_text(encoding="utf-8"))]
+    assert not found, found

@@ -16,7 +16,7 @@ from lsvib.basins.resilience import smallest_push
 from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.cycles.impulses import event_impulses
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import Automaton
@@ -125,7 +125,7 @@ def _word(label: Attractor) -> str:
 
 
 def _shown(
-    drive: RigidParameters, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+    drive: DriveParameters, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
@@ -149,7 +149,7 @@ def _shown(
     return start, span, times, states
 
 
-def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.float64]:
+def _load_row(drive: DriveParameters, states: tuple[str, ...]) -> NDArray[np.float64]:
     """Displacement of the load from steady travel [m] as a row over the state."""
     row = np.zeros(len(states))
     row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
@@ -158,7 +158,7 @@ def _load_row(drive: RigidParameters, states: tuple[str, ...]) -> NDArray[np.flo
     return row
 
 
-def _of_cycle(drive: RigidParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+def _of_cycle(drive: DriveParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
     turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
     turning[1], turning[-1] = 1.0, drive.input_speed

@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib.basins.grid import Grid
 from lsvib.cycles.attractors import SteadyState
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 from lsvib.numbers import Progress
@@ -28,7 +28,7 @@ class Mapper(ABC):
     attractors: Sequence[SteadyState]
     block: int
 
-    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
         self.definition = find_model(model)
         self.events = self.definition.events

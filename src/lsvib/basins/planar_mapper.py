@@ -10,7 +10,7 @@ from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
 from lsvib.cycles.attractors import Doubt
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.errors import InputError
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
@@ -36,7 +36,7 @@ class PlanarMapper(Mapper):
     block = 16384  # a thread works on one block at a time
 
     def __init__(
-        self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True
+        self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True
     ) -> None:
         super().__init__(drive, model, physics, resume)
         self.sections = Sections(self.automaton, rounding)

@@ -27,7 +27,7 @@ from lsvib.cycles.patience import FEW, follow_patiently
 from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import out_of_range
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, Motion
@@ -68,7 +68,7 @@ class StateMapper(Mapper):
 
     block = 1  # a row at a time
 
-    def __init__(self, drive: RigidParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
         super().__init__(drive, model, physics, resume)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []

@@ -17,7 +17,7 @@ from lsvib.cycles.multipliers import multipliers
 from lsvib.cycles.periodic import Cycle
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.variational import derivative
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import GRAZE_KIND
@@ -30,7 +30,7 @@ _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding 
 _ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
 _PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
 
-Build = Callable[[float], tuple[RigidParameters, Automaton]]
+Build = Callable[[float], tuple[DriveParameters, Automaton]]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class BranchEquations:
         """The value of the parameter at a point (y, p)."""
         return self.low + self.width * float(z[-1])
 
-    def at(self, z: np.ndarray) -> tuple[RigidParameters, ReturnSection, Motion] | None:
+    def at(self, z: np.ndarray) -> tuple[DriveParameters, ReturnSection, Motion] | None:
         """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
         try:
             drive, automaton = self.build(self.value(z))

@@ -20,7 +20,7 @@ from lsvib.cycles.periodic import Cycle, cycle_on
 from lsvib.cycles.recurrences import CORNERS
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
@@ -40,7 +40,7 @@ _LONGER = 4.0  # a return may take so many times the longest one on the edge
 StateEnding = tuple[np.ndarray, SteadyState]
 
 
-def edge_cycles(drive: RigidParameters, automaton: Automaton, endings: Sequence[StateEnding]) -> Iterator[Cycle | None]:
+def edge_cycles(drive: DriveParameters, automaton: Automaton, endings: Sequence[StateEnding]) -> Iterator[Cycle | None]:
     """Yield, for each two attractors that starts reach, the cycle on the edge between their basins, or None.
 
     ``endings``: starts (n) and what their motions end on; those that end on nothing known take no part.
@@ -71,7 +71,7 @@ def alike(one: SteadyState, other: SteadyState) -> bool:
 
 
 def _cycle_between(
-    drive: RigidParameters, automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState
+    drive: DriveParameters, automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState
 ) -> Cycle | None:
     """The cycle on the edge between two starts (n), of which the first has this ending; None if none is found."""
 

@@ -22,7 +22,7 @@ from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
 from lsvib.drives import tables_of_models
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.resumption import Resume
 from lsvib.engine.automaton import Automaton
@@ -48,7 +48,7 @@ class Prepared(NamedTuple):
     automaton: Automaton | None
     others: Mapping[str, float] | None
 
-    def drive(self) -> RigidParameters:
+    def drive(self) -> DriveParameters:
         """Return the drive."""
         return self.drives.one(self.place)
 

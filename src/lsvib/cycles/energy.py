@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lsvib.cycles.variational import inner_coordinates, propagator
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.powers import product
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
@@ -104,7 +104,7 @@ def means(orbit: Motion) -> dict[str, float]:
     return dict(zip(names, (float(x) for x in totals / orbit.end_time), strict=True))
 
 
-def work(drive: RigidParameters, orbit: Motion) -> Work:
+def work(drive: DriveParameters, orbit: Motion) -> Work:
     """Return the work of each kind over one period of a cycle of a drive."""
     automaton = orbit.automaton
     powers = find_model(drive.model).powers(drive, automaton)

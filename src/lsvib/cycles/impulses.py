@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.cycles.attractors import arc_integrals
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.rigid import EventKind, MotionMode
 from lsvib.engine.motion import Motion
 
@@ -54,7 +54,7 @@ class MeanLoad:
     deflection: float
 
 
-def seizure_impulses(drive: RigidParameters, speed: ArrayLike) -> Impulses:
+def seizure_impulses(drive: DriveParameters, speed: ArrayLike) -> Impulses:
     """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
     speed = np.asarray(speed, dtype=float)
     return Impulses(
@@ -69,12 +69,12 @@ def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_in
     return speed * sine * (mass * pitch_radius - screw_inertia / pitch_radius)
 
 
-def seizure_speeds(drive: RigidParameters, motion: Motion) -> np.ndarray:
+def seizure_speeds(drive: DriveParameters, motion: Motion) -> np.ndarray:
     """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
     return np.asarray(drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1])
 
 
-def event_impulses(drive: RigidParameters, motion: Motion) -> Impulses:
+def event_impulses(drive: DriveParameters, motion: Motion) -> Impulses:
     """Return the impulses of each event of a motion of any model, shape (events), from the balances of momentum.
 
     With A = −m Δx′ along the axis and T = −I Δθ′ about it the normal impulse is A cos λ − (T / r_m) sin λ. They are
@@ -94,7 +94,7 @@ def event_impulses(drive: RigidParameters, motion: Motion) -> Impulses:
     return Impulses(normal=normal, axial=axial, torque=torque)
 
 
-def mean_load(drive: RigidParameters, orbit: Motion) -> MeanLoad:
+def mean_load(drive: DriveParameters, orbit: Motion) -> MeanLoad:
     """Return the means over one cycle, in closed form (c_x = 0, |N| of one sign in each mode).
 
     In slip under law s the threads carry N (cos λ + s μ sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it,

@@ -19,7 +19,7 @@ from lsvib.cycles.multipliers import AT_REST, multipliers, section_derivative
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import section_key
 from lsvib.cycles.steady_states import cycle_label
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
@@ -39,7 +39,7 @@ class Cycle:
     of their errors (of stiff contacts an estimate); ``found_by``: how it was found.
     """
 
-    drive: RigidParameters
+    drive: DriveParameters
     orbit: Motion = field(repr=False)
     residual: float
     multipliers: np.ndarray
@@ -241,7 +241,7 @@ def newton_step(slopes: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
 
 
 def cycle_from(
-    drive: RigidParameters, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
+    drive: DriveParameters, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
 ) -> Cycle | None:
     """Return the cycle near the motion of so many events from a state (n) in a mode; None if there is none.
 
@@ -262,7 +262,7 @@ def cycle_from(
     return cycle_on(drive, section, found_by)
 
 
-def cycle_of(drive: RigidParameters, steady: SteadyState) -> Cycle | None:
+def cycle_of(drive: DriveParameters, steady: SteadyState) -> Cycle | None:
     """Return the cycle that a motion was found to end on, solved again; None for an equilibrium or a neutral family."""
     if steady.orbit is None or steady.label == Attractor.NEUTRAL_FAMILY:
         return None
@@ -274,7 +274,7 @@ def cycle_of(drive: RigidParameters, steady: SteadyState) -> Cycle | None:
     return cycle_on(drive, section, "start")
 
 
-def cycle_on(drive: RigidParameters, section: ReturnSection, found_by: str) -> Cycle | None:
+def cycle_on(drive: DriveParameters, section: ReturnSection, found_by: str) -> Cycle | None:
     """Return the cycle near the origin of a section; None if Newton's method does not find one."""
     found = solve(section)
     if found is None:

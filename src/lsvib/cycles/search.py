@@ -22,7 +22,7 @@ from lsvib.cycles.periodic import Cycle, cycle_from, cycle_of, cycle_on
 from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.return_section import lines, nearest_to_origin
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
@@ -51,13 +51,13 @@ class Seed:
     found_by: str
 
 
-def swing(drive: RigidParameters) -> tuple[float, float]:
+def swing(drive: DriveParameters) -> tuple[float, float]:
     """Return the sizes u [rad] and w [rad/s] of a swing of the screw under law −1 with the speed of the motor."""
     inertia = float(coefficients(drive).gamma[-1])
     return abs(drive.input_speed) * math.sqrt(inertia / drive.coupling_stiffness), abs(drive.input_speed)
 
 
-def starts(drive: RigidParameters) -> list[tuple[float, float]]:
+def starts(drive: DriveParameters) -> list[tuple[float, float]]:
     """Return starts (u [rad], w [rad/s]) next to steady sliding, at standstill, and far out on both sides."""
     u, w = swing(drive)
     still = -drive.input_speed
@@ -75,7 +75,7 @@ class Search:
 
 
 def search(
-    drive: RigidParameters,
+    drive: DriveParameters,
     automaton: Automaton,
     states: Iterable[np.ndarray],
     seeds: Sequence[Seed] = (),
@@ -134,7 +134,7 @@ def _same(one: Cycle, other: Cycle) -> bool:
     return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
 
 
-def _on_line(drive: RigidParameters, automaton: Automaton, key: tuple[int, int], row: np.ndarray):
+def _on_line(drive: DriveParameters, automaton: Automaton, key: tuple[int, int], row: np.ndarray):
     """Yield the cycles that the return map of a line shows."""
     sizes = np.array(swing(drive))
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
@@ -211,7 +211,7 @@ def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> f
     return left if at_left < at_right else right
 
 
-def _within(drive: RigidParameters, section: ReturnSection, low: float, high: float) -> Cycle | None:
+def _within(drive: DriveParameters, section: ReturnSection, low: float, high: float) -> Cycle | None:
     """Return the cycle in a bracket where P(y) − y changes its sign; Newton's method starts from ever smaller ones."""
     first = _gap(section, low)
     width = high - low

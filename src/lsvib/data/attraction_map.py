@@ -23,7 +23,7 @@ from lsvib.data import maps_of_models, phase_plane
 from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import RigidParameters, names_and_values
+from lsvib.drives.parameters import DriveParameters, names_and_values
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
 from lsvib.numbers import Progress
@@ -45,7 +45,7 @@ class AttractionMap:
 
 
 def map_attraction(
-    drive: RigidParameters,
+    drive: DriveParameters,
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
     resume: str = "contact_sign",
@@ -194,7 +194,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     return data
 
 
-def _nothing(drive: RigidParameters, window: Window) -> dict[str, Variable]:
+def _nothing(drive: DriveParameters, window: Window) -> dict[str, Variable]:
     """What is drawn around a map of a model without a file of its own."""
     return {}
 

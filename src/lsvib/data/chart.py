@@ -20,7 +20,7 @@ from lsvib.data.attributes import Variable, attributes, flagged, flags, fraction
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.drives.registry import all_models, find_model
 from lsvib.drives.resumption import Resume, rule
 from lsvib.errors import InputError
@@ -37,7 +37,7 @@ class ChartAxis(Axis):
     """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
 
     @classmethod
-    def of(cls, drive: RigidParameters, where: str, given: Any) -> Self:
+    def of(cls, drive: DriveParameters, where: str, given: Any) -> Self:
         """Make an axis from text KEY=START:STOP:COUNT, or from (parameter, start, stop, count); ``InputError``."""
         if isinstance(given, str):
             name, equals, text = given.partition("=")
@@ -80,12 +80,12 @@ class ChartAxis(Axis):
 class Plane:
     """The two axes of a chart of a drive, ``x`` along the columns and ``y`` along the rows."""
 
-    drive: RigidParameters
+    drive: DriveParameters
     x: ChartAxis
     y: ChartAxis
 
     @classmethod
-    def of(cls, drive: RigidParameters, x: Any, y: Any) -> Self:
+    def of(cls, drive: DriveParameters, x: Any, y: Any) -> Self:
         """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
         if not find_model(drive.model).curves:
             charted = " and ".join(name for name, model in all_models().items() if model.curves)
@@ -189,7 +189,7 @@ LABEL = attributes("1", "what the drive does", **flags(Behaviour))
 
 
 def chart(
-    drive: RigidParameters,
+    drive: DriveParameters,
     x: Any,
     y: Any,
     resume: str = "contact_sign",
@@ -256,7 +256,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def _two_states(drive: RigidParameters) -> bool:
+def _two_states(drive: DriveParameters) -> bool:
     return len(find_model(drive.model).states) == 2
 
 

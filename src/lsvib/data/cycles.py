@@ -16,7 +16,7 @@ from lsvib.cycles.search import Seed, search, starts
 from lsvib.data import cycles_of_models
 from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import RigidParameters, described
+from lsvib.drives.parameters import DriveParameters, described
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
@@ -45,7 +45,7 @@ class Cycles:
         }
 
 
-def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
+def find_cycles(drive: DriveParameters, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
 
     From starts and on the edges of basins; of a model with a file in :mod:`lsvib.data.cycles_of_models` as that says.
@@ -54,7 +54,7 @@ def find_cycles(drive: RigidParameters, automaton: Automaton) -> Cycles:
     return found
 
 
-def searched(drive: RigidParameters, automaton: Automaton, more: Sequence[Seed] = (), proved: str = "") -> Cycles:
+def searched(drive: DriveParameters, automaton: Automaton, more: Sequence[Seed] = (), proved: str = "") -> Cycles:
     """Return the cycles of a drive that a search finds from its starts and ``more``, beside what is ``proved``."""
     model = find_model(drive.model)
     states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
@@ -66,7 +66,7 @@ _MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memo
 
 
 def followed(
-    drive: RigidParameters, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
+    drive: DriveParameters, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
 ) -> CycleBranch:
     """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
 
@@ -96,14 +96,14 @@ def followed(
     for end in (low, high):
         drive.replace(**{parameter: end})
 
-    def made(value: float) -> tuple[RigidParameters, Automaton]:
+    def made(value: float) -> tuple[DriveParameters, Automaton]:
         there = drive.replace(**{parameter: value})
         return there, build(there)
 
     return follow_cycle(cycle, made, parameter, (low, high), most)
 
 
-def branch_dataset(drive: RigidParameters, branch: CycleBranch) -> xr.Dataset:
+def branch_dataset(drive: DriveParameters, branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
     about = described(type(drive), branch.parameter)
     cycles = [point.cycle for point in branch.points]

@@ -20,7 +20,7 @@ import numpy as np
 
 from lsvib.data.attributes import attributes, named_index, variable
 from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
@@ -31,7 +31,7 @@ NO_EFFECT = "of no effect: the results of this file do not depend on it"
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
 
 
-def _fields(kind: type[RigidParameters] = RigidParameters) -> dict[str, Any]:
+def _fields(kind: type[DriveParameters] = DriveParameters) -> dict[str, Any]:
     """What the classes of drives that are loaded say of their parameters, by name."""
     fields = {name: field.json_schema_extra for name, field in kind.model_fields.items()}
     for more in kind.__subclasses__():
@@ -60,7 +60,7 @@ def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str =
 
 
 def drive_parameters(
-    drives: RigidParameters | Sequence[RigidParameters],
+    drives: DriveParameters | Sequence[DriveParameters],
     dim: str = "case",
     *,
     along: Sequence[str] = (),
@@ -76,7 +76,7 @@ def drive_parameters(
     that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
     those which are ``axes`` of the file and therefore are left out here.
     """
-    row = [drives] if isinstance(drives, RigidParameters) else list(drives)
+    row = [drives] if isinstance(drives, DriveParameters) else list(drives)
     result = {}
     for name in type(row[0]).model_fields:
         if name in axes:
@@ -105,7 +105,7 @@ def _place(name: str, value: float, printed: Sequence[str]) -> str:
     return next((place for place in ("Table 8.1", *printed) if value in stated[place].get(name, ())), "")
 
 
-def labels(dim: str, drives: Sequence[RigidParameters], names: Sequence[str]) -> Variables:
+def labels(dim: str, drives: Sequence[DriveParameters], names: Sequence[str]) -> Variables:
     """Return the coordinate of some drives: an index, whose ``flag_meanings`` name what makes each of them.
 
     ``names``: the parameters in which they differ; without any, the only one is called ``drive``.

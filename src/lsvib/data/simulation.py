@@ -13,13 +13,13 @@ from lsvib.cycles.impulses import event_impulses
 from lsvib.data import phase_plane
 from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
-from lsvib.drives.parameters import RigidParameters, changed, names_and_values, parameters_of
+from lsvib.drives.parameters import DriveParameters, changed, names_and_values, parameters_of
 from lsvib.drives.scene import Scene, in_present_words, read_yaml
 from lsvib.engine.motion import Motion, follow
 
 
 def simulate(
-    scene: Scene | RigidParameters | Mapping[str, Any] | str | Path | None = None, /, **changes: Any
+    scene: Scene | DriveParameters | Mapping[str, Any] | str | Path | None = None, /, **changes: Any
 ) -> xr.Dataset:
     """Simulate a scene exactly and return its trajectory.
 
@@ -43,7 +43,7 @@ def simulate(
 
 
 def as_scene(
-    scene: Scene | RigidParameters | Mapping[str, Any] | str | Path | None,
+    scene: Scene | DriveParameters | Mapping[str, Any] | str | Path | None,
     changes: Mapping[str, Any],
     drive: Mapping[str, Any],
 ) -> Scene:
@@ -53,7 +53,7 @@ def as_scene(
     """
     if isinstance(scene, Scene):
         values = scene.model_dump()
-    elif isinstance(scene, RigidParameters):
+    elif isinstance(scene, DriveParameters):
         values = {"model": scene.model, "drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)

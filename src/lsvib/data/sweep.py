@@ -17,7 +17,7 @@ from lsvib.cycles.attractors import Attractor
 from lsvib.cycles.endings import all_endings
 from lsvib.data.attributes import attributes, flags
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.parameters import RigidParameters, described, names_and_values
+from lsvib.drives.parameters import DriveParameters, RigidParameters, described, names_and_values
 from lsvib.drives.registry import find_model
 from lsvib.drives.resumption import rule
 from lsvib.errors import InputError
@@ -41,7 +41,7 @@ _VARIABLES = {
 
 
 def sweep(
-    drive: RigidParameters,
+    drive: DriveParameters,
     over: Mapping[str, Any],
     start: Mapping[str, Any] | None = None,
     resume: str = "contact_sign",
@@ -80,7 +80,7 @@ def sweep(
     )
 
 
-def axes_of(over: Any, kind: type[RigidParameters], most: int) -> dict[str, list[float]]:
+def axes_of(over: Any, kind: type[DriveParameters], most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
     axes = {name: parameter_values(name, values, kind) for name, values in names_and_values("over", over).items()}
     if not axes:
@@ -91,7 +91,7 @@ def axes_of(over: Any, kind: type[RigidParameters], most: int) -> dict[str, list
     return axes
 
 
-def product_of(drive: RigidParameters, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
+def product_of(drive: DriveParameters, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     """Return the drives over the product of values of some parameters, the last one fastest.
 
     Raises ``InputError`` if one of them is not acceptable. Only the friction coefficient and the lead angle have ranges
@@ -134,7 +134,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def parameter_values(name: str, given: Any, kind: type[RigidParameters] = RigidParameters) -> list[float]:
+def parameter_values(name: str, given: Any, kind: type[DriveParameters] = RigidParameters) -> list[float]:
     """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
 
     Raises ``InputError`` for an unknown name, and for what is no list of numbers.
@@ -149,7 +149,7 @@ def parameter_values(name: str, given: Any, kind: type[RigidParameters] = RigidP
         raise InputError(f"over: {name} holds a value that {error}.") from None
 
 
-def coordinate(name: str, kind: type[RigidParameters] = RigidParameters) -> dict[str, Any]:
+def coordinate(name: str, kind: type[DriveParameters] = RigidParameters) -> dict[str, Any]:
     """Return the attributes of a parameter of a model as a coordinate."""
     about = described(kind, name)
     return attributes(about["unit"], about["long_name"])

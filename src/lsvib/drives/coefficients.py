@@ -6,7 +6,7 @@ from typing import Any
 
 from lsvib.drives import friction
 from lsvib.drives.once import once
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.exact.precision import PLACES
 
 
@@ -29,7 +29,7 @@ class Coefficients:
 
 
 @once
-def coefficients(drive: RigidParameters) -> Coefficients:
+def coefficients(drive: DriveParameters) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, to 50 digits."""
     return coefficients_of(drive.exact())
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lsvib.drives.parameters import RigidParameters, sine_and_cosine
+from lsvib.drives.parameters import DriveParameters, RigidParameters, sine_and_cosine
 from lsvib.engine.exact.pair_arrays import Pairs
 
 
@@ -34,7 +34,7 @@ class ManyDrives:
     """
 
     def __init__(
-        self, values: Mapping[str, np.ndarray | float], drive_class: type[RigidParameters] = RigidParameters
+        self, values: Mapping[str, np.ndarray | float], drive_class: type[DriveParameters] = RigidParameters
     ) -> None:
         self.drive_class = drive_class
         # -0.0 and 0.0 are one drive, hence + 0.0 below
@@ -53,7 +53,7 @@ class ManyDrives:
         """Return some of the drives, by their indices (j)."""
         return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.drive_class)
 
-    def one(self, entry: int) -> RigidParameters:
+    def one(self, entry: int) -> DriveParameters:
         """Return one of the drives."""
         return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
 

@@ -36,18 +36,18 @@ def quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: A
     return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
 
 
-class RigidParameters(BaseModel):
-    """A rigid lead-screw drive in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+class DriveParameters(BaseModel):
+    """What drives of all models have, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
     differ from the defaults. ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad] wherever values are given.
     ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
     are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
-    ``InputError`` through :func:`RigidParameters.of` and :meth:`replace`, in one sentence naming key, value and range.
+    ``InputError`` through :meth:`of` and :meth:`replace`, in one sentence naming key, value and range.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    model: ClassVar[str] = "rigid"  # one of lsvib.drives.model_files.model_names()
+    model: ClassVar[str]  # one of lsvib.drives.model_files.model_names()
     own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
@@ -73,7 +73,7 @@ class RigidParameters(BaseModel):
                 raise InputError(sentence_about(type(self), error)) from None
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, RigidParameters):
+        if not isinstance(other, DriveParameters):
             return NotImplemented
         return self.model == other.model and self.__dict__ == other.__dict__
 
@@ -102,12 +102,12 @@ class RigidParameters(BaseModel):
             )
 
     @classmethod
-    def of(cls, values: "RigidParameters | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+    def of(cls, values: "DriveParameters | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
         """Make a drive from another drive, or from names and values, with ``more`` of them.
 
         Raises ``InputError`` in one sentence.
         """
-        if isinstance(values, RigidParameters):
+        if isinstance(values, DriveParameters):
             return cls(**values.model_dump()).replace(**more)
         return cls(**{**names_and_values("drive", values), **more})
 
@@ -120,7 +120,13 @@ class RigidParameters(BaseModel):
         return _exact(self)
 
 
-class ThreadsParameters(RigidParameters):
+class RigidParameters(DriveParameters):
+    """A drive whose nut and screw are rigid (Sect. 5.3)."""
+
+    model = "rigid"
+
+
+class ThreadsParameters(DriveParameters):
     """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default."""
 
     model, own_damping = "threads", "contact_damping"
@@ -129,7 +135,7 @@ class ThreadsParameters(RigidParameters):
     contact_damping: Value = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
 
 
-class SupportParameters(RigidParameters):
+class SupportParameters(DriveParameters):
     """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed."""
 
     model, own_damping = "support", "axial_support_damping"
@@ -141,7 +147,7 @@ class SupportParameters(RigidParameters):
     bearing_friction: Value = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
 
 
-class NutParameters(RigidParameters):
+class NutParameters(DriveParameters):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed."""
 
     model, own_damping = "nut", "nut_damping"
@@ -154,12 +160,12 @@ class NutParameters(RigidParameters):
 
 
 class ExactParameters:
-    """A drive in 50-digit decimal arithmetic: attributes as in :class:`RigidParameters`, plus the functions of λ.
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`DriveParameters`, plus the functions of λ.
 
     It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
     """
 
-    def __init__(self, drive: RigidParameters) -> None:
+    def __init__(self, drive: DriveParameters) -> None:
         values = {key: Decimal(value) for key, value in drive.__dict__.items()}
         with localcontext(prec=PLACES + 10):
             sine, cosine = sine_and_cosine(values["lead_angle"])
@@ -221,14 +227,14 @@ def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     return {**{key: value for key, value in given.items() if key not in dropped}, **changes}
 
 
-def parameters_of(drive: RigidParameters | Mapping[str, Any] | None) -> dict[str, Any]:
+def parameters_of(drive: DriveParameters | Mapping[str, Any] | None) -> dict[str, Any]:
     """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
-    return drive.model_dump() if isinstance(drive, RigidParameters) else names_and_values("drive", drive)
+    return drive.model_dump() if isinstance(drive, DriveParameters) else names_and_values("drive", drive)
 
 
 def model_of(drive: Any, model: str = "rigid") -> str:
     """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
-    return drive.model if isinstance(drive, RigidParameters) and model == "rigid" else model
+    return drive.model if isinstance(drive, DriveParameters) and model == "rigid" else model
 
 
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.automaton import Automaton
 
 
@@ -24,7 +24,7 @@ class Powers:
     Rows: ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s].
     """
 
-    def __init__(self, drive: RigidParameters, automaton: Automaton) -> None:
+    def __init__(self, drive: DriveParameters, automaton: Automaton) -> None:
         self.drive, self.automaton = drive, automaton
         n = len(automaton.states)
         self.one, self.unit = np.eye(n + 1)[-1], np.eye(n + 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
 from lsvib.drives.model_files import model_module, model_names
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.errors import InputError
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
@@ -39,7 +39,7 @@ class Model:
     models are listed.
     """
 
-    drive: type[RigidParameters]
+    drive: type[DriveParameters]
     build: Callable[[Any, tuple[str, ...], str], "Automaton"]
     start: Callable[[Any, Mapping[str, float]], np.ndarray]
     modes: type[IntEnum]
@@ -61,11 +61,11 @@ class Model:
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
 
-    def physics_of(self, drive: RigidParameters) -> tuple[str, ...]:
+    def physics_of(self, drive: DriveParameters) -> tuple[str, ...]:
         """Return the words of all that a drive has: its terms that are not zero, and the options."""
         return (*(term for term in self.terms if getattr(drive, term) != 0), *self.options)
 
-    def initial_state(self, drive: RigidParameters, values: Mapping[str, float]) -> np.ndarray:
+    def initial_state(self, drive: DriveParameters, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; ``InputError`` if a required key is missing or a key is not known."""
         known = (*self.required, *self.optional)
         if not set(self.required) <= set(values) <= set(known):

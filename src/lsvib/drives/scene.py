@@ -10,7 +10,7 @@ from typing import Annotated, Any, Self
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
-from lsvib.drives.parameters import Number, RigidParameters, Whole, names_and_values, sentence_about
+from lsvib.drives.parameters import DriveParameters, Number, Whole, names_and_values, sentence_about
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.resumption import Resume
 from lsvib.errors import InputError
@@ -31,7 +31,7 @@ class Scene(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     model: str = "rigid"
-    drive: SerializeAsAny[RigidParameters]
+    drive: SerializeAsAny[DriveParameters]
     physics: tuple[str, ...] | None = None
     resume: Resume = "contact_sign"
     start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
@@ -51,7 +51,7 @@ class Scene(BaseModel):
     def _drive_of_the_model(cls, values: Any) -> Any:
         values = in_present_words(values)
         drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
-        known = isinstance(drive, RigidParameters) and drive.model == kind.model  # of another model: converted
+        known = isinstance(drive, DriveParameters) and drive.model == kind.model  # of another model: converted
         return {**values, "drive": drive if known else kind.of(drive)}
 
     def model_post_init(self, context: Any) -> None:

@@ -10,7 +10,7 @@ import yaml
 from lsvib import numbers
 from lsvib.api import RigidDrive, drive_class
 from lsvib.basins.clipping import Window
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.scene import Scene
 from lsvib.errors import InputError
 
@@ -28,7 +28,7 @@ class View:
     curve, from ``low`` to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
     """
 
-    drive: RigidParameters = field(default_factory=RigidDrive)
+    drive: DriveParameters = field(default_factory=RigidDrive)
     u: float = 0.003
     w: float = 0.0
     duration: float = 0.1

@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.exact.polynomials import multiplied
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
 from lsvib.steady_sliding.linearised import steady_law
@@ -38,7 +38,7 @@ class StableSet:
     from_zero: bool
 
 
-def stable_set(drive: RigidParameters, key: str) -> StableSet:
+def stable_set(drive: DriveParameters, key: str) -> StableSet:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
     Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
@@ -72,7 +72,7 @@ def largest_friction(tangent: Fraction) -> Fraction:
     return min(1 / tangent, Fraction(sys.float_info.max))
 
 
-def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
+def threshold_of(drive: DriveParameters, key: str) -> dict[str, Any]:
     """The threshold of a parameter as plain values: ``value``, ``unit``, ``stable_intervals``, perhaps a ``reason``.
 
     For a damping the value is the least one: below it steady sliding is stable at none. For the mass and the friction
@@ -110,7 +110,7 @@ def threshold_of(drive: RigidParameters, key: str) -> dict[str, Any]:
     }
 
 
-def model_thresholds(drive: RigidParameters) -> dict[str, dict[str, Any]]:
+def model_thresholds(drive: DriveParameters) -> dict[str, dict[str, Any]]:
     """Return a drive's critical mass, critical friction and least own damping, each as :func:`threshold_of`."""
     own = drive.own_damping
     keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}
@@ -127,7 +127,7 @@ def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
     return neutral_margins(p) if neutral else (*p[:4], hurwitz(p))
 
 
-def undamped(drive: RigidParameters, key: str) -> bool:
+def undamped(drive: DriveParameters, key: str) -> bool:
     """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability."""
     dampings = ["support_damping", "translation_damping", drive.own_damping]
     return key not in dampings and not any(getattr(drive, name) for name in dampings if name)

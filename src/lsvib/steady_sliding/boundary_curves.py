@@ -27,7 +27,7 @@ from lsvib.cycles.endings_of_models.rigid import endings_at_once
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.drives.tables_of_models.rigid import groups
@@ -64,7 +64,7 @@ class ChartBoundary(IntEnum):
     FLUTTER = 7
 
 
-_FORCES: dict[ChartBoundary, Callable[[RigidParameters], float]] = {
+_FORCES: dict[ChartBoundary, Callable[[DriveParameters], float]] = {
     ChartBoundary.STICK: thresholds.stick_force,
     ChartBoundary.DETACH: thresholds.detach_force,
     ChartBoundary.GLOBAL_STABILITY: thresholds.global_stability_force,
@@ -72,13 +72,13 @@ _FORCES: dict[ChartBoundary, Callable[[RigidParameters], float]] = {
 AxisSpan = tuple[str, tuple[float, float]]
 
 
-def curves_of(drive: RigidParameters) -> tuple[ChartBoundary, ...]:
+def curves_of(drive: DriveParameters) -> tuple[ChartBoundary, ...]:
     """Return the names of the curves that a drive can have; none if its model has no charts."""
     return tuple(ChartBoundary[name.upper()] for name in find_model(drive.model).curves)
 
 
 def boundary_curves(
-    drive: RigidParameters, x: AxisSpan, y: AxisSpan, kinds: tuple[ChartBoundary, ...] | None = None
+    drive: DriveParameters, x: AxisSpan, y: AxisSpan, kinds: tuple[ChartBoundary, ...] | None = None
 ) -> dict[ChartBoundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 
@@ -117,7 +117,7 @@ def _over_force(function: Callable[[float, float], float], names: tuple[str, str
     return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
 
 
-def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> np.ndarray:
+def _after_rest(drive: DriveParameters, names: tuple[str, str], nodes: list) -> np.ndarray:
     """What :func:`stops_again` says at the nodes, by the motions of all of them from the middle of rest.
 
     Where it takes long to find what such a motion ends on, as next to a cycle that attracts slowly, it is enough to
@@ -147,7 +147,7 @@ def _after_rest(drive: RigidParameters, names: tuple[str, str], nodes: list) -> 
     return values
 
 
-def _many(drive: RigidParameters, names: tuple[str, str], nodes: list) -> SimpleNamespace:
+def _many(drive: DriveParameters, names: tuple[str, str], nodes: list) -> SimpleNamespace:
     """Γ₊, C₊ and R̃ Ω at the nodes, in doubles."""
     values = SimpleNamespace(**dict(drive) | dict(zip(names, np.meshgrid(*nodes), strict=True)))
     tangent, radius = np.tan(values.lead_angle), values.pitch_radius
@@ -178,7 +178,7 @@ _EXACT: dict[ChartBoundary, Callable[[Coefficients], float]] = {
 }
 
 
-def _function(drive: RigidParameters, kind: ChartBoundary, names: tuple[str, str]) -> Callable[[float, float], float]:
+def _function(drive: DriveParameters, kind: ChartBoundary, names: tuple[str, str]) -> Callable[[float, float], float]:
     """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
     force = _FORCES.get(kind)
     if kind is ChartBoundary.STICK and "axial_force" not in names:
@@ -201,11 +201,11 @@ def _function(drive: RigidParameters, kind: ChartBoundary, names: tuple[str, str
     return function
 
 
-def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameters], float]:
+def _kept(force: Callable[[DriveParameters], float]) -> Callable[[DriveParameters], float]:
     """A threshold, nan where there is none; drives that were asked for are not computed again."""
 
     @lru_cache(maxsize=_KEPT)
-    def of(drive: RigidParameters) -> float:
+    def of(drive: DriveParameters) -> float:
         """Return the threshold of a drive, or nan."""
         try:
             return force(drive)
@@ -215,7 +215,7 @@ def _kept(force: Callable[[RigidParameters], float]) -> Callable[[RigidParameter
     return of
 
 
-def _stick_or_onset(drive: RigidParameters) -> float:
+def _stick_or_onset(drive: DriveParameters) -> float:
     """The force of ``stick``; that of the onset, to which it tends, where slip without rest has no cycle.
 
     Beyond the onset motions then come to rest at once. Where R is an axis that is no other curve than the onset.
@@ -226,7 +226,7 @@ def _stick_or_onset(drive: RigidParameters) -> float:
         return thresholds.onset_force(drive)
 
 
-def stops_again(drive: RigidParameters) -> float:
+def stops_again(drive: DriveParameters) -> float:
     """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
 
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −.

@@ -17,14 +17,14 @@ from typing import Any
 import mpmath
 
 from lsvib.drives.linear_parts import LinearParts, Polynomial
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
 
 DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
 
 
-def polynomial(kind: type[RigidParameters], values: Mapping[str, Fraction], law: int, tan_lead: Fraction) -> Polynomial:
+def polynomial(kind: type[DriveParameters], values: Mapping[str, Fraction], law: int, tan_lead: Fraction) -> Polynomial:
     """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
 
     Arguments: class of the drive; its parameters as rationals; law s = ±1; tan λ as a rational.
@@ -32,12 +32,12 @@ def polynomial(kind: type[RigidParameters], values: Mapping[str, Fraction], law:
     return find_model(kind.model).characteristic(values, LinearParts.of(values, law, tan_lead))
 
 
-def rationals(drive: RigidParameters) -> dict[str, Fraction]:
+def rationals(drive: DriveParameters) -> dict[str, Fraction]:
     """Return the parameters of a drive as exact rationals."""
     return {key: Fraction(value) for key, value in drive}
 
 
-def tangents(drive: RigidParameters, digits: int) -> tuple[Fraction, Fraction]:
+def tangents(drive: DriveParameters, digits: int) -> tuple[Fraction, Fraction]:
     """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
     with mpmath.workdps(digits + 10):
         tangent = mpmath.tan(mpmath.mpf(drive.lead_angle))
@@ -46,7 +46,7 @@ def tangents(drive: RigidParameters, digits: int) -> tuple[Fraction, Fraction]:
     return low, high
 
 
-def settled(drive: RigidParameters, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
+def settled(drive: DriveParameters, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
     """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
 
     ``judge`` must depend on signs of polynomials of the coefficients alone, so that enough digits always decide. Raises
@@ -62,7 +62,7 @@ def settled(drive: RigidParameters, law: int, judge: Callable[[Polynomial], Any]
         digits *= 4
 
 
-def scale(drive: RigidParameters, law: int) -> Fraction:
+def scale(drive: DriveParameters, law: int) -> Fraction:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
     parts = LinearParts.of(rationals(drive), law, tangents(drive, DIGITS)[0])
     factor: Fraction = find_model(drive.model).excess(parts)

@@ -5,7 +5,7 @@ from decimal import Decimal, localcontext
 
 from lsvib.drives import friction
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import NoThreshold
 
@@ -51,7 +51,7 @@ def critical_mass(drive: RigidParameters) -> float | None:
     return mass
 
 
-def critical_friction(drive: RigidParameters, screw_mass: float = math.inf) -> float | None:
+def critical_friction(drive: DriveParameters, screw_mass: float = math.inf) -> float | None:
     """Friction coefficient at which Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28).
 
     Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,

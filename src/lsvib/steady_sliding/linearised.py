@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.drives import friction
-from lsvib.drives.parameters import ExactParameters, RigidParameters
+from lsvib.drives.parameters import DriveParameters, ExactParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
-DriveValues = RigidParameters | ExactParameters | Mapping[str, ArrayLike]
+DriveValues = DriveParameters | ExactParameters | Mapping[str, ArrayLike]
 """A drive, the same in 50-digit decimals (``drive.exact()``), or its keys with arrays that broadcast."""
 
 
@@ -59,7 +59,7 @@ class LinearModel:
         return jacobian
 
 
-def steady_law(drive: RigidParameters) -> int:
+def steady_law(drive: DriveParameters) -> int:
     """Law s_0 = sgn(N_0 Ω) of steady sliding, N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω − F_0 sgn Ω (eq. 8.15).
 
     F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
-from lsvib.drives.parameters import RigidParameters, allowed_range, described
+from lsvib.drives.parameters import DriveParameters, allowed_range, described
 from lsvib.drives.registry import find_model
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.numbers import shown
@@ -16,14 +16,14 @@ from lsvib.steady_sliding.threshold_polynomials import Place, places
 from lsvib.steady_sliding.threshold_search import DECADES, changes
 from lsvib.steady_sliding.threshold_solver import Root, Singular, solved
 
-_FORCES: dict[str, Callable[[RigidParameters], Start]] = {
+_FORCES: dict[str, Callable[[Any], Start]] = {
     "stick": thresholds.stick_start,
     "detach": thresholds.detach_start,
     "global_stability": thresholds.global_stability_start,
     "fold": sprag_thresholds.fold_start,
     "cycle_birth": sprag_thresholds.cycle_birth_start,
 }
-"""Thresholds that are forces in closed form, for drives mirrored to Ω > 0."""
+"""Thresholds that are forces in closed form, for rigid drives mirrored to Ω > 0; no other model has one of the name."""
 _POLYNOMIALS = ("onset", "kinematic", "negative_damping", "flutter")  # where one of the parameters vanishes
 _USUAL = {"kinematic": "mass", "negative_damping": "support_damping", "flutter": "mass", "rest_loss": "support_damping"}
 
@@ -33,7 +33,7 @@ def names(model: str) -> tuple[str, ...]:
     return find_model(model).thresholds
 
 
-def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = None) -> SolvedThreshold:
+def solve_threshold(drive: DriveParameters, name: str, unknown: str | None = None) -> SolvedThreshold:
     """Solve a threshold of a drive for one of its parameters, all others held.
 
     Arguments: drive of any model; name of a threshold (:func:`names`); name of the parameter, by default
@@ -66,7 +66,7 @@ def solve_threshold(drive: RigidParameters, name: str, unknown: str | None = Non
     return _by_search(drive, name, key)
 
 
-def _by_polynomials(drive: RigidParameters, name: str, unknown: str) -> SolvedThreshold:
+def _by_polynomials(drive: DriveParameters, name: str, unknown: str) -> SolvedThreshold:
     found = places(drive, name, unknown)
     if found is None:
         raise NoThreshold(f"the threshold {name} of model {drive.model} does not depend on {unknown}.")
@@ -79,7 +79,7 @@ def _by_polynomials(drive: RigidParameters, name: str, unknown: str) -> SolvedTh
     return _result(drive, name, unknown, [_at_place(drive, name, unknown, place) for place in found], how)
 
 
-def _at_place(drive: RigidParameters, name: str, unknown: str, place: Place) -> ThresholdSolution:
+def _at_place(drive: DriveParameters, name: str, unknown: str, place: Place) -> ThresholdSolution:
     condition = place.condition
     try:
         root = solved(drive, unknown, condition.equations(type(drive), place.sense), place.value)
@@ -91,7 +91,7 @@ def _at_place(drive: RigidParameters, name: str, unknown: str, place: Place) -> 
     return _solution(drive, unknown, root, condition.words)
 
 
-def _by_search(drive: RigidParameters, name: str, unknown: str) -> SolvedThreshold:
+def _by_search(drive: DriveParameters, name: str, unknown: str) -> SolvedThreshold:
     found = []
     for value in changes(drive, unknown, lambda near: float(_start(name, near)[0])):
         near = drive.replace(**{unknown: value})
@@ -106,7 +106,7 @@ def _by_search(drive: RigidParameters, name: str, unknown: str) -> SolvedThresho
     return _result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.")
 
 
-def _why_not(name: str, drive: RigidParameters) -> str:
+def _why_not(name: str, drive: DriveParameters) -> str:
     """Why the drive itself has no such threshold, as the end of a sentence; nothing if it has one."""
     try:
         _start(name, drive)
@@ -115,7 +115,7 @@ def _why_not(name: str, drive: RigidParameters) -> str:
     return ""
 
 
-def _start(name: str, drive: RigidParameters) -> tuple[Any, Start]:
+def _start(name: str, drive: Any) -> tuple[Any, Start]:
     """What is left of a threshold's equation at a drive, and where Newton's method starts."""
     if name == "rest_loss":
         return sprag_thresholds.rest_left(drive)
@@ -123,13 +123,13 @@ def _start(name: str, drive: RigidParameters) -> tuple[Any, Start]:
     return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
 
 
-def _newton(drive: RigidParameters, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
+def _newton(drive: DriveParameters, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
     equations = threshold_motions.equations(start.system, 1 if drive.input_speed > 0 else -1)
     root = solved(drive, unknown, equations, guess, start.times)
     return _solution(drive, unknown, root, threshold_motions.words(start.system))
 
 
-def _solution(drive: RigidParameters, unknown: str, root: Root, words: str) -> ThresholdSolution:
+def _solution(drive: DriveParameters, unknown: str, root: Root, words: str) -> ThresholdSolution:
     unit = described(type(drive), unknown)["unit"]
     return ThresholdSolution(
         value=root.value,
@@ -149,7 +149,7 @@ def _ratio(unit: str, by: str) -> str:
 
 
 def _result(
-    drive: RigidParameters, name: str, unknown: str, found: Iterable[ThresholdSolution], how: str
+    drive: DriveParameters, name: str, unknown: str, found: Iterable[ThresholdSolution], how: str
 ) -> SolvedThreshold:
     ordered = tuple(sorted(found, key=lambda solution: solution.value))
     return SolvedThreshold(

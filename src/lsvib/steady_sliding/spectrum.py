@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 
 from lsvib.drives.coefficients import Coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, settled
@@ -45,7 +45,7 @@ def rigid_spectrum(drive: RigidParameters, c: Coefficients) -> tuple[Stability, 
     return kind, _rounded((z.real, z.imag) for z in _roots(exact))
 
 
-def spectrum(drive: RigidParameters, law: int) -> tuple[str, list[complex], Polynomial]:
+def spectrum(drive: DriveParameters, law: int) -> tuple[str, list[complex], Polynomial]:
     """Class, four eigenvalues [1/s] in ascending real part, and characteristic polynomial of a drive of two bodies.
 
     The class is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis, simple ones

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import RigidParameters, model_of, parameters_of
+from lsvib.drives.parameters import DriveParameters, model_of, parameters_of
 from lsvib.drives.registry import find_model
 from lsvib.steady_sliding import stability_of_models
 from lsvib.steady_sliding.characteristic import scale
@@ -13,7 +13,7 @@ from lsvib.steady_sliding.spectrum import spectrum
 from lsvib.steady_sliding.stability_of_models import condition
 
 
-def stability_table(changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
+def stability_table(changes: DriveParameters | Mapping[str, Any] | None = None, model: str = "rigid") -> dict[str, Any]:
     """Linear stability of steady sliding of a drive: one given as such, or the default one of a model with ``changes``.
 
     A drive is of its own ``model``. Returns ``stable`` (asymptotically), ``class``, ``eigenvalues`` [1/s] in ascending
@@ -39,7 +39,7 @@ def stability_table(changes: RigidParameters | Mapping[str, Any] | None = None, 
     return table
 
 
-def _by_eigenvalues(drive: RigidParameters) -> dict[str, Any]:
+def _by_eigenvalues(drive: DriveParameters) -> dict[str, Any]:
     law = steady_law(drive)
     kind, values, exact = spectrum(drive, law)
     factor = scale(drive, law)

@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import Any
 
 from lsvib.drives.linear_parts import LinearParts
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
@@ -37,9 +37,9 @@ class RootCondition:
     """``of(kind, values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
 
     words: str
-    of: Callable[[type[RigidParameters], ParameterValues, Any, int], Any]
+    of: Callable[[type[DriveParameters], ParameterValues, Any, int], Any]
 
-    def equations(self, kind: type[RigidParameters], sense: int) -> Equations:
+    def equations(self, kind: type[DriveParameters], sense: int) -> Equations:
         """Return the same equation for numbers with derivatives."""
         return lambda values, inner: [self.of(kind, values, tangent(values["lead_angle"]), sense)]
 
@@ -53,7 +53,7 @@ class Place:
     sense: int
 
 
-def _leading(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
+def _leading(kind: type[DriveParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     model = find_model(kind.model)
     return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t))[0]
 
@@ -65,11 +65,11 @@ _FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
 
-def _damping(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
+def _damping(kind: type[DriveParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     return polynomial(kind, values, 1, t)[1]
 
 
-def _net_force(kind: type[RigidParameters], values: ParameterValues, t: Any, sense: int) -> Any:
+def _net_force(kind: type[DriveParameters], values: ParameterValues, t: Any, sense: int) -> Any:
     drag = values["pitch_radius"] * t * values["translation_damping"] * values["input_speed"]
     slide = values["slide_friction"] * sense if "slide_friction" in values else 0
     return values["axial_force"] - drag - slide
@@ -81,7 +81,7 @@ def _margin(law: int, neutral: bool, which: int, words: str) -> RootCondition:
     )
 
 
-def conditions(drive: RigidParameters, name: str, unknown: str) -> list[RootCondition]:
+def conditions(drive: DriveParameters, name: str, unknown: str) -> list[RootCondition]:
     """Return the conditions one of which holds at a threshold, by its name."""
     model, neutral = find_model(drive.model), undamped(drive, unknown)
     kinematic = RootCondition(model.constraint, _leading)
@@ -105,7 +105,7 @@ def conditions(drive: RigidParameters, name: str, unknown: str) -> list[RootCond
 class Line:
     """The values that one parameter of a drive may take, on one side of zero, all others held."""
 
-    def __init__(self, drive: RigidParameters, unknown: str, side: int) -> None:
+    def __init__(self, drive: DriveParameters, unknown: str, side: int) -> None:
         self.drive, self.unknown, self.side = drive, unknown, side
         self.drive_class = type(drive)
         self.fixed = rationals(drive)
@@ -159,7 +159,7 @@ class Line:
         return math.atan(x) if self.unknown == "lead_angle" else self.side * x
 
 
-def places(drive: RigidParameters, name: str, unknown: str) -> list[Place] | None:
+def places(drive: DriveParameters, name: str, unknown: str) -> list[Place] | None:
     """Return all places, in ascending order, at which a threshold lies; None if the unknown is in no equation."""
     wanted = conditions(drive, name, unknown)
     lowest = drive.model_json_schema()["properties"][unknown]
@@ -210,7 +210,7 @@ def _changes(unknown: str, roots: list[tuple[Line, Any]]) -> list[Place]:
     return found
 
 
-def allowed(drive: RigidParameters, unknown: str, value: float | Fraction) -> bool:
+def allowed(drive: DriveParameters, unknown: str, value: float | Fraction) -> bool:
     """Whether the drive may have this value of a parameter."""
     try:
         drive.replace(**{unknown: float(value)})

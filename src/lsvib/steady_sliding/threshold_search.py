@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any
 
 from lsvib.cycles.forward_slip import bracketed_root
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.steady_sliding.threshold_polynomials import allowed, places
 
@@ -27,11 +27,11 @@ _CLOSE = 1e-11  # relative, of a root: Newton's method goes on from there
 
 Sample = tuple[float, float | None]
 """A value of the parameter and the gap there, None where there is none."""
-Gap = Callable[[RigidParameters], float]
+Gap = Callable[[DriveParameters], float]
 """A function that vanishes at a threshold; raises ``InputError`` or ``EngineError`` for a drive that has none."""
 
 
-def changes(drive: RigidParameters, unknown: str, gap: Gap) -> Iterator[float]:
+def changes(drive: DriveParameters, unknown: str, gap: Gap) -> Iterator[float]:
     """Yield the values of a parameter, in ascending order, at which the sign of a gap changes, each to 1e-11 of it.
 
     A jump through zero is among them.
@@ -75,7 +75,7 @@ def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) ->
     return inside
 
 
-def samples(drive: RigidParameters, unknown: str) -> list[float]:
+def samples(drive: DriveParameters, unknown: str) -> list[float]:
     """Return the values of a parameter at which the gap is looked at, in ascending order, all of them allowed."""
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
     sizes = [middle * 10.0 ** (k / _EACH) for k in range(-DECADES * _EACH, DECADES * _EACH + 1)]
@@ -88,7 +88,7 @@ def samples(drive: RigidParameters, unknown: str) -> list[float]:
     return sorted(value for value in values if allowed(drive, unknown, value))
 
 
-def _natural(drive: RigidParameters, unknown: str) -> float:
+def _natural(drive: DriveParameters, unknown: str) -> float:
     """A size of a parameter that may be zero, from the others, in its SI unit."""
     rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
     # m; a thread that hardly rises has one below doubles, and sizes beyond them, which are not allowed

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.exact.duals import Dual, many, number, variables
 
 Equations = Callable[[Mapping[str, Dual], Sequence[Dual]], Sequence[Dual]]
@@ -47,7 +47,7 @@ class Root:
     derivatives: Mapping[str, float]
 
 
-def solved(drive: RigidParameters, unknown: str, equations: Equations, guess: Any, inner: Sequence[Any] = ()) -> Root:
+def solved(drive: DriveParameters, unknown: str, equations: Equations, guess: Any, inner: Sequence[Any] = ()) -> Root:
     """Solve the equations of a threshold for a parameter of a drive.
 
     Arguments: drive; name of the unknown; equations; a ``guess`` of the unknown and of the ``inner`` unknowns, each

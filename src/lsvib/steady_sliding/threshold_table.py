@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import RigidParameters, model_of, parameters_of
+from lsvib.drives.parameters import DriveParameters, model_of, parameters_of
 from lsvib.drives.registry import find_model
 from lsvib.steady_sliding import thresholds_of_models
 from lsvib.steady_sliding.boundaries import model_thresholds
 
 
 def threshold_table(
-    changes: RigidParameters | Mapping[str, Any] | None = None, model: str = "rigid"
+    changes: DriveParameters | Mapping[str, Any] | None = None, model: str = "rigid"
 ) -> dict[str, dict[str, Any]]:
     """Compute the chapter's thresholds, each for the chapter's own drive with ``changes`` to its parameters.
 
@@ -25,7 +25,7 @@ def threshold_table(
     ``reason`` if there is no such threshold (value None), and for forces the ``statement`` that they divide, for Ω > 0.
     Raises ``InputError`` for unacceptable parameters.
     """
-    itself = isinstance(changes, RigidParameters)
+    itself = isinstance(changes, DriveParameters)
     model, changes = model_of(changes, model), parameters_of(changes)
     kind, thresholds = find_model(model).drive, of_model(thresholds_of_models, model, "thresholds", None)
     if thresholds is None:

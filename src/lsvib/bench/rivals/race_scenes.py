@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.parameters import DriveParameters, RigidParameters, ThreadsParameters
 from lsvib.drives.registry import Model, find_model
 from lsvib.drives.threads import seated_state
 from lsvib.engine.automaton import Automaton
@@ -29,7 +29,7 @@ class RaceScene:
 
     name: str
     title: str
-    drive: RigidParameters
+    drive: DriveParameters
     state: tuple[float, ...]
     duration: float
     step_cap: float
@@ -72,7 +72,7 @@ def _scenes() -> dict[str, RaceScene]:
     critical = light.replace(mass=critical_mass(light) * (1 - _GAMMA))
 
     def rigid(
-        name: str, title: str, drive: RigidParameters, start: tuple[float, float], duration: float = 0.5
+        name: str, title: str, drive: DriveParameters, start: tuple[float, float], duration: float = 0.5
     ) -> RaceScene:
         return RaceScene(name, title, drive, start, duration, 2e-4)
 

@@ -30,7 +30,7 @@ from lsvib.bench.sweeps.paths import (
     stepper_path,
     without_clusters,
 )
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
 
@@ -91,7 +91,7 @@ class CaseOutcome:
     path: Record | None = field(default=None, repr=False)
 
 
-Truth = Callable[[Case, RigidParameters, tuple[float, ...]], Record | None]
+Truth = Callable[[Case, DriveParameters, tuple[float, ...]], Record | None]
 
 
 def judge(
@@ -256,7 +256,7 @@ def _places(case: Case, rng: np.random.Generator) -> np.ndarray:
     return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
 
 
-def _moved(case: Case, places: np.ndarray) -> tuple[RigidParameters, tuple[float, ...]]:
+def _moved(case: Case, places: np.ndarray) -> tuple[DriveParameters, tuple[float, ...]]:
     parts = iter((1 + places * _EPS).tolist())
     values = {key: value * next(parts) for key, value in case.drive}
     # On θ′ = 0 to the last digit it has to stay: a motion that starts there is one that has just stopped.

@@ -29,7 +29,7 @@ import numpy as np
 
 from lsvib.bench.sweeps.energy_quadrature import Terms, rates, residual
 from lsvib.drives.friction import friction_factor
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import DriveParameters, NutParameters, SupportParameters, ThreadsParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion
 
@@ -46,7 +46,7 @@ class Balance(NamedTuple):
 
 
 def balance(
-    motion: Motion, drive: RigidParameters, physics: tuple[str, ...] = (), known: Terms | None = None
+    motion: Motion, drive: DriveParameters, physics: tuple[str, ...] = (), known: Terms | None = None
 ) -> Balance:
     """Balance the energy of a motion over its whole duration; ``physics`` has the words of frictions that are there.
 
@@ -55,7 +55,7 @@ def balance(
     return Balance(*residual(motion, known or terms(motion.automaton, drive, physics)))
 
 
-def terms(automaton: Automaton, drive: RigidParameters, physics: tuple[str, ...] = ()) -> Terms:
+def terms(automaton: Automaton, drive: DriveParameters, physics: tuple[str, ...] = ()) -> Terms:
     """Energy and powers of a drive as products of affine functions of the state (see the module's docstring)."""
     seen, n = automaton.observables, len(automaton.states)
     unit, d = np.eye(n + 1), drive
@@ -110,7 +110,7 @@ def terms(automaton: Automaton, drive: RigidParameters, physics: tuple[str, ...]
     )
 
 
-def _steady(drive: RigidParameters, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
+def _steady(drive: DriveParameters, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
     """Axial force [N] that the threads carry in steady sliding, and its law."""
     turning = 1 if drive.input_speed > 0 else -1
     force = drive.axial_force - reach * drive.translation_damping * drive.input_speed

@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 
 MOST_TURNS = 6.0  # of the fastest oscillation of four states: bounds the work of the references
 
@@ -65,7 +65,7 @@ class Case(NamedTuple):
     family: CaseFamily
     group: CaseGroup
     level: float
-    drive: RigidParameters
+    drive: DriveParameters
     start: tuple[float, ...]
     duration: float
     physics: tuple[str, ...] = ()

@@ -15,7 +15,7 @@ from lsvib.bench.reference import two_bodies_digits
 from lsvib.bench.reference.two_bodies_laws import TwoBodiesTrueDrive as TwoBodies
 from lsvib.bench.sweeps import taylor
 from lsvib.bench.sweeps.families import Case
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
@@ -87,7 +87,7 @@ def stepper_path(case: Case, size: np.ndarray) -> Record | None:
 
 
 @lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
-def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> Record | None:
+def exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
         with suppress(ArithmeticError, AssertionError), mp.workdps(digits):  # to sample the arcs, too
@@ -95,7 +95,7 @@ def exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...]) -> 
     return None
 
 
-def _exact_path(case: Case, drive: RigidParameters, start: tuple[float, ...], digits: int) -> Record:
+def _exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...], digits: int) -> Record:
     if drive.model == "threads":
         result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
@@ -134,7 +134,7 @@ def mode_name(mode: tuple, model: str) -> str:
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
-def _least(drive: RigidParameters, physics: tuple[str, ...]) -> np.ndarray:
+def _least(drive: DriveParameters, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
     steady = TwoBodies(drive.model, dict(drive), physics)
     speed = abs(drive.input_speed)

@@ -4,14 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.drives.second_body.modes_and_guards import automaton_of
 from lsvib.drives.second_body.two_bodies import TwoBodies
 from lsvib.engine.automaton import Automaton
 
 
-def two_body_model(kind: type[TwoBodies], drive: type[RigidParameters], **own: Any) -> Model:
+def two_body_model(kind: type[TwoBodies], drive: type[DriveParameters], **own: Any) -> Model:
     """Return the ``MODEL`` of the drives of a class; ``own``: its fields that no other model shares.
 
     The coordinate and the rate of the second body are 0 if a start leaves them out.

@@ -11,7 +11,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters, described
+from lsvib.drives.parameters import DriveParameters, ThreadsParameters, described
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 
@@ -112,7 +112,7 @@ Unique = (AfterValidator(_unique), Field(json_schema_extra={"uniqueItems": True}
 NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
 
 
-def parameter(key: str, *more: Any, of: type[RigidParameters] = RigidParameters) -> Any:
+def parameter(key: str, *more: Any, of: type[DriveParameters] = DriveParameters) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
     bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
     more = (*more, *NotZero) if key == "input_speed" else more
@@ -121,7 +121,7 @@ def parameter(key: str, *more: Any, of: type[RigidParameters] = RigidParameters)
     return Annotated[float, *bounds, *more, Field(description=description)]
 
 
-def _changes(name: str, description: str, of: type[RigidParameters]) -> type[SettingsSection]:
+def _changes(name: str, description: str, of: type[DriveParameters]) -> type[SettingsSection]:
     types = {key: parameter(key, of=of) for key in of.model_fields}
     angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Gt, Lt))]
     degrees = [Gt(math.degrees(b.gt)) if isinstance(b, Gt) else Lt(math.degrees(b.lt)) for b in angle]
@@ -131,7 +131,7 @@ def _changes(name: str, description: str, of: type[RigidParameters]) -> type[Set
 
 
 DriveChanges = _changes(
-    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", RigidParameters
+    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", DriveParameters
 )
 
 

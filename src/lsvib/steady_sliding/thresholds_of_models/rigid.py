@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters, SupportParameters
+from lsvib.drives.parameters import DriveParameters, RigidParameters, SupportParameters
 from lsvib.errors import NoThreshold
 from lsvib.steady_sliding import thresholds as forces
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
@@ -87,7 +87,7 @@ def _entry(
     return entry
 
 
-def _value_or_reason(name: str, drive: RigidParameters) -> tuple[float | None, str | None]:
+def _value_or_reason(name: str, drive: DriveParameters) -> tuple[float | None, str | None]:
     """A threshold, or None and why there is none."""
     try:
         value = _COMPUTE[name](drive)
