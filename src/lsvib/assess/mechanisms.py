@@ -25,7 +25,7 @@ from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
 from lsvib.drives import friction
-from lsvib.drives.parameters import DriveParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.steady_sliding.characteristic import polynomial
 from lsvib.steady_sliding.conditions import conditions
 from lsvib.steady_sliding.linearised import steady_law, support_model, threads_model
@@ -34,7 +34,7 @@ from lsvib.steady_sliding.spectrum import spectrum
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
 
-DRIVES = {"rigid": DriveParameters, "support": SupportParameters, "contact": ThreadsParameters}
+DRIVES = {"rigid": RigidParameters, "support": SupportParameters, "contact": ThreadsParameters}
 """The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
 _MATRICES = {"support": support_model, "contact": threads_model}
