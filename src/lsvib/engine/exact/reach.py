@@ -7,7 +7,10 @@ of them if they do not, the state is Π_k (x, 1). So the size that a coordinate 
 
     x* = max( x, |Π_k| (x, 1) ),      over all k for which this state is reached before the horizon.
 
-Rates next to each other (``_GAP``) and rates slower than the horizon cannot be separated in this way.
+Rates next to each other (``_GAP``) and rates slower than the horizon cannot be separated in this way. But a group of
+such rates, of which the fastest is ω, turns the state within its own subspace by about a radian in a time 1/ω: with the
+projector Π on the group and the field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large
+rate of the nut is given as typical makes of its angle counts as typical, too.
 """
 
 from dataclasses import replace
@@ -28,23 +31,27 @@ def reached(field: Field, horizon: float) -> Field:
     with mpmath.workdps(_DIGITS):
         matrix, push, sizes = field.reduced()
         most = [mpmath.mpf(1)] * len(sizes)
-        for projector in _slow_projectors(homogeneous(matrix, push, sizes), horizon):
-            most = [max(known, sum(map(abs, projector[i, :]))) for i, known in enumerate(most)]
+        for state in _reached_states(homogeneous(matrix, push, sizes), horizon):
+            most = [max(known, sum(map(abs, state[i, :]))) for i, known in enumerate(most)]
         wider = field.sizes.copy()
         for i, place in enumerate(field.alive):
             wider[place] *= float(most[i])
     return replace(field, sizes=wider)
 
 
-def _slow_projectors(matrix, horizon: float):
-    """Yield the projectors on the slowest rates, for each gap in the rates that shows before the horizon [s]."""
+def _reached_states(matrix, horizon: float):
+    """Yield matrices that make of a start the states that it reaches before the horizon [s], by gaps in the rates."""
     rates = sorted([*mpmath.eig(matrix[:-1, :-1], left=False, right=False), mpmath.mpf(0)], key=abs)
     least = max(1 / mpmath.mpf(horizon), _SAME * mpmath.mnorm(matrix, mpmath.inf))
-    for k in range(1, len(rates)):
-        slow, fast = rates[:k], rates[k:]
-        if abs(fast[0]) > max(_GAP * abs(slow[-1]), least):
-            try:
-                block = block_of(matrix, slow, fast)
-            except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
-                continue
-            yield block.out * block.into
+    gaps = [k for k in range(1, len(rates)) if abs(rates[k]) > max(_GAP * abs(rates[k - 1]), least)]
+    for first, last in zip([0, *gaps], [*gaps, len(rates)], strict=True):
+        slow, group, fast = rates[:first], rates[first:last], rates[last:]
+        try:
+            if fast:
+                block = block_of(matrix, slow + group, fast)
+                yield block.out * block.into
+            if abs(group[-1]) > least:
+                block = block_of(matrix, group, slow + fast)
+                yield block.out * block.matrix * block.into / abs(group[-1])
+        except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
+            continue
