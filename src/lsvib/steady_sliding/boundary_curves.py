@@ -11,6 +11,8 @@ Rigid drive (:mod:`lsvib.steady_sliding.thresholds` proves what each one divides
   cycle, and if not, whatever rests ends in steady sliding.
 
 Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
+Where the contact carries no force, the law is that of the slightest force against the motion; a plane without any force
+has no such curve.
 """
 
 import math
@@ -35,7 +37,7 @@ from lsvib.engine.automaton import Automaton, one_of_many
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
-from lsvib.errors import NoThreshold
+from lsvib.errors import InputError, NoThreshold
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
 from lsvib.steady_sliding.contours import contour
@@ -88,6 +90,8 @@ def boundary_curves(
     """
     names, found = (x[0], y[0]), {}
     for kind in kinds or curves_of(drive):
+        if kind is ChartBoundary.FLUTTER and not _carries_force(drive, x, y):
+            continue
         costly = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, _COSTLY_NODES if costly else _NODES, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
@@ -193,12 +197,27 @@ def _function(drive: DriveParameters, kind: ChartBoundary, names: tuple[str, str
         if kind is ChartBoundary.STICK_SLIP_BIRTH:
             return stops_again(changed)
         if kind is ChartBoundary.FLUTTER:
-            exact = polynomial(type(changed), rationals(changed), steady_law(changed), tangents(changed, DIGITS)[0])
+            law = _law_or_none(changed) or 1
+            exact = polynomial(type(changed), rationals(changed), law, tangents(changed, DIGITS)[0])
             return float(min((*exact[:4], hurwitz(exact))))
         sign = math.copysign(1.0, changed.input_speed) if kind is ChartBoundary.ONSET else 1.0
         return sign * _EXACT[kind](coefficients(changed))
 
     return function
+
+
+def _law_or_none(drive: DriveParameters) -> int | None:
+    """The law of steady sliding, None where the contact carries no force."""
+    try:
+        return steady_law(drive)
+    except InputError:
+        return None
+
+
+def _carries_force(drive: DriveParameters, x: AxisSpan, y: AxisSpan) -> bool:
+    """Whether the contact carries a force somewhere in a window; R̃ is linear in each parameter that it depends on."""
+    places = ({x[0]: first, y[0]: second} for first in x[1] for second in y[1])
+    return any(_law_or_none(drive.replace(**place)) is not None for place in places)
 
 
 def _kept(force: Callable[[DriveParameters], float]) -> Callable[[DriveParameters], float]:
