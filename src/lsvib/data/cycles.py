@@ -16,7 +16,7 @@ from lsvib.cycles.search import Seed, search, starts
 from lsvib.data import cycles_of_models
 from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import DriveParameters, described
+from lsvib.drives.parameters import DriveParameters, described, zero_if_close
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
@@ -97,7 +97,7 @@ def followed(
         drive.replace(**{parameter: end})
 
     def made(value: float) -> tuple[DriveParameters, Automaton]:
-        there = drive.replace(**{parameter: value})
+        there = drive.replace(**{parameter: zero_if_close(kind, parameter, value)})
         return there, build(there)
 
     return follow_cycle(cycle, made, parameter, (low, high), most)
