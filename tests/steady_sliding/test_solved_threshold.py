@@ -114,7 +114,11 @@ def test_both_sides_of_the_loss_of_rest():
         (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of model rigid: "),
         (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
         (NEGATIVE, ("kinematic", "axial_force"), "the threshold kinematic of model rigid does not depend on"),
-        (NEGATIVE, ("kinematic", "lead_angle"), "no lead_angle in the allowed range 0 < lead_angle < 1.5708 is the"),
+        (
+            NEGATIVE,
+            ("kinematic", "lead_angle"),
+            "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
+        ),
         (NEGATIVE, ("fold",), "the drive is not in the Painleve region"),
         (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of model rigid"),
         (PARADOX.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
