@@ -26,11 +26,11 @@ REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force
 @pytest.mark.parametrize(
     ("values", "count"),
     [
-        ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-300, "axial_force": 1e12}, None),
-        ({"support_damping": 5e-324, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-300}, 1),
-        ({"coupling_stiffness": 1e-300, "input_speed": 1e-300, "axial_force": 1e-12, "mass": 4e-3}, None),
+        ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-12, "axial_force": 1e12}, None),
+        ({"support_damping": 1e-30, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-18}, 1),
+        ({"coupling_stiffness": 1e-21, "input_speed": 1e-12, "axial_force": 1e-12, "mass": 4e-3}, None),
         (
-            {"screw_inertia": 1e-300, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-300},
+            {"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12},
             None,
         ),
     ],

@@ -8,7 +8,6 @@ What lies between two samples without a change of sign, or beyond the twelve dec
 """
 
 import math
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import pairwise
@@ -92,8 +91,7 @@ def samples(drive: DriveParameters, unknown: str) -> list[float]:
 def _natural(drive: DriveParameters, unknown: str) -> float:
     """A size of a parameter that may be zero, from the others, in its SI unit."""
     rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
-    # m; a thread that hardly rises has one below doubles, and sizes beyond them, which are not allowed
-    lever = max(drive.pitch_radius * math.tan(drive.lead_angle), sys.float_info.min)
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
     sizes: dict[str, Any] = {
         "support_damping": drive.screw_inertia * rate,
         "translation_damping": drive.screw_inertia * rate / lever / lever,
