@@ -89,7 +89,8 @@ def judge_thresholds(model: str, drive: RigidParameters, law: int, random: np.ra
         if ends:  # the boundary itself, to rounding
             end = float(ends[random.integers(len(ends))])
             place = [end, math.nextafter(end, 0), math.nextafter(end, math.inf)][random.integers(3)]
-            judge_stability(model, drive.replace(**{key: place}), law, tally)
+            if zero_if_close(type(drive), key, place) == place:
+                judge_stability(model, drive.replace(**{key: place}), law, tally)
         tally[f"{name} {len(ends)}"] = tally.get(f"{name} {len(ends)}", 0) + 1
 
 
