@@ -41,6 +41,15 @@ def test_values_near_the_ends_of_the_range_of_doubles(values, count):
     assert count is None or len(found.cycles) == count
 
 
+def test_a_rounding_beyond_all_numbers_tells_nothing():
+    """The square of what a derivative lost on its way overflowed, and so ended in a warning."""
+    drive = lsvib.NutDrive(
+        coupling_stiffness=0.005240167794227031, mass=7065.260294182241, nut_inertia=1.9182556659413114e-06,
+        friction_coefficient=0.27323027649478554, input_speed=-40, axial_force=1e-18,
+    )  # fmt: skip
+    assert not drive.cycles().cycles
+
+
 def by_differences(drive, x):
     """Derivative of the map from θ′ = 0 at u = x to the next seizure, by central differences with 40 digits."""
     step, ends = mpf(10) ** -12, []

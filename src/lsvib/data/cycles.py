@@ -36,10 +36,16 @@ class Cycles:
     searched: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names."""
+        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names.
+
+        The period of a family is None where its oscillations have several frequencies, and so none.
+        """
         return {
             "cycles": [cycle.to_json() for cycle in self.cycles],
-            "neutral_families": [{"period": family.period, "state": family.state.tolist()} for family in self.families],
+            "neutral_families": [
+                {"period": family.period if family.orbit else None, "state": family.state.tolist()}
+                for family in self.families
+            ],
             "proved": self.proved,
             "searched": self.searched,
         }
