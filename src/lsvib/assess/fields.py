@@ -10,7 +10,7 @@ from pydantic import BeforeValidator
 from lsvib.assess.spread import Spread, spread
 from lsvib.assess.thread_sizes import ThreadSize, thread_size
 from lsvib.assess.units import NotQuantity, quantity
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.parameters import DriveParameters, ThreadsParameters
 
 _READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one
 
@@ -43,7 +43,7 @@ def _positive(high: float) -> Allowed:
     return Allowed(0.0, high, open_low=True)
 
 
-def _from_least(key: str, high: float, kind: type[RigidParameters] = RigidParameters) -> Allowed:
+def _from_least(key: str, high: float, kind: type[DriveParameters] = DriveParameters) -> Allowed:
     """From the least value of a parameter of the package."""
     return Allowed(kind.model_json_schema()["properties"][key]["minimum"], high)
 
