@@ -225,6 +225,13 @@ def test_regions_between_the_computed_cells_are_found_by_the_sample():
     assert painted.asked < 0.1 * picture.size
 
 
+def test_no_cell_is_computed_twice_for_the_sample():
+    """A map of 36 cells was computed some hundred times over: a minute, where motions have very many events."""
+    painted = Painted(np.zeros((6, 7)))
+    refine(painted, Grid.parse(["u=-1:1:7", "w=-1:1:6"]))
+    assert painted.asked == 42
+
+
 def test_a_region_that_neither_blocks_nor_sample_hit_is_missed():
     """What the documentation says of refined maps: a single cell among two million."""
     picture = np.zeros((1030, 2051), dtype=np.int8)

@@ -359,11 +359,3 @@ def test_boundary_that_doubles_do_not_hold_is_refused():
 def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):
     with pytest.raises(InputError, match=words):
         basin(RigidParameters.of(changes))
-
-
-def test_a_contact_force_that_depends_on_no_state():
-    """m r_m tan λ underflows beside R̃, so that Q = 0 is nowhere: once a division by zero."""
-    drive = RigidParameters.of(
-        mass=1e-300, lead_angle=1e-300, coupling_stiffness=1e-300, support_damping=1e-4, translation_damping=1e15
-    )
-    assert basin(drive).boundary is Boundary.NONE

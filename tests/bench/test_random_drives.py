@@ -116,7 +116,7 @@ def test_distances_from_the_corner_are_squared():
         first = z
 
 
-@pytest.mark.parametrize("force", [1e-300, -1e-20, 1e-15])
+@pytest.mark.parametrize("force", [1e-18, -1e-17, 1e-15])
 def test_a_band_narrower_than_rounding_is_a_corner(force):
     """With R below rounding the end of the band is one place with Q = 0, and motions leave it as without R."""
     wide = wide_drive("rigid", 9601, 27130, 32)

@@ -5,21 +5,29 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from lsvib.drives.parameters import RigidParameters
+from lsvib.drives.parameters import (
+    NutParameters,
+    RigidParameters,
+    SupportParameters,
+    ThreadsParameters,
+    allowed_range,
+    may_vanish,
+    zero_if_close,
+)
 from lsvib.drives.scene import Scene, read_yaml
 from lsvib.errors import InputError
 
 BOUNDS = {
     "pitch_radius": (0.9e-6, 1.1, "1e-06 <= pitch_radius <= 1"),
-    "lead_angle": (0.0, math.pi / 2, "0 < lead_angle < 1.5708"),
-    "screw_inertia": (0.0, 1.1e6, "0 < screw_inertia <= 1e+06"),
-    "coupling_stiffness": (0.0, 1.1e15, "0 < coupling_stiffness <= 1e+15"),
-    "support_damping": (-1e-9, 1.1e15, "0 <= support_damping <= 1e+15"),
-    "friction_coefficient": (-0.1, 10.3, "0 <= friction_coefficient < cot(lead_angle)"),
-    "input_speed": (-1.1e9, 1.1e9, "-1e+09 <= input_speed <= 1e+09"),
-    "mass": (0.0, 1.1e9, "0 < mass <= 1e+09"),
-    "translation_damping": (-1.0, 1.1e15, "0 <= translation_damping <= 1e+15"),
-    "axial_force": (-1.1e12, 1.1e12, "-1e+12 <= axial_force <= 1e+12"),
+    "lead_angle": (0.0, math.pi / 2, "1e-06 <= lead_angle < 1.5708"),
+    "screw_inertia": (0.0, 1.1e6, "1e-30 <= screw_inertia <= 1e+06"),
+    "coupling_stiffness": (0.0, 1.1e15, "1e-21 <= coupling_stiffness <= 1e+15"),
+    "support_damping": (-1e-9, 1.1e15, "0 or 1e-30 <= support_damping <= 1e+15"),
+    "friction_coefficient": (-0.1, 10.3, "0 or 1e-09 <= friction_coefficient < cot(lead_angle)"),
+    "input_speed": (-1.1e9, 1.1e9, "1e-12 <= |input_speed| <= 1e+09"),
+    "mass": (0.0, 1.1e9, "1e-18 <= mass <= 1e+09"),
+    "translation_damping": (-1.0, 1.1e15, "0 or 1e-18 <= translation_damping <= 1e+15"),
+    "axial_force": (-1.1e12, 1.1e12, "0 or 1e-18 <= |axial_force| <= 1e+12"),
 }
 SCENE = {"drive": {"mass": 11.0}, "start": {"u": 0.1, "w": 0.0}, "duration": 0.5}
 
@@ -68,6 +76,26 @@ def test_value_that_is_no_number(key, value):
     assert BOUNDS[key][2] in sentence
 
 
+@pytest.mark.parametrize("kind", [RigidParameters, ThreadsParameters, SupportParameters, NutParameters])
+def test_nothing_is_next_to_zero(kind):
+    """The least value of a parameter is accepted, a smaller one is not; what is computed there becomes zero."""
+    for key in kind.model_fields:
+        text = allowed_range(kind, key)
+        least = float(text.removeprefix("0 or ").split(" <= ")[0])
+        for sign in (-1, 1) if "|" in text else (1,):
+            assert getattr(kind.of({key: sign * least}), key) == sign * least
+            assert text in complaint(kind.of, {key: sign * math.nextafter(least, 0)})
+            assert text in complaint(kind.of, {key: sign * 5e-324})
+        if may_vanish(kind, key):
+            assert text.startswith("0 or ")
+            assert getattr(kind.of({key: 0}), key) == 0
+            assert zero_if_close(kind, key, math.nextafter(least, 0)) == 0
+            assert zero_if_close(kind, key, least) == least
+        else:
+            assert text in complaint(kind.of, {key: 0})
+            assert zero_if_close(kind, key, 5e-324) == 5e-324
+
+
 def test_text_that_is_a_number_is_read():
     assert RigidParameters.of(mass="11", axial_force="-1e1") == RigidParameters.of(mass=11.0, axial_force=-10.0)
 
@@ -85,7 +113,7 @@ def test_friction_is_limited_by_the_lead_angle():
 
 
 def test_a_drive_must_turn():
-    assert "input_speed = 0 is outside" in complaint(RigidParameters.of, input_speed=0)
+    assert "input_speed = 0.0 is outside" in complaint(RigidParameters.of, input_speed=0)
 
 
 def test_lead_angle_in_degrees():
@@ -94,11 +122,11 @@ def test_lead_angle_in_degrees():
     assert RigidParameters().replace(lead_angle_deg=4).lead_angle == math.radians(4)
     assert "both given" in complaint(RigidParameters.of, lead_angle=0.1, lead_angle_deg=5.0)
     for value in ("steep", None, True, "nan"):
-        assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 0 < " in complaint(
+        assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 5.72958e-05 <= " in complaint(
             RigidParameters.of, lead_angle_deg=value
         )
     for value in (0, 90):
-        assert f"lead_angle_deg = {value} is outside the allowed range 0 < " in complaint(
+        assert f"lead_angle_deg = {value} is outside the allowed range 5.72958e-05 <= " in complaint(
             RigidParameters.of, lead_angle_deg=value
         )
     assert "outside the allowed range" in complaint(RigidParameters.of, lead_angle_deg=90.0)
@@ -137,7 +165,7 @@ def test_exact_values_are_the_doubles():
         ({"outputs": ["temperature"]}, ["temperature"]),
         ({"physics": ["gravity"]}, ["gravity"]),
         ({"colour": "red"}, ["colour is not a known key", "duration"]),
-        ({"drive": {"mass": -1}}, ["mass = -1", "0 < mass <= 1e+09"]),
+        ({"drive": {"mass": -1}}, ["mass = -1", "1e-18 <= mass <= 1e+09"]),
         ({"drive": {"weight": 1}}, ["weight is not a known key"]),
         ({"drive": 3}, ["drive = 3"]),
         ({"physics": ["rest"]}, ["support_damping = 0.0002", "physics does not list support_damping"]),

@@ -26,7 +26,6 @@ from lsvib.engine.exact.flow_choice import flow_of, linear_mode
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import GRAZE_KIND, Status
 from lsvib.engine.motion import follow
-from lsvib.errors import EngineError
 
 CASES = {
     "seated where a growing rate of 1e16 is": (
@@ -346,30 +345,22 @@ def test_a_coordinate_far_from_its_equilibrium_is_moved_by_its_change(name):
 
 
 @pytest.mark.parametrize(
-    ("model", "values", "refused"),
+    ("model", "values"),
     [
-        ("nut", {"mass": 104.5, "nut_stiffness": 7.77e-4, "pitch_radius": 1.2e-4, "input_speed": 1e-300}, None),
-        ("threads", {"mass": 1e9, "screw_inertia": 877.0, "contact_damping": 6e-3, "input_speed": -1e-300}, None),
-        (
-            "threads",
-            {"mass": 0.0889, "contact_damping": 7.56e-3, "input_speed": -1e-300, "axial_force": 1e12},
-            "120 digits",
-        ),
-        ("threads", {"mass": 2e5, "lead_angle": 1e-300, "friction_coefficient": 9.99e299}, None),
-        ("threads", {"mass": 1e-300, "contact_stiffness": 23.2, "contact_damping": 5e11}, "less far apart"),
-        ("support", {"screw_mass": 1e-300, "support_damping": 1e15, "input_speed": 1e-300}, None),
-        ("threads", {"screw_inertia": 5e-324, "contact_stiffness": 1e15, "mass": 3.2}, "less far apart"),
+        ("nut", {"mass": 104.5, "nut_stiffness": 7.77e-4, "pitch_radius": 1.2e-4, "input_speed": 1e-12}),
+        ("threads", {"mass": 1e9, "screw_inertia": 877.0, "contact_damping": 6e-3, "input_speed": -1e-12}),
+        ("threads", {"mass": 0.0889, "contact_damping": 7.56e-3, "input_speed": -1e-12, "axial_force": 1e12}),
+        ("threads", {"mass": 2e5, "lead_angle": 1e-6, "friction_coefficient": 9.99e5}),
+        ("threads", {"mass": 1e-18, "contact_stiffness": 23.2, "contact_damping": 5e11}),
+        ("support", {"screw_mass": 1e-18, "support_damping": 1e15, "input_speed": 1e-12}),
+        ("threads", {"screw_inertia": 1e-30, "contact_stiffness": 1e15, "mass": 3.2}),
     ],
 )
-def test_rates_hundreds_of_decades_apart_share_a_block_or_are_refused(model, values, refused):
-    """No digit was left of the projector on some of them: once a division by zero."""
+def test_rates_tens_of_decades_apart_share_a_block(model, values):
+    """Next to the ends of the ranges, and beyond them while values were accepted there: once a division by zero."""
     definition = find_model(model)
     drive = definition.drive(**values)
-    if refused:
-        with pytest.raises(EngineError, match=refused):
-            definition.build(drive, definition.physics_of(drive), "contact_sign")
-    else:
-        assert definition.build(drive, definition.physics_of(drive), "contact_sign").condition < 1e4
+    assert definition.build(drive, definition.physics_of(drive), "contact_sign").condition < 1e4
 
 
 def test_steady_sliding_where_doubles_lose_a_row_of_the_field():

@@ -48,7 +48,7 @@ def test_a_link_gives_the_view_back(seed):
 @pytest.mark.parametrize(
     ("query", "said"),
     [
-        ("mass=-1", "mass = -1.0 is outside the allowed range 0 < mass <= 1e+09."),
+        ("mass=-1", "mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09."),
         ("weight=1", "weight is not a known key"),
         ("model=wood", "model = 'wood' is not one of rigid, threads, support, nut."),
         ("u=nan", "u = 'nan' is not a number."),

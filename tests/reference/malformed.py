@@ -306,7 +306,7 @@ SECTIONS = [
     (("drive",), {"weight": 1}, UNKNOWN),
     (("drive",), {"mass": float("nan")}, "finite"),
     (("drive",), {"mass": "11"}, "not a number"),
-    (("drive",), {"input_speed": 0}, "must not be 0"),
+    (("drive",), {"input_speed": 0}, "1e-12 <= |input_speed| <= 1000000000"),
     (("drive",), {"friction_coefficient": 11.0}, "< cot(lead_angle)"),
     (("colour",), "red", UNKNOWN),
 ]
@@ -426,7 +426,7 @@ PYTHON = [
 ARGUMENTS = [
     *((command.split(), word) for command, word in COMMANDS),
     *(
-        (["config", "--set", f"mass={text}"], f"mass = {text!r} is not a number; the allowed range is 0 < ")
+        (["config", "--set", f"mass={text}"], f"mass = {text!r} is not a number; the allowed range is 1e-18 <= ")
         for text in NO_NUMBERS
     ),
     *((["config", "--set", f"{key}={text}"], f"{RANGE} ") for key, texts in OUTSIDE.items() for text in texts),

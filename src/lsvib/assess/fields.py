@@ -10,6 +10,7 @@ from pydantic import BeforeValidator
 from lsvib.assess.spread import Spread, spread
 from lsvib.assess.thread_sizes import ThreadSize, thread_size
 from lsvib.assess.units import NotQuantity, quantity
+from lsvib.drives.parameters import DriveParameters, ThreadsParameters
 
 _READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one
 
@@ -42,19 +43,24 @@ def _positive(high: float) -> Allowed:
     return Allowed(0.0, high, open_low=True)
 
 
+def _from_least(key: str, high: float, kind: type[DriveParameters] = DriveParameters) -> Allowed:
+    """From the least value of a parameter of the package."""
+    return Allowed(kind.model_json_schema()["properties"][key]["minimum"], high)
+
+
 # The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
 Length = _field("m", allowed={"m": _positive(100.0)})
-LeadAngle = _field("rad", allowed={"rad": _positive(math.radians(80))})
+LeadAngle = _field("rad", allowed={"rad": _from_least("lead_angle", math.radians(80))})
 LARGEST_HALF_ANGLE = math.radians(60)
 HalfAngle = _field("rad", allowed={"rad": Allowed(0.0, LARGEST_HALF_ANGLE)})
-Mass = _field("kg", allowed={"kg": _positive(1e9)})
+Mass = _field("kg", allowed={"kg": _from_least("mass", 1e9)})
 Density = _field("kg/m^3", allowed={"kg/m^3": _positive(3e4)})
-Inertia = _field("kg m^2", allowed={"kg m^2": _positive(1e6)})
+Inertia = _field("kg m^2", allowed={"kg m^2": _from_least("screw_inertia", 1e6)})
 MoreInertia = _field("kg m^2", allowed={"kg m^2": Allowed(0.0, 1e6)})
-Torsion = _field("N m/rad", allowed={"N m/rad": _positive(1e12)})
+Torsion = _field("N m/rad", allowed={"N m/rad": _from_least("coupling_stiffness", 1e12)})
 TurningDamping = _field("N m s/rad", allowed={"N m s/rad": Allowed(0.0, 1e12)})
 LinearDamping = _field("N s/m", allowed={"N s/m": Allowed(0.0, 1e15)})
-Stiffness = _field("N/m", allowed={"N/m": _positive(1e15)})
+Stiffness = _field("N/m", allowed={"N/m": _from_least("contact_stiffness", 1e15, ThreadsParameters)})
 Force = _field("N", allowed={"N": Allowed(-1e10, 1e10)})
 Speed = _field("rad/s", "m/s", allowed={"rad/s": _positive(1e6), "m/s": _positive(1e4)})
 Ratio = _field("", allowed={"": _positive(1e4)})

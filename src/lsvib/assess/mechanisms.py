@@ -25,7 +25,7 @@ from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
 from lsvib.drives import friction
-from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
+from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters, zero_if_close
 from lsvib.steady_sliding.characteristic import polynomial
 from lsvib.steady_sliding.conditions import conditions
 from lsvib.steady_sliding.linearised import steady_law, support_model, threads_model
@@ -168,8 +168,9 @@ def drive_of(
 ):
     """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
     parameters = sheets.point(sheet, values, direction, speed, force).parameters
-    own = sheets.own_parameters(values, part)
-    return DRIVES[part](**{key: float(value) for key, value in {**parameters, **own}.items()})
+    given = {**parameters, **sheets.own_parameters(values, part)}
+    kind = DRIVES[part]
+    return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
 
 
 def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:

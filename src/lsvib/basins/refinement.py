@@ -90,9 +90,11 @@ def refine(mapper: PlanarMapper, grid: Grid) -> RefinedMap:
             wanted = _children(grid, level, _mixed(grid, levels, level))
     rng = np.random.default_rng(0)  # one sample for all, so that equal maps are equal files
     row, column = rng.integers(grid.y.count, size=_SAMPLE), rng.integers(grid.x.count, size=_SAMPLE)
+    new = np.setdiff1d(row * grid.x.count + column, levels[0].key)  # each once, and none that is computed already
+    row, column = np.divmod(new, grid.x.count)
     wrong = mapper.labels_at(grid, row, column) != _labels(grid, levels, 0, row, column)
     if wrong.any():
-        _follow(mapper, grid, levels, 0, np.unique(row[wrong] * grid.x.count + column[wrong]))
+        _follow(mapper, grid, levels, 0, new[wrong])
     return RefinedMap(grid, tuple(levels), int(wrong.sum()))
 
 

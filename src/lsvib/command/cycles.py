@@ -91,7 +91,9 @@ def _print_cycles(found: Mapping[str, Any]) -> None:
     for cycle in found["cycles"]:
         _print_cycle(cycle)
     for family in found["neutral_families"]:
-        print(f"neutral oscillations side by side, one of them with period {family['period']:.9g} s")
+        period = family["period"]
+        words = "of several frequencies" if period is None else f"one of them with period {period:.9g} s"
+        print(f"neutral oscillations side by side, {words}")
 
 
 def _print_cycle(cycle: dict[str, Any]) -> None:

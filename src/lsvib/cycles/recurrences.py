@@ -133,7 +133,8 @@ def _faintly(automaton: Automaton, seen: Watched, budget: Budget | None) -> Stea
         lost = np.abs(basis.T) @ (exact.rounding / size[:, None] * size) @ np.abs(basis) * automaton.condition
     if not (np.isfinite(slopes).all() and np.isfinite(lost).all()):
         return None
-    multiplier, margin = largest(slopes), eigenvalues(slopes)[1] * float(np.linalg.norm(lost))
+    with np.errstate(over="ignore"):  # a rounding beyond all numbers leaves nothing to tell
+        multiplier, margin = largest(slopes), eigenvalues(slopes)[1] * float(np.linalg.norm(lost))
     if not abs(multiplier) < 1 - max(margin, _ATTRACTS):
         return None
     gap = basis.T @ ((orbit.end_state - section.origin) / size)

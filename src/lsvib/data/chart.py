@@ -18,6 +18,7 @@ from lsvib.cycles.behaviour import Behaviour, behaviours
 from lsvib.cycles.compliant_behaviour import compliant_behaviours
 from lsvib.data.attributes import Variable, attributes, flagged, flags, fractions, named_flags, variable
 from lsvib.data.parameter_origins import GIVEN, VARIED, axis, parameter
+from lsvib.data.spans import zero_where_rounded
 from lsvib.data.sweep import product_of
 from lsvib.drives import chapter
 from lsvib.drives.parameters import DriveParameters, RigidParameters
@@ -73,7 +74,7 @@ class ChartAxis(Axis):
         """Return the middles of the cells of these indices."""
         if self.name in LOGARITHMIC:
             return self.start * (self.stop / self.start) ** ((index + 0.5) / self.count)
-        return super().middles(index)
+        return zero_where_rounded(super().middles(index), self.width)
 
 
 @dataclass(frozen=True)

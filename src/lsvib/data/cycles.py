@@ -16,7 +16,7 @@ from lsvib.cycles.search import Seed, search, starts
 from lsvib.data import cycles_of_models
 from lsvib.data.attributes import flagged, variable, yes_no
 from lsvib.drives.model_files import of_model
-from lsvib.drives.parameters import DriveParameters, described
+from lsvib.drives.parameters import DriveParameters, described, zero_if_close
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
@@ -36,10 +36,16 @@ class Cycles:
     searched: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names."""
+        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names.
+
+        The period of a family is None where its oscillations have several frequencies, and so none.
+        """
         return {
             "cycles": [cycle.to_json() for cycle in self.cycles],
-            "neutral_families": [{"period": family.period, "state": family.state.tolist()} for family in self.families],
+            "neutral_families": [
+                {"period": family.period if family.orbit else None, "state": family.state.tolist()}
+                for family in self.families
+            ],
             "proved": self.proved,
             "searched": self.searched,
         }
@@ -97,7 +103,7 @@ def followed(
         drive.replace(**{parameter: end})
 
     def made(value: float) -> tuple[DriveParameters, Automaton]:
-        there = drive.replace(**{parameter: value})
+        there = drive.replace(**{parameter: zero_if_close(kind, parameter, value)})
         return there, build(there)
 
     return follow_cycle(cycle, made, parameter, (low, high), most)

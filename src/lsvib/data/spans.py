@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+_ROUNDED = 1e-9  # of a step: 10⁷ steps round at 10⁻¹⁶ of their whole length, and a value that is meant is farther off
+
 
 def evenly_chosen(count: int, most: int) -> np.ndarray:
     """Return the indices of at most ``most`` of ``count`` values, evenly spaced, both ends included."""
@@ -14,6 +16,18 @@ def evenly_chosen(count: int, most: int) -> np.ndarray:
 def even(settings: Mapping[str, Any]) -> np.ndarray:
     """Return evenly spaced values from ``start`` to ``stop``, both included, ``count`` of them."""
     return np.linspace(settings["start"], settings["stop"], settings["count"])
+
+
+def stepped(start: float, stop: float, count: int) -> np.ndarray:
+    """Return values with equal steps, both ends included; one between them that is zero but for rounding is zero."""
+    values = np.linspace(start, stop, count)
+    values[1:-1] = zero_where_rounded(values[1:-1], (stop - start) / max(count - 1, 1))
+    return values
+
+
+def zero_where_rounded(values: np.ndarray, step: float) -> np.ndarray:
+    """Return values that steps across zero make, zero where they are rounding beside a step."""
+    return np.where(np.abs(values) < _ROUNDED * abs(step), 0.0, values)
 
 
 def logarithmic(settings: Mapping[str, Any]) -> np.ndarray:

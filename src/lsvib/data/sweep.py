@@ -16,6 +16,7 @@ from lsvib import numbers
 from lsvib.cycles.attractors import Attractor
 from lsvib.cycles.endings import all_endings
 from lsvib.data.attributes import attributes, flags
+from lsvib.data.spans import stepped
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.parameters import DriveParameters, RigidParameters, described, names_and_values
 from lsvib.drives.registry import find_model
@@ -120,7 +121,7 @@ def evenly(name: str, text: str) -> np.ndarray:
         raise InputError(f"over: {name} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
     if not (math.isfinite(start) and math.isfinite(stop)):
         raise InputError(f"over: {name}={text} has an end beyond 1.8e308, the range of doubles.")
-    return np.linspace(start, stop, count)
+    return stepped(start, stop, count)
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:

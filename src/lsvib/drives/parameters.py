@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.drives.once import once
+from lsvib.drives.ranges import Least, range_in_words
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import InputError
 from lsvib.numbers import NotNumber, number, shown, whole
@@ -28,12 +29,30 @@ Value = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
-def quantity(default: float, symbol: str, unit: str, long_name: str, **bounds: Any) -> Any:
+def quantity(
+    default: float, symbol: str, unit: str, long_name: str, least: float = 0.0, zero: bool = True, **bounds: Any
+) -> Any:
     """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
 
-    The range is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >, ≥, < and ≤.
+    The range is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >, ≥, < and ≤. ``least`` is the least
+    magnitude of a parameter that has either sign or may be zero, ``zero`` says whether it may.
     """
-    return Field(default=default, json_schema_extra={"symbol": symbol, "unit": unit, "long_name": long_name}, **bounds)
+    words = {"symbol": symbol, "unit": unit, "long_name": long_name}
+    field = Field(default=default, json_schema_extra={**words}, **bounds)
+    if least:
+        field.metadata.append(Least(least, zero))
+    return field
+
+
+# What is not zero has a size that some drive might have, the smallest of machines among them, so that squares and
+# products of such numbers stay within the range of doubles. A silicon cylinder of 1 μm in radius and length has
+# 7e-15 kg and 4e-27 kg m2: the least mass, 1e-18 kg, and inertia, 1e-30 kg m2, are less than a thousandth of these. The
+# least dampings, of the same numbers, stop the least bodies in a second. The warmth of a room, 4e-21 J, winds the least
+# coupling up, 1e-21 N m/rad, by two radians, and moves a body on the least spring, 1e-9 N/m, by 2 μm. The least force,
+# 1e-18 N, is a tenth of the weight of the least mass; the least torque is that force at the least radius. The least
+# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-9, is a thousandth of what is measured between
+# layers of graphite; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
+_LEAST_LEAD = 1e-6  # rad
 
 
 class DriveParameters(BaseModel):
@@ -51,15 +70,25 @@ class DriveParameters(BaseModel):
     own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
-    lead_angle: Value = quantity(math.radians(5.57), "lambda", "rad", "lead angle of the screw", gt=0, lt=math.pi / 2)
-    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", gt=0, le=1e6)
-    coupling_stiffness: Value = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling", gt=0, le=1e15)
-    support_damping: Value = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support", ge=0, le=1e15)
-    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", ge=0)
-    input_speed: Value = quantity(40.0, "Omega", "rad s-1", "input angular speed", ge=-1e9, le=1e9)
-    mass: Value = quantity(1.0, "m", "kg", "translating mass", gt=0, le=1e9)
-    translation_damping: Value = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass", ge=0, le=1e15)
-    axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", ge=-1e12, le=1e12)
+    lead_angle: Value = quantity(
+        math.radians(5.57), "lambda", "rad", "lead angle of the screw", ge=_LEAST_LEAD, lt=math.pi / 2
+    )
+    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", ge=1e-30, le=1e6)
+    coupling_stiffness: Value = quantity(
+        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", ge=1e-21, le=1e15
+    )
+    support_damping: Value = quantity(
+        2e-4, "c", "N m s rad-1", "rotational damping of the support", least=1e-30, ge=0, le=1e15
+    )
+    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-9, ge=0)
+    input_speed: Value = quantity(
+        40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, zero=False, ge=-1e9, le=1e9
+    )
+    mass: Value = quantity(1.0, "m", "kg", "translating mass", ge=1e-18, le=1e9)
+    translation_damping: Value = quantity(
+        0.0, "c_x", "N s m-1", "damping of the translating mass", least=1e-18, ge=0, le=1e15
+    )
+    axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 
@@ -89,16 +118,12 @@ class DriveParameters(BaseModel):
         return repr(self)
 
     def model_post_init(self, context: Any) -> None:
-        """Check what couples two parameters: 0 ≤ μ < cot λ, and a drive that turns."""
+        """Check what couples two parameters: μ < cot λ."""
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
             raise InputError(
                 f"friction_coefficient = {self.friction_coefficient:g} is outside the allowed range "
-                f"0 <= friction_coefficient < cot(lead_angle) = {limit:.6g}."
-            )
-        if self.input_speed == 0:
-            raise InputError(
-                f"input_speed = 0 is outside the allowed range {allowed_range(type(self), 'input_speed')}."
+                f"{allowed_range(type(self), 'friction_coefficient')} = {limit:.6g}."
             )
 
     @classmethod
@@ -131,8 +156,10 @@ class ThreadsParameters(DriveParameters):
 
     model, own_damping = "threads", "contact_damping"
 
-    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", gt=0, le=1e15)
-    contact_damping: Value = quantity(1e8, "c_c", "N s m-1", "damping of the thread contact", ge=0, le=1e15)
+    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
+    contact_damping: Value = quantity(
+        1e8, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
+    )
 
 
 class SupportParameters(DriveParameters):
@@ -140,11 +167,15 @@ class SupportParameters(DriveParameters):
 
     model, own_damping = "support", "axial_support_damping"
 
-    screw_mass: Value = quantity(11.6, "m_1", "kg", "mass of the screw", gt=0, le=1e9)
-    support_stiffness: Value = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", gt=0, le=1e15)
-    axial_support_damping: Value = quantity(0.0, "c_1", "N s m-1", "axial damping of the support", ge=0, le=1e15)
-    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Value = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    screw_mass: Value = quantity(11.6, "m_1", "kg", "mass of the screw", ge=1e-18, le=1e9)
+    support_stiffness: Value = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", ge=1e-9, le=1e15)
+    axial_support_damping: Value = quantity(
+        0.0, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
+    )
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    bearing_friction: Value = quantity(
+        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
 
 
 class NutParameters(DriveParameters):
@@ -152,11 +183,15 @@ class NutParameters(DriveParameters):
 
     model, own_damping = "nut", "nut_damping"
 
-    nut_inertia: Value = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", gt=0, le=1e6)
-    nut_stiffness: Value = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", gt=0, le=1e15)
-    nut_damping: Value = quantity(2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", ge=0, le=1e15)
-    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", ge=0, le=1e12)
-    bearing_friction: Value = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", ge=0, le=1e12)
+    nut_inertia: Value = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", ge=1e-30, le=1e6)
+    nut_stiffness: Value = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", ge=1e-21, le=1e15)
+    nut_damping: Value = quantity(
+        2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
+    )
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    bearing_friction: Value = quantity(
+        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
 
 
 class ExactParameters:
@@ -197,12 +232,12 @@ def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
         return values
     if "lead_angle" in values:
         raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
-    given, allowed = values["lead_angle_deg"], "0 < lead_angle_deg < 90"
+    given, allowed = values["lead_angle_deg"], f"{math.degrees(_LEAST_LEAD):g} <= lead_angle_deg < 90"
     try:
         degrees = number(given)
     except NotNumber as error:
         raise InputError(f"lead_angle_deg = {shown(given)} {error}; the allowed range is {allowed}.") from None
-    if not 0 < degrees < 90:
+    if not _LEAST_LEAD <= math.radians(degrees) < math.pi / 2:
         raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
     rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
     return {**rest, "lead_angle": math.radians(degrees)}
@@ -265,11 +300,20 @@ def described(model: type[BaseModel], key: str) -> dict[str, str]:
 
 
 def allowed_range(model: type[BaseModel], key: str) -> str:
-    """Return the allowed range of a parameter as text, e.g. ``0 < mass <= 1e+09``; empty if it has no bounds."""
-    if key == "friction_coefficient":
-        return "0 <= friction_coefficient < cot(lead_angle)"
-    schema = model.model_json_schema()["properties"][key]
-    low = [f"{schema[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in schema]
-    high = [f" {sign} {schema[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in schema]
-    without = ", not 0" if key == "input_speed" else ""
-    return f"{''.join(low)}{key}{''.join(high)}{without}" if low or high else ""
+    """Return the allowed range of a parameter as text, e.g. ``1e-18 <= mass <= 1e+09``; empty if it has no bounds."""
+    text = range_in_words(key, model.model_json_schema()["properties"][key])
+    return f"{text} < cot(lead_angle)" if key == "friction_coefficient" else text
+
+
+def may_vanish(model: type[BaseModel], key: str) -> bool:
+    """Whether a parameter may be zero."""
+    return any(isinstance(bound, Least) and bound.zero for bound in model.model_fields[key].metadata)
+
+
+def zero_if_close(model: type[BaseModel], key: str, value: float) -> float:
+    """Return a value that was computed, or zero where it is closer to zero than a parameter that may vanish can be.
+
+    Steps across zero and halvings of an interval towards it come there by rounding.
+    """
+    least = [bound for bound in model.model_fields[key].metadata if isinstance(bound, Least) and bound.zero]
+    return 0.0 if least and abs(value) < least[0].magnitude else value

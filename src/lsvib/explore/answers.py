@@ -15,6 +15,7 @@ from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
 from lsvib.data.phase_plane import lines, sample
 from lsvib.data.simulation import run
+from lsvib.data.spans import stepped
 from lsvib.data.sweep import START
 from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
@@ -156,7 +157,7 @@ def logarithmic(view: View) -> bool:
 
 def values_over(view: View, count: int) -> np.ndarray:
     """Return the values (count) of the parameter of the amplitude curve."""
-    spaced = np.geomspace if logarithmic(view) else np.linspace
+    spaced = np.geomspace if logarithmic(view) else stepped
     return spaced(view.low, view.high, count)
 
 

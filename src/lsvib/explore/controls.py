@@ -6,7 +6,7 @@ from bokeh.layouts import column, row
 from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
 from lsvib.api import DRIVES
-from lsvib.drives.parameters import DriveParameters, allowed_range, described
+from lsvib.drives.parameters import DriveParameters, allowed_range, described, may_vanish
 from lsvib.explore.view import View
 from lsvib.figures.drawing import style
 
@@ -101,7 +101,7 @@ class Controls:
         """Give a slider its ends around a value, and the value."""
         end = _REACH * abs(value) or _FROM_ZERO.get(key, 1.0)
         step = 2 * end / _STEPS if key in _SIGNED else end / _STEPS
-        zero = 0.0 if allowed_range(kind, key).startswith("0 <=") else step  # zero only where it is allowed
+        zero = 0.0 if may_vanish(kind, key) else step
         start = -end if key in _SIGNED else zero
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, create_model
 
+from lsvib.drives.ranges import range_in_words
 from lsvib.errors import InputError
 from lsvib.figures.common.settings import FigureSettings, SettingsSection, Unique
 from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
@@ -22,13 +23,7 @@ from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
 SCHEMA_HEADER = "# Written by python -m lsvib.figures.configuration from the types of the settings; do not edit.\n"
-_BOUNDS = {  # keyword of the schema: how it stands in a range, before or after the name
-    "minimum": ("{:.10g} <= ", ""),
-    "exclusiveMinimum": ("{:.10g} < ", ""),
-    "maximum": ("", " <= {:.10g}"),
-    "exclusiveMaximum": ("", " < {:.10g}"),
-}
-_OUTSIDE = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+_OUTSIDE = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "too_close_to_zero")
 _LENGTH = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
 _NO_TYPE = {  # complaint of pydantic: what the value should be
     "float_type": "a number",
@@ -167,10 +162,7 @@ def _sentence(model: type[SettingsSection], error: ValidationError, place: Seque
     if sort == "finite_number":
         return f"{path} = {value} is not a finite number."
     if sort in _OUTSIDE:
-        bounds = [(low, high, rule[key]) for key, (low, high) in _BOUNDS.items() if key in rule]
-        low = "".join(low.format(bound) for low, _, bound in bounds if low)
-        high = "".join(high.format(bound) for _, high, bound in bounds if high)
-        return f"{path} = {value} is outside the allowed range {low}{parts[-1]}{high}."
+        return f"{path} = {value} is outside the allowed range {range_in_words(parts[-1], rule, '.10g')}."
     if sort in _LENGTH:
         side, bound = _LENGTH[sort]
         return f"{path} has {len(first['input'])} entries; it needs {side} {context[bound]}."

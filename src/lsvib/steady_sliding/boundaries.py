@@ -6,7 +6,6 @@ five polynomials. They are isolated with certainty, and exact signs between them
 none of these parameters but c_x, which is therefore left out.
 """
 
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -68,8 +67,8 @@ def stable_set(drive: DriveParameters, key: str) -> StableSet:
 
 
 def largest_friction(tangent: Fraction) -> Fraction:
-    """Return the end of the range of the friction coefficient, cot λ, or the largest double where that is beyond it."""
-    return min(1 / tangent, Fraction(sys.float_info.max))
+    """Return the end of the range of the friction coefficient, cot λ."""
+    return 1 / tangent
 
 
 def threshold_of(drive: DriveParameters, key: str) -> dict[str, Any]:

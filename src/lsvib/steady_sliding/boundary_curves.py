@@ -29,7 +29,7 @@ from lsvib.cycles.endings_of_models.rigid import endings_at_once
 from lsvib.drives.coefficients import Coefficients, coefficients
 from lsvib.drives.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.drives.many import ManyDrives
-from lsvib.drives.parameters import DriveParameters
+from lsvib.drives.parameters import DriveParameters, zero_if_close
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.drives.tables_of_models.rigid import groups
@@ -191,7 +191,8 @@ def _function(drive: DriveParameters, kind: ChartBoundary, names: tuple[str, str
 
     def function(first: float, second: float) -> float:
         """Return the value at a place of the plane, of the sign that the exact condition has there."""
-        changed = drive.replace(**{names[0]: float(first), names[1]: float(second)})
+        place = zip(names, (first, second), strict=True)
+        changed = drive.replace(**{name: zero_if_close(type(drive), name, float(value)) for name, value in place})
         if force is not None:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
         if kind is ChartBoundary.STICK_SLIP_BIRTH:

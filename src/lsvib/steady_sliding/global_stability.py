@@ -105,7 +105,7 @@ def widest_return(forward: ForwardDrive):
         _, s, s_rate = flow_planar.responses(row, time)
         x = -speed * s / (a0 * flow_planar.integrated_response(row, time))
         w = -speed * s_rate - a0 * x * s
-        return q_u * x + q_w * w if x < largest and w > 0 else -many.inf
+        return q_u * x + q_w * w if x < largest and w > 0 else -math.inf
 
     # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
     # against the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all
@@ -118,7 +118,7 @@ def widest_return(forward: ForwardDrive):
         raise OverflowError
     times = [low * (high / low) ** (k / _GRID) for k in range(_GRID)]
     heights = [height(time) for time in times]
-    count = next((k for k, value in enumerate(heights) if value == -many.inf), len(heights))
+    count = next((k for k, value in enumerate(heights) if value == -math.inf), len(heights))
     if count == 0:
         return -many.inf, many.nan, many.nan
     best = max(range(count), key=heights.__getitem__)

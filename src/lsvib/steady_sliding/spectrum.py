@@ -6,7 +6,6 @@ their real parts need to show their signs. So both agree, however far apart the 
 """
 
 import math
-import sys
 from collections.abc import Iterable
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -18,7 +17,6 @@ import mpmath
 from lsvib.drives.coefficients import Coefficients
 from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
-from lsvib.errors import InputError
 from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, settled
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
 from lsvib.steady_sliding.eigenvalues_two_coordinates import routh_hurwitz
@@ -50,8 +48,7 @@ def spectrum(drive: DriveParameters, law: int) -> tuple[str, list[complex], Poly
 
     The class is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis, simple ones
     on it, as without damping), ``kinematic`` (det M < 0), else ``divergence`` or ``flutter`` by whether the eigenvalue
-    that grows fastest is real. The polynomial is that of :mod:`lsvib.steady_sliding.characteristic`. Raises
-    ``InputError`` if an eigenvalue is beyond the range of doubles.
+    that grows fastest is real. The polynomial is that of :mod:`lsvib.steady_sliding.characteristic`.
     """
     kind, exact = settled(drive, law, _class)
     values = _rounded((z.real, z.imag) for z in _roots(exact))
@@ -218,7 +215,5 @@ def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
 
 
 def _double(x: mpmath.mpf | Decimal) -> float:
-    if abs(x) > sys.float_info.max:
-        raise InputError("These parameters give eigenvalues beyond 1.8e308 1/s, the range of doubles.")
     value = float(x)
     return math.copysign(_SMALLEST, x) if value == 0 != x else value

@@ -8,14 +8,13 @@ What lies between two samples without a change of sign, or beyond the twelve dec
 """
 
 import math
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
 from lsvib.cycles.forward_slip import bracketed_root
-from lsvib.drives.parameters import DriveParameters
+from lsvib.drives.parameters import DriveParameters, zero_if_close
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.steady_sliding.threshold_polynomials import allowed, places
 
@@ -39,7 +38,7 @@ def changes(drive: DriveParameters, unknown: str, gap: Gap) -> Iterator[float]:
 
     def defined(value: float) -> float:
         """Return the gap at a value of the parameter."""
-        found = gap(drive.replace(**{unknown: value}))
+        found = gap(drive.replace(**{unknown: zero_if_close(type(drive), unknown, value)}))
         if not math.isfinite(found):
             raise NoThreshold
         return found
@@ -59,7 +58,8 @@ def changes(drive: DriveParameters, unknown: str, gap: Gap) -> Iterator[float]:
     for before, after in pairwise(ordered):
         if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
             with suppress(InputError, EngineError):  # it is not defined somewhere on the way
-                yield float(bracketed_root(defined, before[0], after[0], _CLOSE))
+                root = float(bracketed_root(defined, before[0], after[0], _CLOSE))
+                yield zero_if_close(type(drive), unknown, root)
 
 
 def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:
@@ -91,8 +91,7 @@ def samples(drive: DriveParameters, unknown: str) -> list[float]:
 def _natural(drive: DriveParameters, unknown: str) -> float:
     """A size of a parameter that may be zero, from the others, in its SI unit."""
     rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
-    # m; a thread that hardly rises has one below doubles, and sizes beyond them, which are not allowed
-    lever = max(drive.pitch_radius * math.tan(drive.lead_angle), sys.float_info.min)
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
     sizes: dict[str, Any] = {
         "support_damping": drive.screw_inertia * rate,
         "translation_damping": drive.screw_inertia * rate / lever / lever,

@@ -2,7 +2,7 @@
 
 The general model of a rigid scene has everything: four states of which the two of the contact are held at zero, the
 modal engine for any number of states, rest with all that belongs to it. That of a drive with axial support has the
-friction of the slide as well, so small (1e-300 N) that no digit of the motion feels it.
+friction of the slide as well, so small (1e-18 N) that no digit of the motion feels it.
 """
 
 import time
@@ -22,7 +22,7 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
-_NOTHING = 1e-300  # N
+_NOTHING = 1e-18  # N
 
 
 class Ablated(NamedTuple):

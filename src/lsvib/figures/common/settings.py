@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model,
 from pydantic_core import PydanticCustomError
 
 from lsvib.drives.parameters import DriveParameters, ThreadsParameters, described
+from lsvib.drives.ranges import Least
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 
@@ -109,22 +110,21 @@ def _zero(value: float) -> float:
 
 
 Unique = (AfterValidator(_unique), Field(json_schema_extra={"uniqueItems": True}))  # add to the type of a list
-NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
 
 
 def parameter(key: str, *more: Any, of: type[DriveParameters] = DriveParameters) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
     bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
-    more = (*more, *NotZero) if key == "input_speed" else more
+    least = [bound for bound in of.model_fields[key].metadata if isinstance(bound, Least)]
     words = described(of, key)
     description = f"{words['symbol']} [{words['unit']}]: {words['long_name']}."
-    return Annotated[float, *bounds, *more, Field(description=description)]
+    return Annotated[float, *bounds, *more, *least, Field(description=description)]
 
 
 def _changes(name: str, description: str, of: type[DriveParameters]) -> type[SettingsSection]:
     types = {key: parameter(key, of=of) for key in of.model_fields}
-    angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Gt, Lt))]
-    degrees = [Gt(math.degrees(b.gt)) if isinstance(b, Gt) else Lt(math.degrees(b.lt)) for b in angle]
+    angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
+    degrees = [Ge(math.degrees(b.ge)) if isinstance(b, Ge) else Lt(math.degrees(b.lt)) for b in angle]
     types["lead_angle_deg"] = Annotated[float, *degrees, Field(description="lambda [degree].")]
     fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
     return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
@@ -149,6 +149,7 @@ class ContactStart(SettingsSection):
     rate: float = Field(ge=-1e12, le=1e12)
 
 
+NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
 Zero = Annotated[float, AfterValidator(_zero), Field(json_schema_extra={"const": 0})]
 ContactDampings = Annotated[
     tuple[Zero, parameter("contact_damping", Gt(0), of=ThreadsParameters)],
