@@ -26,7 +26,7 @@ _LATER = 37  # events after which leaps begin again; no multiple of the number o
 # Of its budget a motion is followed further at last, in blocks and elsewhere: one to three seconds at most; and this
 # may be spent in all, so that no motion takes five seconds.
 _FURTHER = (1.7, 1.1)
-_IN_ALL = (2.7, 2.2)
+_IN_ALL = 2.7
 _TURN = 0.1  # part of that work, more, with which turns that have grown alike are held against those beside them
 _MANY = 4  # longest windows of trends in which a cycle is looked for then, and ...
 _LEVEL = 3  # ... the last of them, which show that a motion without one has no trend
@@ -50,7 +50,7 @@ def of_more_states(
     be about to settle, on a long cycle, or without trend since it has grown.
     """
     all_of_it, in_blocks = budget.left, isinstance(automaton.tables.flow, BlockFlow)
-    in_all = _IN_ALL[0 if in_blocks else 1] * all_of_it
+    in_all = _IN_ALL * all_of_it
 
     def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
         if part.status == Status.SETTLED:
