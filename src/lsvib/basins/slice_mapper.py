@@ -80,7 +80,8 @@ class StateMapper(Mapper):
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = self._end(self.definition.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
+            start = self.definition.initial_state(drive, {"u": u, "w": w})
+            found = self._end(start, work=self._events // _PART, further=False)  # further finds no cycle with that
             known = any(other.same_period(found) for other in self.attractors)
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
