@@ -15,6 +15,8 @@ from lsvib.command.printing import print_map, print_motion
 from lsvib.cycles.attractors import Attractor, Doubt, steady_state
 from lsvib.data import attraction_map, simulation
 from lsvib.drives.registry import find_model
+from lsvib.engine import motion
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.errors import (
     AccumulationError,
     BeatError,
@@ -100,3 +102,24 @@ def test_an_amplitude_that_does_not_change_at_all_is_no_trend():
     """A support with one such amplitude beside one that scatters once ended the search by a traceback."""
     wide = wide_drive("support", 73, 53, 4)
     assert mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[0]).doubt is None
+
+
+@pytest.mark.parametrize(("index", "start"), [(18, 2), (3, 0)])
+def test_what_is_not_told_takes_no_more_work_than_is_allowed(index, start, monkeypatch):
+    """One starts in steady sliding, which repels so slowly that it was asked about twice; one has large blocks."""
+    wide, spent = wide_drive("threads", 84, index, 4), []
+
+    def run(tables, mode, state, scale, clock, *others):
+        before = clock[3]
+        found = kernel(tables, mode, state, scale, clock, *others)
+        an_event, a_step = motion._COSTS[isinstance(tables.flow, BlockFlow)]
+        spent.append(motion.CALL + mapped.automaton.effort * (an_event * found[2] + a_step * (before - clock[3])))
+        return found
+
+    kernel = motion.event_loop.run
+    mapped = mapper(wide.drive, wide.model, wide.physics)
+    monkeypatch.setattr(motion.event_loop, "run", run)
+    monkeypatch.setattr(mapped, "_events", FEW)
+    assert mapped.destiny(wide.starts[start]).doubt == Doubt.EVENTS
+    assert sum(spent) < 3.6 * FEW
+    assert mapped.automaton.effort == pytest.approx({18: 1.0, 3: 0.5 + 0.5 * 33 / 17}[index])

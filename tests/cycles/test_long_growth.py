@@ -7,8 +7,10 @@ import pytest
 from reference.wide_scenes import scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
+from lsvib.cycles.cones import growing
 from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.quiet import quiet_until
+from lsvib.cycles.return_map import conserves
 from lsvib.cycles.trends import no_trend, stays, trend_of
 from lsvib.engine.motion import Budget, follow
 
@@ -103,3 +105,38 @@ def test_a_rest_without_any_rate_is_quiet_until_its_guard_falls():
     assert quiet == pytest.approx(motion.time[0], rel=1e-12)
     patient = follow_patiently(automaton, state, math.inf, mode=mode, max_events=3, budget=Budget(3e3))
     assert patient.time[0] == pytest.approx(motion.time[0], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_what_grows_alike_far_out_grows_for_ever():
+    """The threads flutter without a load: by 1.186 in a return of four events that take a millisecond each to find.
+
+    The range of numbers ends after 17 000 events, far beyond the work that is allowed.
+    """
+    automaton, state = scene("threads", 84, 25, 0)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.UNBOUNDED
+
+
+def test_growth_is_told_only_beyond_the_constants_of_the_drive():
+    automaton, _ = scene("threads", 84, 25, 0)
+    far, mode = [-1.402e13, 8.912794053462027e02, 3.600e11, 1.956e14], 0
+    assert growing(follow(automaton, far, math.inf, mode=mode, max_events=64), Budget(1e6)).label == Attractor.UNBOUNDED
+    near = [2.0678e5, 8.912794053462027e02, 6.2e-1, 3.2e2]
+    assert growing(follow(automaton, near, math.inf, mode=mode, max_events=64), Budget(1e6)) is None
+
+
+@pytest.mark.parametrize(("model", "index", "start"), [("threads", 19, 0), ("nut", 24, 3)])
+def test_without_damping_a_trend_that_turns_back_is_none(model, index, start):
+    """Two oscillations beat without damping, and an amplitude seems to rise or fall by 4e-8 in a short window.
+
+    Leaps along such trends led up and down without end. Followed event by event no amplitude changes by more than
+    1e-8 in tens of turns of the slow one.
+    """
+    automaton, state = scene(model, 84, index, start)
+    assert conserves(automaton)
+    assert steady_state(automaton, state, max_events=700_000).label == Attractor.RECURRENT
+    later = follow(automaton, state, math.inf, max_events=4000)
+    trends = [trend_of(part) for part in parts_of(automaton, later.end_state, later.end_mode, 3, 8000)]
+    levels = np.array([trend.quarters.mean(axis=0) for trend in trends])
+    assert trends[0].turns > 10
+    assert (np.ptp(levels, axis=0) < 1e-8).all()

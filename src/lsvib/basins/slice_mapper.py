@@ -38,7 +38,7 @@ _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that 
 _EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _AGAIN = 4  # The search from the start, where that from the last round tells nothing, has a quarter of that work.
-_PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work
+_PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work, and so has steady sliding
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
 _DOUBTS = list(Doubt)
@@ -80,7 +80,8 @@ class StateMapper(Mapper):
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
-            found = self._end(self.definition.initial_state(drive, {"u": u, "w": w}), work=self._events // _PART)
+            start = self.definition.initial_state(drive, {"u": u, "w": w})
+            found = self._end(start, work=self._events // _PART, further=False)  # further finds no cycle with that
             known = any(other.same_period(found) for other in self.attractors)
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
@@ -118,8 +119,10 @@ class StateMapper(Mapper):
     def destiny(self, state: np.ndarray) -> Destiny:
         """Return what becomes of the motion from a state (n)."""
         start, mode, time, sprags, first, budget = state, None, 0.0, 0, None, Budget(self._events)
-        if not state.any() and self._end(state).label == Attractor.STEADY_SLIDING:
-            return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
+        if not state.any():
+            end = self._end(state, work=self._events // _PART, further=False)
+            if end.label == Attractor.STEADY_SLIDING:
+                return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
         for _ in range(self._rounds):
             try:
                 motion = follow_patiently(

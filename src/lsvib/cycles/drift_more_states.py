@@ -64,6 +64,7 @@ _SELDOM = 3  # leaps by returns after which a cycle is looked for again
 _BETWEEN = 500  # events that are followed after leaps by returns
 _FIRST_WINDOW, LAST_WINDOW = 2000, 64_000  # events over which a trend of amplitudes is measured
 _CONSERVED_WINDOW = 8000  # the longest one where nothing damps: then no amplitude dies away by itself
+_CONSERVED_TURNS = 400  # turns of the slowest oscillation in a window that is long enough then, whatever its events
 _MOVES = 12  # leaps by returns in a row after which a trend is looked for all the same: they may lead nowhere
 # Attempts to measure a trend, by their number, at which the longest window is followed instead if the motion rests.
 _LONG_LOOKS = (6, 18, 54)
@@ -145,6 +146,9 @@ def pursue(
         if trend is None:
             window = longer
         elif trend.consistent and not (window == longest and trend.came_back(before, quarters)):
+            if conserved and window < longest and trend.turns_back(before):
+                window, before = longer, None  # too short for where in its turn a swing is: this is no trend
+                continue
             trust = trust * _MORE_TRUST if trend.continues(before) else 1.0
             quarters, before, blank, seen = reach(trend, trust), trend, 0, []
             rows = rows + 1 if quarters > QUARTERS else 0
@@ -158,7 +162,7 @@ def pursue(
             state = extrapolated(motion, trend, quarters, trust)
             after = max(_BETWEEN, window // QUARTERS)
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
-        elif window == longest and not trend.moves and (conserved or not keeps_proportion(motion)):
+        elif not trend.moves and (_swings(trend, window) if conserved else _long(motion, window)):
             seen = [*seen, trend] if seen and seen[-1].mode == trend.mode else [trend]
             blank = blank + 1 if trend.none or trend.consistent else 0
             if blank == _BLANKS or no_trend(seen):
@@ -166,6 +170,16 @@ def pursue(
         else:
             window, blank = longer, 0
     return None
+
+
+def _long(motion: Motion, window: int) -> bool:
+    """Whether a window is so long that a damped motion without a trend in it recurs."""
+    return window == LAST_WINDOW and not keeps_proportion(motion)
+
+
+def _swings(trend: Trend, window: int) -> bool:
+    """Whether a window is so long that a motion that nothing damps recurs without a trend in it."""
+    return window == _CONSERVED_WINDOW or (trend.none and trend.turns > _CONSERVED_TURNS)
 
 
 def _rests(motion: Motion) -> bool:

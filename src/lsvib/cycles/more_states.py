@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from lsvib.cycles import drift_more_states
-from lsvib.cycles.cones import keeps_proportion, shrinking
+from lsvib.cycles.cones import growing, has_grown, keeps_proportion, shrinking
 from lsvib.cycles.drift_more_states import LAST_WINDOW
 from lsvib.cycles.family_edges import comes_to_edge
 from lsvib.cycles.patience import FEW, follow_patiently, in_a_row
@@ -23,8 +23,11 @@ from lsvib.errors import DivergenceError, EngineError
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 LONG = 1000  # events after which returns that hardly move are leapt over
 _LATER = 37  # events after which leaps begin again; no multiple of the number of events in a usual return
-# Of its budget a motion is followed further at last, in blocks and elsewhere: one to three seconds at most.
-_FURTHER = (1.2, 1.1)
+# Of its budget a motion is followed further at last, in blocks and elsewhere: one to three seconds at most; and this
+# may be spent in all, so that no motion takes five seconds.
+_FURTHER = (1.7, 1.1)
+_IN_ALL = 2.7
+_TURN = 0.1  # part of that work, more, with which turns that have grown alike are held against those beside them
 _MANY = 4  # longest windows of trends in which a cycle is looked for then, and ...
 _LEVEL = 3  # ... the last of them, which show that a motion without one has no trend
 _EDGE = 0.1  # part of the budget in which a motion that nothing damps may come to the edge of a neutral family
@@ -41,17 +44,19 @@ def at_equilibrium(automaton: Automaton, state: np.ndarray) -> bool:
 def of_more_states(
     automaton: Automaton, state: np.ndarray, mode: int | None, budget: Budget, further: bool = True
 ) -> SteadyState:
-    """Find the attractor of a motion with more than two states; the budget may be spent twice.
+    """Find the attractor of a motion with more than two states; a bit more than twice the budget may be spent.
 
     Where nothing is told by then, the motion is followed ``further``, from where it has come to without leaps: it may
     be about to settle, on a long cycle, or without trend since it has grown.
     """
     all_of_it, in_blocks = budget.left, isinstance(automaton.tables.flow, BlockFlow)
+    in_all = _IN_ALL * all_of_it
 
     def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
         if part.status == Status.SETTLED:
             return settled(automaton, part)
-        return shrinking(part, budget) or recurrence(automaton, part, budget, apart)
+        found = shrinking(part, budget) or growing(part, budget)
+        return found if found is not None or has_grown(part) else recurrence(automaton, part, budget, apart)
 
     found: SteadyState | drift_more_states.Recurrence | None = None
     course: drift_more_states.Course | None = None
@@ -68,7 +73,7 @@ def of_more_states(
             again, course = Budget(budget.left), drift_more_states.Course(motion)
             found = drift_more_states.pursue(course, budget, ended)
             if course.leapt and found is not None:  # a leap loses the phase of fast oscillations
-                budget = again
+                in_all, budget = in_all - (again.left - budget.left), again
                 later = follow_patiently(automaton, state, math.inf, mode=mode, max_events=_LATER, budget=budget)
                 second = drift_more_states.pursue(drift_more_states.Course(later), budget, ended)
                 found, doubt = (found, doubt) if _name(second) == _name(found) else (None, Doubt.FORK)
@@ -79,7 +84,8 @@ def of_more_states(
     if found is None and doubt == Doubt.EVENTS and further:
         if course is not None and not course.leapt:
             state, mode = course.motion.end_state, course.motion.end_mode
-        found = _further(automaton, state, mode, _FURTHER[0 if in_blocks else 1] * all_of_it)
+        left = in_all - (all_of_it - budget.left)
+        found = _further(automaton, state, mode, min(_FURTHER[0 if in_blocks else 1] * all_of_it, left))
     if isinstance(found, drift_more_states.Recurrence):
         return SteadyState(Attractor.RECURRENT, found.state)
     return found or SteadyState.unresolved(state, doubt)
@@ -99,6 +105,9 @@ def _further(
             motion = follow_patiently(automaton, state, math.inf, mode=mode, max_events=chunk, budget=budget)
             if motion.status == Status.SETTLED:
                 return settled(automaton, motion)
+            found = growing(motion, Budget(_TURN * work))
+            if found is not None:
+                return found
             state, mode = motion.end_state, motion.end_mode
             if chunk < LAST_WINDOW:
                 chunk = min(8 * chunk, LAST_WINDOW)

@@ -20,7 +20,9 @@ _EACH = 90.0  # work of an event, at most as a rule; so a search is left before 
 FEW, _MANY = 16, 512
 _FIRST = 2000.0  # more work of some events after which quiet times are looked for
 _SEARCH = 90_000.0  # work of a search over a short time after which it is held to be endless
-_IN_BLOCKS = 0.2  # part of all these works in blocks: quiet times are looked for after as many steps as ever
+# Part of all these works in blocks, times what a step takes there: quiet times are looked for after as many steps as
+# ever.
+_IN_BLOCKS = 0.2
 _MORE = 4.0  # factor of work where events have cost more than was foreseen: a quarter of all is spent in vain at most
 # The first search after a quiet time is so long, in times of the fastest rate. `quiet_until` gives up where it would
 # take steps below eight of them; the search gets some way beyond that.
@@ -46,11 +48,12 @@ def follow_patiently(
     if mode is None:
         mode, state = enter(automaton, state)
     in_blocks = isinstance(automaton.tables.flow, BlockFlow)
+    part = _IN_BLOCKS * automaton.effort if in_blocks else 1.0
     pieces: list[Motion] = []
     time, count, reach, most = 0.0, 0, math.inf, FEW if in_blocks else _MANY
     while True:
         here, most = min(max_events - count, most), min(2 * most, _MANY)
-        work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * (_IN_BLOCKS if in_blocks else 1.0)
+        work = ((_FIRST if reach == math.inf else _SEARCH) + _EACH * here) * part
         left = max(t_end - time, 0.0)  # the sum of times may have been rounded beyond the end
         piece = _searched(automaton, state, min(left, reach), mode, stop, here, work, budget)
         found, last = piece.time.size, left <= reach

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.cycles.return_map import conserves
 from lsvib.engine.kernels.columns import ALPHA, BETA
 from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Motion
@@ -33,6 +34,9 @@ _SCATTERED = 3  # windows in a row over which amplitudes that scatter show no tr
 _FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
 # Change of the logarithm of an amplitude in an event that is rounding, and change of its trend that is.
 _ROUNDING, _STRAIGHT = 1e-15, 1e-14
+# The same where nothing damps: only friction that turns its sense, or rest, can change an amplitude for good, and less
+# than this in a quarter is rounding, or where in its turn the slow swing was at the events of a window.
+_CONSERVED = 1e-10
 _STILL = 1e-12  # added to a change that divides: a trend that is as small is leapt along as far as any may be
 
 
@@ -61,6 +65,13 @@ class Trend(NamedTuple):
             return False
         one, other = (t.step / np.abs(t.step).max() for t in (before, self))
         return bool(np.abs(one - other).max() <= _STEADY)
+
+    def turns_back(self, before: "Trend | None") -> bool:
+        """Whether the amplitude with the largest trend before a leap has one of the other sign after it."""
+        if before is None or before.mode != self.mode:
+            return False
+        largest = int(np.argmax(np.abs(before.step)))
+        return bool(before.step[largest] * self.step[largest] < 0)
 
     def came_back(self, before: "Trend | None", leap: float) -> bool:
         """Whether amplitudes are what they were before a leap of so many quarters, which should have changed them.
@@ -95,22 +106,22 @@ def trend_of(motion: Motion) -> Trend | None:
     if not (squares > 0).all():
         return None
     turn = 2 * math.pi / float(rows[turning, BETA].min())
-    parts = _quarters(motion, turn)
+    parts, least = _quarters(motion, turn), _CONSERVED if conserves(motion.automaton) else 0.0
     quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
     full = np.zeros(flow.pairs[home])
     bend = full.copy()
-    steady = (np.abs(step) > _ROUNDING * motion.time.size) & (spread <= _STEADY * np.abs(step))
+    steady = (np.abs(step) > max(_ROUNDING * motion.time.size, least)) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
     bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
-    moves = _moves(motion.after)
+    moves = _moves(motion.after, least)
     own = rows[turning, ALPHA] * (motion.end_time - motion.start_time) / QUARTERS
-    level = (np.abs(step) <= np.minimum(_NO_TREND, _NOISE * spread)) & ~_may_die(step, own, spread)
+    level = (np.abs(step) <= np.maximum(np.minimum(_NO_TREND, _NOISE * spread), least)) & ~_may_die(step, own, spread)
     none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
-    scatters = np.abs(step) <= np.maximum(spread, _ROUNDING * motion.time.size)
+    scatters = np.abs(step) <= np.maximum(spread, max(_ROUNDING * motion.time.size, least))
     consistent = bool(steady.any() and (steady | scatters).all())
     turns = (motion.end_time - motion.start_time) / turn
     return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, turns)
@@ -176,10 +187,14 @@ def _quarters(motion: Motion, turn: float) -> list[tuple[slice, np.ndarray]]:
     return found
 
 
-def _moves(states: np.ndarray) -> bool:
-    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up."""
+def _moves(states: np.ndarray, least: float) -> bool:
+    """Whether a coordinate of states (k, n) drifts, such as the angle while the motor winds the coupling up.
+
+    A drift of less than ``least`` of its swing in a quarter is none.
+    """
     changes = np.diff([part.mean(axis=0) for part in np.array_split(states, QUARTERS)], axis=0)
-    return bool((np.abs(changes.mean(axis=0)) > _NOISE * np.ptp(changes, axis=0)).any())
+    error = np.maximum(_NOISE * np.ptp(changes, axis=0), least * np.ptp(states, axis=0))
+    return bool((np.abs(changes.mean(axis=0)) > error).any())
 
 
 def reach(trend: Trend, trust: float) -> float:

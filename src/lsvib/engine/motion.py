@@ -24,9 +24,10 @@ _FIRST_CAPACITY = 256  # events that the first list holds; each further list hol
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL, Status.WORK_SPENT)
 
-# Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
+# Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured; in blocks that
+# of small ones, of which larger ones take a multiple (``Automaton.effort``).
 CALL = 10.0  # of a call of the engine from Python
-_COSTS = ((1.0, 0.1), (2.0, 0.8))  # of an event, and of a step of the search for it: modal flows; flows in blocks
+_COSTS = ((1.0, 0.1), (4.0, 0.8))  # of an event, and of a step of the search for it: modal flows; flows in blocks
 
 _BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
 _MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
@@ -139,7 +140,7 @@ def follow(
     else:
         state = np.array(state, dtype=float)
     start_mode, start_state = mode, state.copy()
-    an_event, a_step = _COSTS[isinstance(automaton.tables.flow, BlockFlow)]
+    an_event, a_step = (cost * automaton.effort for cost in _COSTS[isinstance(automaton.tables.flow, BlockFlow)])
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
     scale, clock = np.abs(state), _clock(automaton, budget.left / a_step)
