@@ -128,12 +128,28 @@ def test_a_band_narrower_than_rounding_is_a_corner(force):
     assert motion.end_state == pytest.approx(without.end_state, rel=1e-9)
 
 
-@pytest.mark.parametrize(("seed", "index", "start"), [(9501, 8279, 17), (9501, 11789, 6), (9911, 6857, 47)])
-def test_a_start_on_zero_to_rounding_is_moved_to_both_sides(seed, index, start):
+@pytest.mark.parametrize(
+    ("seed", "index", "start"),
+    [(9501, 8279, 17), (9501, 11789, 6), (9911, 6857, 47), (9951, 3890, 85), (9951, 4272, 82)],
+)
+def test_a_start_on_zero_to_rounding_is_excused(seed, index, start):
     """Q is zero to rounding, and passes zero by less: digits decide whether and when, which not all moves show."""
     wide = wide_drive("rigid", seed, index, start + 1)
     found = judges._motion(wide, start, watch.constants(dict(wide.drive)), rigid_automaton(wide.drive))
-    assert found.verdict == judges.BEYOND_INPUT
+    assert found.verdict in (judges.BEYOND_INPUT, judges.CORNER)
+
+
+def test_a_start_on_zero_excuses_nothing_that_follows():
+    wide = wide_drive("rigid", 9951, 3890, 86)
+    case = judges.motion_case(wide, 85)
+    path = engine_path(follow(built(case), case.start, case.duration), case)
+    exact = exact_path(case, wide.drive, case.start)
+    assert path.kinds[1:] == exact.kinds
+    assert excuses.same_after_an_instant(path, exact, case)
+    assert not excuses.same_after_an_instant(path, replace(exact, kinds=["seizure", *exact.kinds[1:]]), case)
+    assert not excuses.same_after_an_instant(path, replace(exact, times=exact.times + 1e-6 * case.duration), case)
+    beside = case._replace(start=(case.start[0] * (1 + 1e-13), case.start[1]))
+    assert not excuses.same_after_an_instant(path, exact, beside)
 
 
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])

@@ -38,7 +38,7 @@ TOLERANCE = 1e-9  # largest error that is right, relative to the size of each co
 ENERGY_TOLERANCE = 1e-10  # residual that passes beside that of rounding, relative to the largest energy or work
 ENERGY_PLACES = 4  # Rounding may change the clock and each term by so many last places.
 _AT_ONCE = 1e-6  # Events that are closer, relative to the duration, may be the end of infinitely many.
-_LAST_PLACES = 16  # The engine takes a sum for zero if it is smaller than so many last places.
+LAST_PLACES = 16  # The engine takes a sum for zero if it is smaller than so many last places.
 _PERTURBED = 4  # inputs moved at random, and as many moved the other way; each costs a run of the reference
 # Most inputs that are tried for a wrong answer. Several digits may have to be right at once: what leads to most of the
 # engine's events is moved on, in about a third of its numbers.
@@ -225,7 +225,7 @@ def weigh(
 def _near(tried: list[tuple[int, np.ndarray]], rng: np.random.Generator) -> np.ndarray:
     """Draw a part of the places anew of the input that has led to most of the engine's events."""
     best = max(tried, key=lambda one: one[0])[1]
-    return np.where(rng.random(best.size) < _REDRAWN, rng.uniform(-_LAST_PLACES, _LAST_PLACES, best.size), best)
+    return np.where(rng.random(best.size) < _REDRAWN, rng.uniform(-LAST_PLACES, LAST_PLACES, best.size), best)
 
 
 def _among(path: Record, like: list[Record], case: Case) -> bool:
@@ -253,7 +253,7 @@ def _common(left: list[str], right: list[str]) -> int:
 
 def _places(case: Case, rng: np.random.Generator) -> np.ndarray:
     """By how many last places each parameter and each coordinate of the start is moved."""
-    return np.array([rng.uniform(-_LAST_PLACES, _LAST_PLACES) for _ in (*case.drive, *case.start)])
+    return np.array([rng.uniform(-LAST_PLACES, LAST_PLACES) for _ in (*case.drive, *case.start)])
 
 
 def _moved(case: Case, places: np.ndarray) -> tuple[DriveParameters, tuple[float, ...]]:
