@@ -23,7 +23,7 @@ BOUNDS = {
     "screw_inertia": (0.0, 1.1e6, "1e-30 <= screw_inertia <= 1e+06"),
     "coupling_stiffness": (0.0, 1.1e15, "1e-21 <= coupling_stiffness <= 1e+15"),
     "support_damping": (-1e-9, 1.1e15, "0 or 1e-30 <= support_damping <= 1e+15"),
-    "friction_coefficient": (-0.1, 10.3, "0 or 1e-09 <= friction_coefficient < cot(lead_angle)"),
+    "friction_coefficient": (-0.1, 10.3, "0 or 1e-18 <= friction_coefficient < cot(lead_angle)"),
     "input_speed": (-1.1e9, 1.1e9, "1e-12 <= |input_speed| <= 1e+09"),
     "mass": (0.0, 1.1e9, "1e-18 <= mass <= 1e+09"),
     "translation_damping": (-1.0, 1.1e15, "0 or 1e-18 <= translation_damping <= 1e+15"),

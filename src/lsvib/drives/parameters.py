@@ -50,8 +50,8 @@ def quantity(
 # least dampings, of the same numbers, stop the least bodies in a second. The warmth of a room, 4e-21 J, winds the least
 # coupling up, 1e-21 N m/rad, by two radians, and moves a body on the least spring, 1e-9 N/m, by 2 μm. The least force,
 # 1e-18 N, is a tenth of the weight of the least mass; the least torque is that force at the least radius. The least
-# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-9, is a thousandth of what is measured between
-# layers of graphite; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
+# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-18, is far below the 1e-6 that is measured
+# between layers of graphite; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
 _LEAST_LEAD = 1e-6  # rad
 
 
@@ -80,7 +80,7 @@ class DriveParameters(BaseModel):
     support_damping: Value = quantity(
         2e-4, "c", "N m s rad-1", "rotational damping of the support", least=1e-30, ge=0, le=1e15
     )
-    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-9, ge=0)
+    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-18, ge=0)
     input_speed: Value = quantity(
         40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, zero=False, ge=-1e9, le=1e9
     )
