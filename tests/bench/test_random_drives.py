@@ -152,6 +152,20 @@ def test_a_start_on_zero_excuses_nothing_that_follows():
     assert not excuses.same_after_an_instant(path, exact, beside)
 
 
+def test_touches_in_every_turn_may_be_told_or_not_where_they_fill_the_list():
+    """Without damping this motion comes back to θ′ = 0 in every turn; 40 digits tell more of these touches."""
+    wide = wide_drive("rigid", 9951, 282, 11)
+    case = judges.motion_case(wide, 10)
+    path = engine_path(follow(built(case), case.start, case.duration, max_events=MOST_EVENTS), case)
+    exact = exact_path(case, wide.drive, case.start)
+    assert len(path.kinds) > len(exact.kinds) > MOST_EVENTS // 2
+    assert excuses.same_but_touches(path, exact, case)
+    assert not excuses.same_but_touches(path, replace(exact, kinds=["seizure", *exact.kinds[1:]]), case)
+    assert not excuses.same_but_touches(path, replace(exact, times=exact.times + 1e-6 * case.duration), case)
+    damped = case._replace(drive=wide.drive.replace(support_damping=1e-9))
+    assert not excuses.same_but_touches(path, exact, damped)
+
+
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])
 def test_a_surface_is_met_by_the_coordinate_that_moves_it_most(model, index):
     """The rounding of a large contact force is many digits of the angle where the coupling is soft: 1e-7 of it."""

@@ -31,8 +31,7 @@ def at_corner(path: Record, other: Record, case: Case) -> bool:
     """
     if same_after_an_instant(path, other, case):
         return True
-    undamped = case.drive.support_damping == 0 == case.drive.translation_damping
-    if undamped and agree(*(without_touches(x, case, TOUCHES) for x in (path, other)), case):
+    if _undamped(case) and agree(*(without_touches(x, case, TOUCHES) for x in (path, other)), case):
         return True
     pairs = zip(path.kinds, other.kinds, strict=False)
     same = next((k for k, (one, two) in enumerate(pairs) if one != two), min(len(path.kinds), len(other.kinds)))
@@ -53,6 +52,18 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
     if path.complete or exact.complete:
         return agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds)) - 1  # the last one may be the first half of a touch
+    return count >= MOST_EVENTS // 4 and same_first(one, two, count, case)
+
+
+def same_but_touches(path: Record, exact: Record, case: Case) -> bool:
+    """Whether two full lists of events of a drive without damping agree as far as both go, touches left out.
+
+    The last one may be the first half of a touch.
+    """
+    if not _undamped(case):
+        return False
+    one, two = (without_touches(x, case, TOUCHES) for x in (path, exact))
+    count = min(len(one.kinds), len(two.kinds)) - 1
     return count >= MOST_EVENTS // 4 and same_first(one, two, count, case)
 
 
@@ -108,6 +119,10 @@ def same_after_an_instant(path: Record, other: Record, case: Case) -> bool:
         kinds = [kind for kind, counts in zip(one.kinds, late, strict=True) if counts]
         later.append(replace(one, kinds=kinds, times=one.times[late]))
     return agree(*later, case)
+
+
+def _undamped(case: Case) -> bool:
+    return case.drive.support_damping == 0 == case.drive.translation_damping
 
 
 def _on_contact_line(case: Case) -> bool:

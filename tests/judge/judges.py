@@ -143,6 +143,8 @@ def _motion(
     full = not (path.complete or exact.complete) and count >= paths.MOST_EVENTS // 2
     if full and excuses.same_first(path, exact, count, case):
         return Finding(RIGHT, k)
+    if full and excuses.same_but_touches(path, exact, case):
+        return Finding(CORNER, k)
     # Without a net force rest ends on Q = 0: a corner on every such orbit.
     if constants.net_force == 0 and case_judge.same_end(path, exact) and _balanced(motion, wide, energies):
         return Finding(CORNER, k)
