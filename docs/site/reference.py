@@ -112,8 +112,9 @@ def parameter_tables() -> str:
             about = described(kind, key)
             default = kind.model_fields[key].default
             shown = f"{math.degrees(default):.4g}°" if key == "lead_angle" else f"{default:g}"
-            cells = [f"``{key}``", about["symbol"], about["unit"], allowed_range(kind, key), shown, about["long_name"]]
-            lines += _row(cells)
+            # The symbol is shorter than the key, and |…| in bars would be a substitution.
+            allowed = allowed_range(kind, key).replace(key, about["symbol"]).replace("|", r"\|")
+            lines += _row([f"``{key}``", about["symbol"], about["unit"], allowed, shown, about["long_name"]])
         lines.append("")
     return "\n".join(lines)
 
