@@ -146,12 +146,10 @@ def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
 
     Raises ``EngineError`` where the rates of a mode lie too far apart to isolate them.
     """
-    low, high = math.inf, -math.inf
+    automaton = orbit.automaton
     modes, starts, _, durations = orbit.arcs()
-    for mode, start, duration in zip(modes, starts, durations, strict=True):
-        functional = row if row.ndim == 1 else row[mode]
-        a, b = dispatch.extremes(orbit.automaton.tables.flow, mode, start, functional, duration)
-        low, high = min(low, a), max(high, b)
+    functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
+    low, high = dispatch.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
     return low, high

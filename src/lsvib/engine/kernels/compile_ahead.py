@@ -66,8 +66,8 @@ def _bounce(tables: Tables) -> None:
     event_loop.states_at(
         tables, 0.0, 0, state, events[0], events[3], events[5], times, np.zeros((2, 2)), np.zeros(2, dtype=np.int64)
     )
-    surface = tables.surfaces[0]
-    dispatch.extremes(flow, 0, state, surface, 1.0)
+    surface, first = tables.surfaces[0], np.zeros(1, dtype=np.int64)
+    dispatch.extremes_of_arcs(flow, first, state[None], np.ones(1), surface[None])
     dispatch.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
         search_planar.crossing(flow, 0, state, surface, False, 1.0)

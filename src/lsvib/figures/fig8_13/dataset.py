@@ -174,12 +174,11 @@ def _numbers(steady: SteadyState) -> dict[str, float]:
 
 def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[float, float]:
     """Smallest and largest value of an observable (modes, n + 1) over the arcs in ``wanted`` modes; nan without."""
-    found = [
-        dispatch.extremes(orbit.automaton.tables.flow, mode, start, rows[mode], duration)
-        for mode, start, _, duration in zip(*orbit.arcs(), strict=True)
-        if wanted[mode]
-    ]
-    return (min(x[0] for x in found), max(x[1] for x in found)) if found else (np.nan, np.nan)
+    modes, starts, _, durations = orbit.arcs()
+    k = np.flatnonzero(wanted[modes])
+    if k.size == 0:
+        return np.nan, np.nan
+    return dispatch.extremes_of_arcs(orbit.automaton.tables.flow, modes[k], starts[k], durations[k], rows)
 
 
 def _table(dims: tuple[str, ...], name: str, values) -> tuple:
