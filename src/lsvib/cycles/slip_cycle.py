@@ -14,7 +14,7 @@ Rodrigo and Torres 1998).
 from typing import Any, NamedTuple
 
 from lsvib.cycles.forward_slip import ForwardDrive, bracketed_root, double, many
-from lsvib.errors import EngineError
+from lsvib.errors import NoThreshold
 
 _NEWTON = 8  # steps at most; three steps lead from an error of 1e-7 to all 50 digits
 _EXACT = 1e-35  # relative residual of a solution; the coefficients have 50 digits
@@ -66,14 +66,20 @@ class SlowestPoint(NamedTuple):
 
 
 def slowest_point(drive: ForwardDrive) -> SlowestPoint:
-    """Return the point of the cycle at which the screw is slowest; the conditions of the module docstring must hold."""
+    """Return the point of the cycle at which the screw is slowest; the conditions of the module docstring must hold.
+
+    Raises ``NoThreshold`` where 50 digits do not hold the cycle.
+    """
     for context, nearest, close in _SEARCHES:
         times = _polished(drive, _times(drive, context, nearest, close))
         if times is not None:
             found = (_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
             rate, law, at = min(found, key=lambda point: point[0])
             return SlowestPoint(rate, law, times, at)
-    raise EngineError("the two half returns of the slip cycle do not meet; please report it.")
+    raise NoThreshold(
+        "the force is not known: the rates of slip lie too far apart for 50 digits, in which the two halves of its "
+        "limit cycle do not meet."
+    )
 
 
 def _times(drive: ForwardDrive, context, nearest: float, close: float):

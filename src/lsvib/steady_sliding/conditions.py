@@ -7,7 +7,6 @@ from lsvib.drives import friction
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
-from lsvib.errors import NoThreshold
 
 
 def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
@@ -36,19 +35,13 @@ def conditions(drive: RigidParameters) -> dict[str, dict[str, object]]:
 
 
 def critical_mass(drive: RigidParameters) -> float | None:
-    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking.
-
-    Raises ``NoThreshold`` where doubles do not hold it.
-    """
+    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
     d = drive.exact()
     with localcontext(prec=PLACES):
         xi = friction.friction_factor(d.friction_coefficient, d.tan_lead, 1)
         if xi <= 0:
             return None
-        mass = float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2))
-    if not 0 < mass < math.inf:
-        raise NoThreshold("the mass at which it would lie is outside the range of doubles.")
-    return mass
+        return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2))
 
 
 def critical_friction(drive: DriveParameters, screw_mass: float = math.inf) -> float | None:
@@ -56,8 +49,7 @@ def critical_friction(drive: DriveParameters, screw_mass: float = math.inf) -> f
 
     Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,
     infinite for the rigid drive, m̃ = m and Γ₊ = 0.
-    Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it, or
-    none that doubles hold.
+    Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it.
     """
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -66,5 +58,4 @@ def critical_friction(drive: DriveParameters, screw_mass: float = math.inf) -> f
         # ξ₊ grows with μ and reaches (cot λ − tan λ) / 2 at the end of the valid range.
         if xi * d.tan_lead >= 1 or (xi + d.tan_lead) * d.tan_lead >= 1 - xi * d.tan_lead:
             return None
-        found = float((xi + d.tan_lead) / (1 - xi * d.tan_lead))
-        return found if math.isfinite(found) else None
+        return float((xi + d.tan_lead) / (1 - xi * d.tan_lead))
