@@ -39,7 +39,8 @@ from lsvib.cycles.trends import QUARTERS, Trend, extrapolated, no_trend, reach, 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Budget, Motion
-from lsvib.errors import WorkSpentError
+from lsvib.errors import DivergenceError, WorkSpentError
+from lsvib.numbers import LARGEST_START
 
 _RETURNS = 8  # returns that are followed before a step is measured
 _ALIKE = 3  # number of the last of these returns that must have the same events
@@ -160,6 +161,8 @@ def pursue(
                 return found
             course.leapt, gain = True, max(1.0, _PER_EVENT * quarters / QUARTERS)
             state = extrapolated(motion, trend, quarters, trust)
+            if not np.abs(state).max() < LARGEST_START:
+                raise DivergenceError("the motion grows without bound: leaps lead beyond the range of numbers.")
             after = max(_BETWEEN, window // QUARTERS)
             motion = follow_patiently(automaton, state, math.inf, mode=None, max_events=after, budget=budget)
         elif not trend.moves and (_swings(trend, window) if conserved else _long(motion, window)):

@@ -29,6 +29,7 @@ _NO_TREND = 3e-3
 _NOISE = 3.0
 _HIDDEN = 0.1  # part of the error of a step above which the damping of an amplitude itself may be what is seen
 _BACK = 0.05  # part of the change that a leap has made with which amplitudes have come back
+_CREEPS = 0.5  # largest change of a logarithm in a quarter with which a coordinate creeps
 _LEAST = -2.0  # least change of the logarithm of an amplitude in a leap, for one that falls faster than the others
 _SCATTERED = 3  # windows in a row over which amplitudes that scatter show no trend
 _FEWEST = 8  # events in a quarter of so much time; else the quarters have equal numbers of events
@@ -58,6 +59,7 @@ class Trend(NamedTuple):
     own: np.ndarray
     turning: np.ndarray
     turns: float
+    pairs: int
 
     def continues(self, before: "Trend | None") -> bool:
         """Whether it is that before a leap, in windows of any length."""
@@ -110,21 +112,51 @@ def trend_of(motion: Motion) -> Trend | None:
     quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    full = np.zeros(flow.pairs[home])
+    full = np.zeros(flow.pairs[home] + flow.singles[home])
     bend = full.copy()
     steady = (np.abs(step) > max(_ROUNDING * motion.time.size, least)) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
     bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
+    creeps = _creep(flow, home, modal, parts, (motion.end_time - motion.start_time) / QUARTERS, full, bend)
     moves = _moves(motion.after, least)
     own = rows[turning, ALPHA] * (motion.end_time - motion.start_time) / QUARTERS
     level = (np.abs(step) <= np.maximum(np.minimum(_NO_TREND, _NOISE * spread), least)) & ~_may_die(step, own, spread)
     none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     scatters = np.abs(step) <= np.maximum(spread, max(_ROUNDING * motion.time.size, least))
-    consistent = bool(steady.any() and (steady | scatters).all())
+    consistent = bool((creeps or steady.any()) and (steady | scatters).all())
     turns = (motion.end_time - motion.start_time) / turn
-    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, turns)
+    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, turns, int(flow.pairs[home]))
+
+
+def _creep(
+    flow: ModalFlow,
+    home: int,
+    modal: np.ndarray,
+    parts: Sequence[tuple[slice, np.ndarray]],
+    quarter: float,
+    step: np.ndarray,
+    bend: np.ndarray,
+) -> bool:
+    """Enter the trends of what creeps to its equilibrium in the mode, beside those of the pairs; whether there is any.
+
+    Arguments: the modal coordinates at events (k, q), and the quarters, of so many seconds each. A coordinate creeps if
+    its rate is slower than a quarter, its sign stays, and its logarithm has a steady trend.
+    """
+    pairs, found = int(flow.pairs[home]), False
+    for j in range(int(flow.singles[home])):
+        values = np.abs(modal[:, 2 * pairs + j])
+        same_sign = abs(np.sign(modal[:, 2 * pairs + j]).sum()) == len(modal)
+        slow = -_CREEPS < flow.rates[home, j] * quarter < 0
+        if not (slow and same_sign and flow.pushes[home, j] == 0):
+            continue
+        quarters = np.array([np.average(np.log(values[part]), weights=weights) for part, weights in parts])
+        steps = np.diff(quarters)
+        if np.ptp(steps) <= _STEADY * abs(steps.mean()):
+            step[pairs + j], bend[pairs + j] = steps.mean(), (steps[-1] - steps[0]) / (QUARTERS - 2)
+            found = True
+    return found
 
 
 def _may_die(step: np.ndarray, own: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -205,7 +237,10 @@ def reach(trend: Trend, trust: float) -> float:
     moving = trend.step != 0
     sizes, bends = np.abs(trend.step[moving]), np.abs(trend.bend[moving])
     steady = np.maximum(trust * _CHANGE * sizes / (bends + _STILL), np.sqrt(2 * _OFF / (bends + _STILL**2)))
-    return min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min())
+    creeps, bent = trend.step[trend.pairs :], trend.bend[trend.pairs :]
+    ends = np.abs(creeps[creeps * bent < 0] / bent[creeps * bent < 0])  # there the coordinate would turn back
+    farthest = min(-_LEAST / max(np.abs(creeps).max(initial=0.0), _STILL), ends.min(initial=np.inf))
+    return min(_PART / sizes.min(), _PART / max(trend.step.max(), _STILL), steady.min(), farthest)
 
 
 def extrapolated(motion: Motion, trend: Trend, leap: float, trust: float) -> np.ndarray:
@@ -216,5 +251,6 @@ def extrapolated(motion: Motion, trend: Trend, leap: float, trust: float) -> np.
     if trust == 1.0:
         change = change + 0.5 * leap * (leap + 1) * trend.bend
     factors = np.exp(np.clip(change, _LEAST, _PART))
-    modal[: 2 * factors.size] *= np.repeat(factors, 2)
+    modal[: 2 * trend.pairs] *= np.repeat(factors[: trend.pairs], 2)
+    modal[2 * trend.pairs : factors.size + trend.pairs] *= factors[trend.pairs :]
     return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1]
