@@ -140,3 +140,9 @@ def test_without_damping_a_trend_that_turns_back_is_none(model, index, start):
     levels = np.array([trend.quarters.mean(axis=0) for trend in trends])
     assert trends[0].turns > 10
     assert (np.ptp(levels, axis=0) < 1e-8).all()
+
+
+def test_a_leap_beyond_the_numbers_that_a_start_may_have_is_growth():
+    """The contact flutters, and a leap led to an angle of 1e119 rad, which was refused as a start: a traceback."""
+    automaton, state = scene("threads", 85, 28, 0)
+    assert steady_state(automaton, state).label == Attractor.UNBOUNDED

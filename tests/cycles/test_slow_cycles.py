@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from judge.wide_drives import wide_drive
+from reference.wide_scenes import scene
 
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, steady_state
@@ -198,3 +199,19 @@ def test_amplitudes_that_come_back_after_a_leap_have_no_trend():
     sizes = [np.abs(part).max(axis=0) for part in np.array_split(motion.after[10_000:], 3)]
     assert sizes[2] == pytest.approx(sizes[0], rel=1e-6, abs=0)
     assert steady_state(automaton, wide.starts[2], max_events=700_000).label == Attractor.RECURRENT
+
+
+def test_a_creep_that_carries_an_amplitude_with_it_is_leapt_along():
+    """The nut creeps to where its spring carries the friction, in 1700 s, and chatters eleven times in 28 ms.
+
+    The amplitude of the chatter follows the creep; leaps along the amplitude alone led nowhere. The cycle attracts as
+    slowly as the nut creeps.
+    """
+    automaton, state = scene("nut", 85, 37, 3)
+    found = steady_state(automaton, state)
+    assert found.label == Attractor.SPRAG_SLIP_CYCLE
+    assert found.residual < 1e-12
+    creep = automaton.tables.flow.rates[0, 0]
+    assert math.log(found.multiplier) == pytest.approx(creep * found.period, rel=0.1)
+    late = follow(automaton, found.orbit.end_state, 100 * found.period, mode=found.orbit.end_mode)
+    assert late.end_state == pytest.approx(found.orbit.end_state, rel=1e-9)

@@ -5,6 +5,10 @@ some. The logarithms of their amplitudes, at events, have means over the quarter
 energy from a fast vibration, how much it takes depends on where the slow one is within its turn: so the quarters are
 whole turns of the slowest oscillation, where the window has four, and the ends of a quarter count little in its mean.
 The trend is extrapolated; the phases stay as they are.
+
+What creeps to an equilibrium without turning, such as a damped nut under friction, may carry the amplitudes with it.
+Its distance from the equilibrium of the mode has a trend of its own, as long as it creeps more slowly than a quarter,
+and is extrapolated beside them, at most to where its trend would turn back.
 """
 
 import math
@@ -42,11 +46,12 @@ _STILL = 1e-12  # added to a change that divides: a trend that is as small is le
 
 
 class Trend(NamedTuple):
-    """Trend of the logarithms of the amplitudes (p) over a quarter of a window, and its change to the next.
+    """Trend of the logarithms of the amplitudes over a quarter of a window, and its change to the next.
 
-    ``quarters`` (4, t) are these logarithms of the pairs that turn, ``turning`` (t); ``own`` (t), by how much they
-    would fall in a quarter without events; ``turns``, how often the slowest of them does in the window; ``moves``,
-    whether a coordinate drifts.
+    ``step`` and ``bend`` (p + s) are those of all pairs of the mode, ``pairs`` in number, and then of its singles; zero
+    where there is none. ``quarters`` (4, t) are the logarithms of the pairs that turn, ``turning`` (t); ``own`` (t), by
+    how much they would fall in a quarter without events; ``turns``, how often the slowest of them does in the window;
+    ``moves``, whether a coordinate drifts.
     """
 
     mode: int
@@ -112,22 +117,22 @@ def trend_of(motion: Motion) -> Trend | None:
     quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
     steps = np.diff(quarters, axis=0)
     step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    full = np.zeros(flow.pairs[home] + flow.singles[home])
+    pairs, span = int(flow.pairs[home]), motion.end_time - motion.start_time
+    full = np.zeros(pairs + flow.singles[home])
     bend = full.copy()
     steady = (np.abs(step) > max(_ROUNDING * motion.time.size, least)) & (spread <= _STEADY * np.abs(step))
     full[turning] = np.where(steady, step, 0.0)
     bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
     bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
-    creeps = _creep(flow, home, modal, parts, (motion.end_time - motion.start_time) / QUARTERS, full, bend)
+    creeps = _creep(flow, home, modal, parts, span / QUARTERS, full, bend)
     moves = _moves(motion.after, least)
-    own = rows[turning, ALPHA] * (motion.end_time - motion.start_time) / QUARTERS
+    own = rows[turning, ALPHA] * span / QUARTERS
     level = (np.abs(step) <= np.maximum(np.minimum(_NO_TREND, _NOISE * spread), least)) & ~_may_die(step, own, spread)
     none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
     scatters = np.abs(step) <= np.maximum(spread, max(_ROUNDING * motion.time.size, least))
     consistent = bool((creeps or steady.any()) and (steady | scatters).all())
-    turns = (motion.end_time - motion.start_time) / turn
-    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, turns, int(flow.pairs[home]))
+    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, span / turn, pairs)
 
 
 def _creep(
