@@ -43,12 +43,16 @@ def touches_only(path: Record, exact: Record, case: Case) -> bool:
     """Whether motions agree once what is undone at once is left out of both.
 
     With a second body these are modes that are left again for the mode that they came from: an undamped body that was
-    released from rest comes back to rest once in each turn, for no time. Where touches fill the list of events that
-    ends a motion, the events that both have are compared. Of compliant threads nothing is left out.
+    released from rest comes back to rest once in each turn, for no time. Of compliant threads these are two reversals
+    of an undamped contact: one that was unloaded at first comes back to N = 0 once in each turn. Where touches fill the
+    list of events that ends a motion, the events that both have are compared.
     """
     if case.drive.model == "threads":
-        return False
-    one, two = (_without_instants(x, case) for x in (path, exact))
+        if case.drive.contact_damping != 0:
+            return False
+        one, two = (_without_contact_touches(x, case) for x in (path, exact))
+    else:
+        one, two = (_without_instants(x, case) for x in (path, exact))
     if path.complete or exact.complete:
         return agree(one, two, case)
     count = min(len(one.kinds), len(two.kinds)) - 1  # the last one may be the first half of a touch
@@ -143,6 +147,14 @@ def same_first(path: Record, other: Record, count: int, case: Case) -> bool:
 def without_touches(path: Record, case: Case, touches: Container[tuple[str, str]]) -> Record:
     """Leave out pairs of events that follow each other at once and only touch a surface."""
     return _without_pairs(path, case, lambda kinds, kind: (kinds[-1], kind) in touches)
+
+
+def _without_contact_touches(path: Record, case: Case) -> Record:
+    """Leave out touches of the contact, and the first half of one at which the motion ends."""
+    left = without_touches(path, case, (("contact_reversal", "contact_reversal"),))
+    if left.complete and left.kinds[-1:] == ["contact_reversal"] and left.times[-1] >= (1 - _AT_ONCE) * case.duration:
+        return replace(left, kinds=left.kinds[:-1], times=left.times[:-1])
+    return left
 
 
 def _without_instants(path: Record, case: Case) -> Record:

@@ -35,7 +35,7 @@ from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
-_EVENTS = 600_000  # units of work beyond the rounds, each some microseconds
+_EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
 _BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
 _AGAIN = 4  # The search from the start, where that from the last round tells nothing, has a quarter of that work.
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work, and so has steady sliding

@@ -37,7 +37,7 @@ from lsvib.drives.powers import Powers, product
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.drives.second_body.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
-from lsvib.engine.exact.flow_choice import LinearMode, flow_of, linear_mode
+from lsvib.engine.exact.flow_choice import LinearMode, flow_of, guard_forms_of, linear_mode
 from lsvib.engine.exact.modal_arrays import ManyModes
 from lsvib.engine.exact.pair_arrays import double, for_all, squared
 from lsvib.engine.exact.precision import PLACES
@@ -117,6 +117,7 @@ def automaton_of(c: Coefficients, d: Any) -> Automaton:
             },
             shortest_stay=0.0,
             stack=flow_of,
+            forms=guard_forms_of,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
         )

@@ -91,7 +91,12 @@ def flow_of(modes: Sequence[Any]) -> ModalFlow | BlockFlow | list[ModalFlow | No
     return modal_flow([mode.modal for mode in modes])
 
 
-def guard_forms_of(modes: Sequence[LinearMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
-    """Return :func:`lsvib.engine.exact.modal_form.guard_forms` if all modes are in modal form, else None."""
+def guard_forms_of(modes: Sequence[Any], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
+    """Return :func:`lsvib.engine.exact.modal_form.guard_forms` if all modes are in modal form, else None.
+
+    Of many drives at once there are none: their guards have the digits of the tables.
+    """
+    if isinstance(modes[0], ManyModes):
+        return None
     forms = [mode.modal for mode in modes if mode.modal is not None]
     return guard_forms(forms, rows) if len(forms) == len(modes) else None

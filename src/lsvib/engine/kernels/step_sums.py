@@ -103,6 +103,15 @@ def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
 
 
 @inlined_kernel
+def _left_of_rounding(flow, mode, work, guard, here, there):
+    """Return the rounding of a guard on a step: that of time zero, or less where large parts have died away."""
+    left = max(
+        guard_sums.rounding_at(flow, mode, work, guard, here), guard_sums.rounding_at(flow, mode, work, guard, there)
+    )
+    return min(left, work.rounding[guard])
+
+
+@inlined_kernel
 def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
     """Decide what a guard does on one step, by the tests of the module docstring.
 
@@ -136,5 +145,7 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
             return decision, slack
     low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low <= work.rounding[guard]:
-        return decide_by_chord(first, last, work.rounding[guard], starts_on_surface), _BEYOND_ROUNDING
+        rounding = _left_of_rounding(flow, mode, work, guard, here, there)
+        if least - low <= rounding:
+            return decide_by_chord(first, last, rounding, starts_on_surface), _BEYOND_ROUNDING
     return _UNDECIDED, slack
