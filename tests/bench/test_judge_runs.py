@@ -141,3 +141,10 @@ def test_a_run_goes_on_where_it_was_stopped_and_ends_what_does_not_return(tmp_pa
     faint = ["--cases", "4", "--seed", "9101"]  # hardly damped: longer than a tick of the clock, 4 ms
     assert command.main([*faint, "--questions", "attractor", "--out", str(tmp_path / "late"), "--limit", "1e-6"]) == 1
     assert "attractor late" in (tmp_path / "late" / "rigid-9101.jsonl").read_text()
+
+
+def test_a_damping_of_forty_decades_below_its_rate_is_one():
+    """Where friction is tan λ the damping of a nut has a double zero: 1e-9 beside it, it is 1e-45 of the rate."""
+    wide = wide_drive("nut", 9961, 766, 1)
+    found = list(boundary_judge.objections(wide, np.random.default_rng([wide.seed, wide.index])))
+    assert {verdict for _, verdict, *_ in found} == {"right"}, found

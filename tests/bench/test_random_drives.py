@@ -7,7 +7,7 @@ import pytest
 from judge import command, excuses, judges
 from judge.linear_judge import rates
 from judge.second_opinions import watch
-from judge.second_paths import quick_path, watched_path
+from judge.second_paths import case_ladders, quick_path, strides_path, watched_path
 from judge.wide_drives import wide_drive
 
 from lsvib.bench.record import Record
@@ -164,6 +164,21 @@ def test_touches_in_every_turn_may_be_told_or_not_where_they_fill_the_list():
     assert not excuses.same_but_touches(path, replace(exact, times=exact.times + 1e-6 * case.duration), case)
     damped = case._replace(drive=wide.drive.replace(support_damping=1e-9))
     assert not excuses.same_but_touches(path, exact, damped)
+
+
+def test_touches_of_an_undamped_contact_may_be_told_or_not():
+    """From u = w = e = v = 0 N comes back to zero after each turn, also where the motion ends; 32 digits tell it."""
+    wide = wide_drive("threads", 9961, 277, 13)
+    case = judges.four_cases(wide)[12]
+    assert not any(case.start)
+    path = engine_path(follow(built(case), case.start, case.duration, max_events=MOST_EVENTS), case)
+    other = strides_path(case, case_ladders(case, case.duration))
+    assert len(other.kinds) > len(path.kinds)
+    assert excuses.touches_only(path, other, case)
+    assert not excuses.touches_only(path, replace(other, kinds=["stick", *other.kinds[1:]]), case)
+    assert not excuses.touches_only(path, replace(other, end=other.end + 1e-6 * other.size), case)
+    damped = case._replace(drive=wide.drive.replace(contact_damping=1e-9))
+    assert not excuses.touches_only(path, other, damped)
 
 
 @pytest.mark.parametrize(("model", "index"), [("threads", 25), ("nut", 58), ("nut", 63)])

@@ -284,6 +284,20 @@ def test_what_is_small_beside_its_terms_keeps_its_digits(index, start):
     assert max(outcome.state_error, outcome.time_error) < 1e-10
 
 
+@pytest.mark.parametrize("start", [3, 36, 107])
+def test_a_guard_is_found_by_what_is_left_of_it(start):
+    """Without load N falls from 6e5 N to 6e-10 N within 35 time constants of its fast part, and passes zero there.
+
+    That is below the rounding of the parts at time zero, and the event was found as late as 80 time constants (start
+    3); and k_c e + c_c v, of a contact that creeps, had lost all digits of what is left (36, 107).
+    """
+    wide = wide_drive("threads", 9961, 669, start + 1)
+    case = four_case(wide, start, max(abs(float(x.imag)) for x in rates(wide)))
+    outcome = judge(case, np.random.default_rng(0), by_reference=True, truth=quick_path)
+    assert outcome.verdict == Verdict.RIGHT
+    assert max(outcome.state_error, outcome.time_error) < 1e-9
+
+
 @pytest.mark.parametrize("index", [269, 518, 774])
 def test_an_undamped_contact_that_only_touches_zero_does_not_reverse(index):
     """From u = w = e = v = 0 N comes back to zero after each turn; rounding alone makes it negative there."""

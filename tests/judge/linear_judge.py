@@ -11,7 +11,7 @@ from lsvib.bench.reference.two_bodies_digits import ClosedFormDrive
 from lsvib.drives.parameters import RigidParameters
 
 _DIGITS = 120  # so that a double rate has 60
-REAL = mp.mpf(10) ** -45  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
+REAL = mp.mpf(10) ** -50  # of a rate; a real part below this is rounding, as even a double rate has 60 digits
 
 
 def rates(wide: WideDrive) -> list:
