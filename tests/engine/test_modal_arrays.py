@@ -27,7 +27,10 @@ def many_of(drives) -> ManyDrives:
 
 @pytest.mark.parametrize("kind", ["contact", "load"])
 def test_tables_are_those_of_one_drive(kind):
-    """All but the flow to the last bit; of the flow what the modal form does to a state, and its rates."""
+    """All but the flow to the last bit; of the flow what the modal form does to a state, and its rates.
+
+    The guards of many drives have no exact forms; see ``guard_forms_of``.
+    """
     drives = drives_of(kind, 100)
     found = automata(many_of(drives), "contact_sign")
     assert sum(one is not None for one in found) > 95
@@ -38,7 +41,9 @@ def test_tables_are_those_of_one_drive(kind):
         assert isinstance(one.tables.flow, ModalFlow)
         assert [seated["e"], seated["v"]] == seated_state(drive, 0.0, 0.0)[2:].tolist()
         for name, table in one.tables._asdict().items():
-            if name != "flow":
+            if name == "guard_parts":
+                assert mine.tables.guard_parts.shape == (len(table), 0)
+            elif name != "flow":
                 np.testing.assert_array_equal(getattr(mine.tables, name), table, err_msg=f"{name} of {drive!r}")
         for name, table in one.observables.items():
             np.testing.assert_array_equal(mine.observables[name], table)
