@@ -53,6 +53,7 @@ def of_more_states(
     in_all = _IN_ALL * all_of_it
 
     def ended(part: Motion, apart: float = _APART) -> SteadyState | None:
+        """Return what a part of the motion shows it to end in; a motion that moves ``apart`` is on no cycle."""
         if part.status == Status.SETTLED:
             return settled(automaton, part)
         found = shrinking(part, budget) or growing(part, budget)

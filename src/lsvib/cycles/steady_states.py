@@ -141,13 +141,19 @@ def cycle_label(orbit: Motion) -> Attractor:
     return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
 
 
-def orbit_extremes(orbit: Motion, row: np.ndarray) -> tuple[float, float]:
+def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = None) -> tuple[float, float]:
     """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
 
-    Raises ``EngineError`` where the rates of a mode lie too far apart to isolate them.
+    With ``wanted`` (modes) over the arcs in these modes only, and not a number where there is none. Raises
+    ``EngineError`` where the rates of a mode lie too far apart to isolate them.
     """
     automaton = orbit.automaton
     modes, starts, _, durations = orbit.arcs()
+    if wanted is not None:
+        chosen = wanted[modes]
+        if not chosen.any():
+            return math.nan, math.nan
+        modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
     functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
     low, high = dispatch.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
     if not (math.isfinite(low) and math.isfinite(high)):

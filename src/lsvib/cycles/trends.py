@@ -112,56 +112,47 @@ def trend_of(motion: Motion) -> Trend | None:
     squares = place * place + across * across
     if not (squares > 0).all():
         return None
-    turn = 2 * math.pi / float(rows[turning, BETA].min())
+    turn, span = 2 * math.pi / float(rows[turning, BETA].min()), motion.end_time - motion.start_time
     parts, least = _quarters(motion, turn), _CONSERVED if conserves(motion.automaton) else 0.0
-    quarters = np.array([np.average(np.log(squares[part]), axis=0, weights=weights) / 2 for part, weights in parts])
-    steps = np.diff(quarters, axis=0)
-    step, spread = steps.mean(axis=0), np.ptp(steps, axis=0)
-    pairs, span = int(flow.pairs[home]), motion.end_time - motion.start_time
-    full = np.zeros(pairs + flow.singles[home])
-    bend = full.copy()
-    steady = (np.abs(step) > max(_ROUNDING * motion.time.size, least)) & (spread <= _STEADY * np.abs(step))
-    full[turning] = np.where(steady, step, 0.0)
-    bends = (steps[-1] - steps[0]) / (QUARTERS - 2)
-    bend[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
-    creeps = _creep(flow, home, modal, parts, span / QUARTERS, full, bend)
+    quarters, step, bends, spread = _over_quarters(0.5 * np.log(squares), parts)
+    rounding = max(_ROUNDING * motion.time.size, least)
+    steady = (np.abs(step) > rounding) & (spread <= _STEADY * np.abs(step))
+    pairs, creeping = int(flow.pairs[home]), _creeping(flow, home, modal, span / QUARTERS)
+    all_steps, all_bends = np.zeros((2, pairs + int(flow.singles[home])))
+    all_steps[turning] = np.where(steady, step, 0.0)
+    all_bends[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
+    _, creep, bent, wander = _over_quarters(np.log(np.abs(modal[:, 2 * pairs + creeping])), parts)
+    creeps = wander <= _STEADY * np.abs(creep)
+    all_steps[pairs + creeping] = np.where(creeps, creep, 0.0)
+    all_bends[pairs + creeping] = np.where(creeps, bent, 0.0)
     moves = _moves(motion.after, least)
     own = rows[turning, ALPHA] * span / QUARTERS
     level = (np.abs(step) <= np.maximum(np.minimum(_NO_TREND, _NOISE * spread), least)) & ~_may_die(step, own, spread)
     none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
-    scatters = np.abs(step) <= np.maximum(spread, max(_ROUNDING * motion.time.size, least))
-    consistent = bool((creeps or steady.any()) and (steady | scatters).all())
-    return Trend(home, full, bend, consistent and not none, none, moves, quarters, own, turning, span / turn, pairs)
+    scatters = np.abs(step) <= np.maximum(spread, rounding)
+    consistent = bool((creeps.any() or steady.any()) and (steady | scatters).all()) and not none
+    return Trend(home, all_steps, all_bends, consistent, none, moves, quarters, own, turning, span / turn, pairs)
 
 
-def _creep(
-    flow: ModalFlow,
-    home: int,
-    modal: np.ndarray,
-    parts: Sequence[tuple[slice, np.ndarray]],
-    quarter: float,
-    step: np.ndarray,
-    bend: np.ndarray,
-) -> bool:
-    """Enter the trends of what creeps to its equilibrium in the mode, beside those of the pairs; whether there is any.
+def _over_quarters(
+    logarithms: np.ndarray, parts: Sequence[tuple[slice, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the means of logarithms (k, t) over quarters (4, t), their mean step, its bend, and the steps' spread."""
+    quarters = np.array([np.average(logarithms[part], axis=0, weights=weights) for part, weights in parts])
+    steps = np.diff(quarters, axis=0)
+    return quarters, steps.mean(axis=0), (steps[-1] - steps[0]) / (QUARTERS - 2), np.ptp(steps, axis=0)
 
-    Arguments: the modal coordinates at events (k, q), and the quarters, of so many seconds each. A coordinate creeps if
-    its rate is slower than a quarter, its sign stays, and its logarithm has a steady trend.
+
+def _creeping(flow: ModalFlow, home: int, modal: np.ndarray, quarter: float) -> np.ndarray:
+    """Return which singles of a mode may creep to their equilibrium, by their modal coordinates (k, q) at events.
+
+    Their rate is slower than a quarter of a window [s], and their sign stays.
     """
-    pairs, found = int(flow.pairs[home]), False
-    for j in range(int(flow.singles[home])):
-        values = np.abs(modal[:, 2 * pairs + j])
-        same_sign = abs(np.sign(modal[:, 2 * pairs + j]).sum()) == len(modal)
-        slow = -_CREEPS < flow.rates[home, j] * quarter < 0
-        if not (slow and same_sign and flow.pushes[home, j] == 0):
-            continue
-        quarters = np.array([np.average(np.log(values[part]), weights=weights) for part, weights in parts])
-        steps = np.diff(quarters)
-        if np.ptp(steps) <= _STEADY * abs(steps.mean()):
-            step[pairs + j], bend[pairs + j] = steps.mean(), (steps[-1] - steps[0]) / (QUARTERS - 2)
-            found = True
-    return found
+    singles = modal[:, 2 * flow.pairs[home] :][:, : flow.singles[home]]
+    rates, pushes = (table[home, : flow.singles[home]] for table in (flow.rates, flow.pushes))
+    slow = (-_CREEPS < rates * quarter) & (rates < 0) & (pushes == 0)
+    return np.flatnonzero(slow & ((singles > 0).all(axis=0) | (singles < 0).all(axis=0)))
 
 
 def _may_die(step: np.ndarray, own: np.ndarray, error: np.ndarray) -> np.ndarray:

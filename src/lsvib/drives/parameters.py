@@ -50,8 +50,8 @@ def quantity(
 # least dampings, of the same numbers, stop the least bodies in a second. The warmth of a room, 4e-21 J, winds the least
 # coupling up, 1e-21 N m/rad, by two radians, and moves a body on the least spring, 1e-9 N/m, by 2 μm. The least force,
 # 1e-18 N, is a tenth of the weight of the least mass; the least torque is that force at the least radius. The least
-# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-18, is far below the 1e-6 that is measured
-# between layers of graphite; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
+# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-18, is far below any that has been
+# measured; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
 _LEAST_LEAD = 1e-6  # rad
 
 

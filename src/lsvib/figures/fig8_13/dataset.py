@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
+from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.data import phase_plane, spans
 from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
@@ -14,8 +14,6 @@ from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_s
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.engine.kernels import dispatch
-from lsvib.engine.motion import Motion
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import (
     CRITICAL_MASS_WITH_CONTACT,
@@ -165,20 +163,11 @@ def _numbers(steady: SteadyState) -> dict[str, float]:
     return {
         "attractor": steady.label,
         "largest_deflection": steady.extremes(deflection)[1],
-        "sprag_deflection": _extremes(steady.orbit, deflection, sprags)[1],
+        "sprag_deflection": orbit_extremes(steady.orbit, deflection, sprags)[1],
         "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
         "period": steady.period,
         "period_residual": steady.residual,
     }
-
-
-def _extremes(orbit: Motion, rows: np.ndarray, wanted: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest value of an observable (modes, n + 1) over the arcs in ``wanted`` modes; nan without."""
-    modes, starts, _, durations = orbit.arcs()
-    k = np.flatnonzero(wanted[modes])
-    if k.size == 0:
-        return np.nan, np.nan
-    return dispatch.extremes_of_arcs(orbit.automaton.tables.flow, modes[k], starts[k], durations[k], rows)
 
 
 def _table(dims: tuple[str, ...], name: str, values) -> tuple:
