@@ -7,12 +7,14 @@ of them if they do not, the state is Π_k (x, 1). So the size that a coordinate 
 
     x* = max( x, |Π_k| (x, 1) ),      over all k for which this state is reached before the horizon.
 
-Rates next to each other (``_GAP``) and rates slower than the horizon cannot be separated in this way. But a group of
-such rates, of which the fastest is ω, turns the state within its own subspace by about a radian in a time 1/ω: with the
-projector Π on the group and the field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large
-rate of the nut is given as typical makes of its angle counts as typical, too.
+Rates next to each other (``_GAP``) cannot be separated in this way. But a group of such rates, of which the fastest is
+ω, turns the state within its own subspace by about a radian in a time 1/ω: with the projector Π on the group and the
+field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large rate of the nut is given as typical
+makes of its angle counts as typical, too. Nor can rates be separated that are slower than the horizon T. They make
+|exp(H Π T)| (x, 1) of the state: a coupling that is wound up at rest loads the contact long before the nut has swung.
 """
 
+import math
 from dataclasses import replace
 
 import mpmath
@@ -53,5 +55,8 @@ def _reached_states(matrix, horizon: float):
             if abs(group[-1]) > least:
                 block = block_of(matrix, group, slow + fast)
                 yield block.out * block.matrix * block.into / abs(group[-1])
+            elif horizon < math.inf:
+                block = block_of(matrix, group, slow + fast)
+                yield block.out * mpmath.expm(block.matrix * horizon) * block.into
         except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
             continue
