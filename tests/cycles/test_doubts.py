@@ -104,10 +104,10 @@ def test_an_amplitude_that_does_not_change_at_all_is_no_trend():
     assert mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[0]).doubt is None
 
 
-@pytest.mark.parametrize(("index", "start"), [(18, 2), (3, 0)])
-def test_what_is_not_told_takes_no_more_work_than_is_allowed(index, start, monkeypatch):
+@pytest.mark.parametrize(("seed", "index", "start"), [(84, 18, 2), (85, 39, 2)])
+def test_what_is_not_told_takes_no_more_work_than_is_allowed(seed, index, start, monkeypatch):
     """One starts in steady sliding, which repels so slowly that it was asked about twice; one has large blocks."""
-    wide, spent = wide_drive("threads", 84, index, 4), []
+    wide, spent = wide_drive("threads", seed, index, 4), []
 
     def run(tables, mode, state, scale, clock, *others):
         before = clock[3]
@@ -122,4 +122,4 @@ def test_what_is_not_told_takes_no_more_work_than_is_allowed(index, start, monke
     monkeypatch.setattr(mapped, "_events", FEW)
     assert mapped.destiny(wide.starts[start]).doubt == Doubt.EVENTS
     assert sum(spent) < 3.6 * FEW
-    assert mapped.automaton.effort == pytest.approx({18: 1.0, 3: 0.5 + 0.5 * 33 / 17}[index])
+    assert mapped.automaton.effort == pytest.approx({84: 1.0, 85: 0.5 + 0.5 * 33 / 17}[seed])

@@ -49,12 +49,18 @@ def test_no_event_comes_before_a_quiet_time_ends(model):
 
 
 @pytest.mark.parametrize(
-    ("model", "seed", "index"),
-    [("threads", 71, 16), ("support", 71, 6), ("nut", 71, 11), ("nut", 71, 27), ("threads", 83, 36)],
+    ("model", "seed", "index", "in_blocks"),
+    [
+        ("threads", 71, 16, False),
+        ("support", 71, 6, False),
+        ("nut", 71, 11, True),
+        ("nut", 71, 27, True),
+        ("threads", 83, 36, True),
+    ],
 )
-def test_parts_add_up_to_the_motion(model, seed, index):
+def test_parts_add_up_to_the_motion(model, seed, index, in_blocks):
     """In slip and at rest, in modal form and in blocks; the last one winds up and swings in one and the same block."""
-    automaton, state = scene(model, seed, index, 0)
+    automaton, state = scene(model, seed, index, 0, in_blocks)
     flow = automaton.tables.flow
     for mode in range(len(automaton.codes)):
         found = parts_of(flow, mode, state)
@@ -68,11 +74,11 @@ def test_parts_add_up_to_the_motion(model, seed, index):
             assert (np.abs(ours - there) <= ALIKE * sizes).all()
 
 
+@pytest.mark.parametrize("in_blocks", [False, True])
 @pytest.mark.parametrize(("index", "period"), [(11, 413.27256499013), (27, 20261470.7945)])
-def test_a_cycle_with_a_long_rest_is_told(index, period):
+def test_a_cycle_with_a_long_rest_is_told(index, period, in_blocks):
     """The rest ends when the coupling has turned far enough; till then the nut vibrates at 1e4 to 1e5 1/s."""
-    automaton, state = scene("nut", 71, index, 0)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("nut", 71, index, 0, in_blocks)
     found = steady_state(automaton, state, max_events=700_000)
     assert found.label == Attractor.SPRAG_SLIP_CYCLE
     assert found.period == pytest.approx(period, rel=1e-10)
@@ -117,9 +123,20 @@ def test_walks_of_quiet_times_cost_little():
 
 def test_a_rate_of_zero_beside_what_winds_up_is_told_by_no_parts():
     """With a support that creeps at 10⁻⁵ 1/s a block has no inverse beside what winds up: once a traceback."""
-    automaton, state = scene("support", 83, 10, 0)
-    blocks = [parts_of(automaton.tables.flow, mode, state) for mode in range(len(automaton.codes))]
-    assert any(found is None for found in blocks)
+    block = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 1.0], [0.0, 1.0, -1.0]])
+    unused = np.zeros((1, 3, 3))
+    flow = BlockFlow(
+        block[None],
+        unused,
+        unused,
+        unused[:, 0],
+        np.array([[0, 3, 3, 3]]),
+        unused[:, 0],
+        np.eye(3)[None],
+        np.eye(2, 4)[None],
+        unused,
+    )
+    assert parts_of(flow, 0, np.ones(2)) is None
 
 
 def test_a_rest_without_any_rate_is_left_out():

@@ -23,7 +23,6 @@ from lsvib.cycles.return_map import ReturnSection
 from lsvib.cycles.trends import trend_of
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget, follow
 
 CYCLES = (Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE)
@@ -76,8 +75,7 @@ def test_a_decay_without_end_is_no_cycle():
 
 def test_what_rounding_leaves_of_a_motion_is_no_cycle():
     """With R = 0 the motion shrinks by a third in a return, down to numbers that repeat; the map has no derivative."""
-    automaton, state = scene("threads", 72, 26, 3)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("threads", 72, 26, 3, in_blocks=True)
     assert steady_state(automaton, state, max_events=700_000).label not in CYCLES
 
 
@@ -195,8 +193,7 @@ def test_the_largest_of_a_neutral_family_is_no_cycle_of_its_own():
 @pytest.mark.parametrize(("index", "start"), [(27, 0), (46, 1), (51, 0)])
 def test_a_motion_in_blocks_settles_by_its_rates(index, start):
     """Each block of the mode is bounded by an exponential that grows, so that the search itself finds no end."""
-    automaton, state = scene("threads", 71, index, start)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("threads", 71, index, start, in_blocks=True)
     budget = Budget(300_000)
     assert follow(automaton, state, math.inf, max_events=1000, budget=budget).status == Status.WORK_SPENT
     assert budget.left == 0
@@ -255,7 +252,7 @@ def test_a_leap_beyond_the_numbers_is_refused_without_a_warning():
 
 def test_events_that_cost_more_than_was_foreseen_are_found_with_more_work():
     """A search for some events in blocks had spent its part of the budget, which was taken for all of it."""
-    automaton, state = scene("threads", 72, 26, 0)
+    automaton, state = scene("threads", 72, 26, 0, in_blocks=True)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
 
 
@@ -267,8 +264,7 @@ def test_a_state_on_a_surface_stays_there_where_no_time_is_quiet():
 
 def test_a_motion_in_blocks_is_followed_further_than_leaps_have_work():
     """The contact rattles two thousand times before it rests on one side; looking for cycles had taken all work."""
-    automaton, state = scene("threads", 72, 33, 2)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("threads", 72, 33, 2, in_blocks=True)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
 
 
@@ -348,8 +344,7 @@ def test_parts_that_have_died_away_are_put_to_rest_after_a_leap():
 
 def test_leaps_in_blocks_have_as_much_time_as_elsewhere():
     """The contact creeps at 80e6 1/s beside a swing that decays by 1e-8 in a turn; it settles after some leaps."""
-    automaton, state = scene("threads", 81, 24, 3)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("threads", 81, 24, 3, in_blocks=True)
     assert steady_state(automaton, state, max_events=700_000).label == Attractor.STEADY_SLIDING
 
 

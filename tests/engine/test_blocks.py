@@ -311,8 +311,7 @@ def test_rounding_is_not_amplified():
 
 def test_a_search_ends_where_a_guard_has_died_away_below_the_smallest_number():
     """Without a load the contact force falls to zero for ever; zero over zero then led the walk nowhere."""
-    automaton, state = scene("threads", 83, 4, 3)
-    assert isinstance(automaton.tables.flow, BlockFlow)
+    automaton, state = scene("threads", 83, 4, 3, in_blocks=True)
     budget = Budget(10_000.0)
     motion = follow(automaton, state, math.inf, max_events=20, budget=budget)
     assert motion.status == Status.SETTLED

@@ -1,6 +1,8 @@
 """Motions of the random drives of ``judge.wide_drives``, by seed, drive and start."""
 
 import math
+from contextlib import nullcontext
+from unittest.mock import patch
 
 import numpy as np
 from judge.wide_drives import wide_drive
@@ -10,13 +12,18 @@ from lsvib.cycles.patience import follow_patiently
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Budget
 
 
-def scene(model: str, seed: int, index: int, start: int) -> tuple[Automaton, np.ndarray]:
-    """Automaton and start of a motion of a random drive."""
+def scene(model: str, seed: int, index: int, start: int, in_blocks: bool = False) -> tuple[Automaton, np.ndarray]:
+    """Automaton and start of a motion of a random drive; ``in_blocks``: whatever modal form its modes have."""
     wide = wide_drive(model, seed, index, 4)
-    return find_model(model).build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+    without = patch("lsvib.engine.exact.flow_choice.modal_mode", side_effect=ArithmeticError)
+    with without if in_blocks else nullcontext():
+        automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
+    assert isinstance(automaton.tables.flow, BlockFlow) or not in_blocks
+    return automaton, wide.starts[start]
 
 
 def assert_slides_steadily(automaton: Automaton, state: np.ndarray, most_events: int, work: float) -> None:

@@ -9,6 +9,7 @@ because its type chooses the kernels.
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.exact.block_form import BlockMode, block_flow, block_mode
-from lsvib.engine.exact.field import DIGITS, Field, exact_field
+from lsvib.engine.exact.field import Field, exact_field
 from lsvib.engine.exact.modal_arrays import ManyModes, modal_modes
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow, modal_mode
 from lsvib.engine.exact.pair_arrays import Pairs
-from lsvib.engine.exact.reach import reached
+from lsvib.engine.exact.reach import reached, slow_reaches
 from lsvib.engine.kernels.tables import BlockFlow, ModalFlow
 
 _MORE_DIGITS = 120  # for rates that lie thirty decades apart, where the usual 60 do not suffice
@@ -70,11 +71,11 @@ def linear_mode(
         if isinstance(number, Pairs):
             return modal_modes(rows, sizes, frozen or {}, number.unsafe)
     field = exact_field(rows, sizes, frozen)
-    for digits in (DIGITS, _MORE_DIGITS):
-        try:
-            return LinearMode(field, modal_mode(field, digits), horizon)
-        except ArithmeticError:
-            field = reached(exact_field(rows, sizes, frozen), horizon)
+    with suppress(ArithmeticError):
+        return LinearMode(field, modal_mode(field), horizon)
+    reaches, field = slow_reaches(field, horizon), reached(field, horizon)
+    with suppress(ArithmeticError):
+        return LinearMode(field, modal_mode(field, _MORE_DIGITS, reaches), horizon)
     return LinearMode(field, None, horizon)
 
 

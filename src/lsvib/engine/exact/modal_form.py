@@ -8,8 +8,9 @@ the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates t
 factor, and each of them gets such a row.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -52,9 +53,13 @@ class ModalMode:
         return [*self.oscillators[:, columns.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
-def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
+def modal_mode(
+    field: Field, digits: int = DIGITS, reaches: Sequence[tuple[float, np.ndarray]] | None = None
+) -> ModalMode:
     """Decompose a field in the given number of digits.
 
+    Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
+    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.reach.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
@@ -66,7 +71,25 @@ def modal_mode(field: Field, digits: int = DIGITS) -> ModalMode:
                 pairs += [_pair(constant, space.factor, *frame) for frame in space.frames]
             else:
                 singles += _singles(constant, -space.factor[1], space.projector, scale, space.slow, space.rank)
-        return _tables(field, pairs, singles)
+        mode = _tables(field, pairs, singles)
+    if reaches is not None:
+        mode = replace(mode, condition=max(_loss(mode, time, sizes) for time, sizes in reaches))
+    if not mode.condition < WORST_CONDITION:
+        raise ArithmeticError(f"rates of a mode nearly coincide (condition {mode.condition:.1e})")
+    return mode
+
+
+def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
+    """Return the amplification of the rounding of what changes until a time [s] in states of some sizes (n)."""
+    pairs, rates, pushes = len(mode.oscillators), np.abs(mode.rates), np.abs(mode.pushes)
+    rows = mode.oscillators
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        moves = np.abs(mode.to_modal) @ np.append(sizes, 1.0)
+        turned = np.minimum(1.0, time / rows[:, columns.TIME_SCALE] + np.abs(rows[:, columns.A1]) * time)
+        moves[: 2 * pairs] *= np.repeat(turned, 2)
+        moves[2 * pairs :] = (rates * moves[2 * pairs :] + pushes) * np.minimum(time, 1 / rates)
+        found = float(np.max(np.abs(mode.from_modal[:, :-1]) @ moves / sizes))
+    return found if found == found else math.inf
 
 
 class _Space(NamedTuple):
@@ -217,8 +240,6 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         first += piece.into.rows
     from_modal = np.array(exact.tolist(), dtype=float)
     condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
-    if not condition < WORST_CONDITION:
-        raise ArithmeticError(f"rates of a mode nearly coincide (condition {condition:.1e})")
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),

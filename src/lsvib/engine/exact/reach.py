@@ -12,12 +12,17 @@ Rates next to each other (``_GAP``) cannot be separated in this way. But a group
 field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large rate of the nut is given as typical
 makes of its angle counts as typical, too. Nor can rates be separated that are slower than the horizon T. They make
 |exp(H Π T)| (x, 1) of the state: a coupling that is wound up at rest loads the contact long before the nut has swung.
+
+A part that is slower than the horizon has changed little by then, and a coordinate that is small beside such parts is
+moved by their change alone (:mod:`lsvib.engine.kernels.flow_modal`). So digits are lost by what has changed until some
+time, beside the sizes that are reached then: at the horizon, and at the time of each rate that is slower.
 """
 
 import math
 from dataclasses import replace
 
 import mpmath
+import numpy as np
 
 from lsvib.engine.exact.block_form import block_of
 from lsvib.engine.exact.field import Field, homogeneous
@@ -26,6 +31,15 @@ _DIGITS = 150  # with rates thirty decades apart, a product of four of their dif
 SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
 _SAME = mpmath.mpf(10) ** -35  # relative size of a rate that is zero but for the rounding of the coefficients
 _GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
+
+
+def slow_reaches(field: Field, horizon: float) -> list[tuple[float, np.ndarray]]:
+    """Return the horizon [s] and the times [s] of all slower rates, each with the sizes that are reached by then."""
+    with mpmath.workdps(_DIGITS):
+        rates = mpmath.eig(field.reduced()[0], left=False, right=False)
+        least = _SAME * max(abs(rate) for rate in rates)
+        times = [horizon, *(1 / abs(rate) for rate in rates if least < abs(rate) < 1 / mpmath.mpf(horizon))]
+    return [(float(time), reached(field, float(time)).sizes) for time in sorted(times)]
 
 
 def reached(field: Field, horizon: float) -> Field:

@@ -7,6 +7,10 @@ the guards that the state does not hold are noted as their value at its start an
 parts, if that is closer because the parts have died away; or without what it has in common with the guard that has
 fired. At the next search such a guard begins with this value.
 
+An event is early or late by the rounding of the guard that has fired, over its rate. Where friction lets go of a body,
+its speed is zero and begins with a rate that is zero as well, but for its bend times that error; a rate below zero that
+is no larger does not end the slip at once (:func:`late`).
+
 Only modal flows note anything; ``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the run.
 """
 
@@ -49,6 +53,19 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
         work.noted[count, 0], work.noted[count, 1], work.noted[count, 2] = surface, value, size
         count += 1
     work.noted[work.noted.shape[0] - 1, 0] = count
+    work.noted[work.noted.shape[0] - 1, 1], work.noted[work.noted.shape[0] - 1, 2] = mode, guard
+
+
+@inlined_kernel
+def late(flow, tables, state, scale, work):
+    """Return by how much [s] the last event may be early or late; zero if it was none of a guard with a rate."""
+    mode, guard = int(work.noted[work.noted.shape[0] - 1, 1]), int(work.noted[work.noted.shape[0] - 1, 2])
+    if mode < 0:
+        return 0.0
+    surface = tables.surfaces[tables.guard_surface[guard]]
+    _, size = level(surface, state, scale)
+    rate, rate_size, _, _ = flow_modal.slopes_at(flow, mode, state, scale, surface)
+    return size / abs(rate) if abs(rate) > rate_size else 0.0
 
 
 @kernel
@@ -138,7 +155,7 @@ def note_at_once(flow, tables, guard, work):
 @inlined_kernel
 def forget(flow, work):
     """Forget what was noted, where an impulse has changed the speeds."""
-    work.noted[work.noted.shape[0] - 1, 0] = 0.0
+    work.noted[work.noted.shape[0] - 1, 0], work.noted[work.noted.shape[0] - 1, 1] = 0.0, -1.0
 
 
 @inlined_kernel
@@ -182,12 +199,12 @@ def begin(flow, guard, known, doubt, work):
 def take_up(flow, clock, work):
     """Take up what a run before this one has left behind the fourth entry of ``clock``."""
     rows = work.noted.shape[0]
-    work.noted[rows - 1, 0] = 0.0
+    work.noted[rows - 1, 0], work.noted[rows - 1, 1] = 0.0, -1.0
     if clock.size == 4 + 3 * rows:
         for k in range(rows):
             for i in range(3):
                 work.noted[k, i] = clock[4 + 3 * k + i]
-        clock[1 + 3 * rows] = 0.0
+        clock[1 + 3 * rows], clock[2 + 3 * rows] = 0.0, -1.0
 
 
 @kernel
