@@ -11,6 +11,7 @@ from reference.wide_scenes import scene
 from lsvib.bench.sweeps.case_judge import allowed_residual
 from lsvib.bench.sweeps.energy_balance import balance
 from lsvib.cycles.attractors import steady_state
+from lsvib.drives.registry import find_model
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
 
@@ -50,3 +51,16 @@ def test_a_motion_that_was_cut_there_is_followed_to_its_end():
     wide = wide_drive("nut", 72, 18, 4)
     found = steady_state(*scene("nut", 72, 18, 1))
     assert found.label.name.lower() == fate(wide, 1, *constants_of(wide)).name == "steady_sliding"
+
+
+def test_a_slip_that_begins_without_acceleration_is_not_stopped_by_the_rounding_of_its_time():
+    """The threads let go of a nut that a heavy damper holds; its acceleration is that of a release 2·10⁻¹¹ s too early.
+
+    Slip seemed to stop at once, again and again, and began 1.9·10⁻⁷ s late, after what was taken for an accumulation.
+    Time of the release: the reference with 40 digits.
+    """
+    wide = wide_drive("support", 903, 226, 32)
+    automaton = find_model("support").build(wide.drive, wide.physics, "contact_sign")
+    motion = follow(automaton, wide.starts[31], 0.2, max_events=3)
+    assert motion.time[-1] == pytest.approx(0.0930100229432725, rel=1e-14)
+    assert follow(automaton, wide.starts[31], 0.2, max_events=60).time.tolist() == motion.time.tolist()

@@ -1,7 +1,6 @@
 """Motions of the random drives of ``judge.wide_drives``, by seed, drive and start."""
 
 import math
-from contextlib import nullcontext
 from unittest.mock import patch
 
 import numpy as np
@@ -9,6 +8,7 @@ from judge.wide_drives import wide_drive
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.patience import follow_patiently
+from lsvib.drives.once import forget
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import Status
@@ -18,11 +18,14 @@ from lsvib.engine.motion import Budget
 
 def scene(model: str, seed: int, index: int, start: int, in_blocks: bool = False) -> tuple[Automaton, np.ndarray]:
     """Automaton and start of a motion of a random drive; ``in_blocks``: whatever modal form its modes have."""
-    wide = wide_drive(model, seed, index, 4)
-    without = patch("lsvib.engine.exact.flow_choice.modal_mode", side_effect=ArithmeticError)
-    with without if in_blocks else nullcontext():
-        automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
-    assert isinstance(automaton.tables.flow, BlockFlow) or not in_blocks
+    wide, kind = wide_drive(model, seed, index, 4), find_model(model)
+    if not in_blocks:
+        return kind.build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
+    forget()  # an automaton that was made in modal form
+    with patch("lsvib.engine.exact.flow_choice.modal_mode", side_effect=ArithmeticError):
+        automaton = kind.build(wide.drive, wide.physics, "contact_sign")
+    forget()
+    assert isinstance(automaton.tables.flow, BlockFlow)
     return automaton, wide.starts[start]
 
 

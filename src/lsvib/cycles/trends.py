@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles.oscillators import Parts, parts_of
+from lsvib.cycles.amplitudes import Amplitudes, amplitudes_of
 from lsvib.cycles.return_map import conserves
 from lsvib.engine.motion import Motion
 
@@ -95,7 +95,7 @@ def trend_of(motion: Motion) -> Trend | None:
     """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
     flow = motion.automaton.tables.flow
     modes, _, _, durations = motion.arcs()
-    by_mode = [parts_of(flow, mode) for mode in range(len(flow.field))]
+    by_mode = [amplitudes_of(flow, mode) for mode in range(len(flow.field))]
     turns = [bool((parts.beta > 0).any()) for parts in by_mode]
     shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(by_mode)), -1.0)
     home = int(np.argmax(shares))
@@ -142,7 +142,7 @@ def _over_quarters(
     return quarters, steps.mean(axis=0), (steps[-1] - steps[0]) / (QUARTERS - 2), np.ptp(steps, axis=0)
 
 
-def _creeping(parts: Parts, modal: np.ndarray, quarter: float) -> np.ndarray:
+def _creeping(parts: Amplitudes, modal: np.ndarray, quarter: float) -> np.ndarray:
     """Return which parts without turns may creep to their equilibrium, by all coordinates (k, 2 p + s) at events.
 
     Their rate is slower than a quarter of a window [s], and their sign stays.
@@ -241,4 +241,4 @@ def extrapolated(motion: Motion, trend: Trend, leap: float, trust: float) -> np.
     if trust == 1.0:
         change = change + 0.5 * leap * (leap + 1) * trend.bend
     factors = np.exp(np.clip(change, _LEAST, _PART))
-    return parts_of(motion.automaton.tables.flow, trend.mode).scaled(motion.end_state, factors)
+    return amplitudes_of(motion.automaton.tables.flow, trend.mode).scaled(motion.end_state, factors)

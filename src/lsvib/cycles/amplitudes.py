@@ -1,4 +1,4 @@
-"""What a mode with more than two states is made of: oscillators, and what creeps, in a state.
+"""The amplitudes of what a mode with more than two states is made of: oscillators, and what creeps.
 
 A modal flow has them as its pairs and singles. A block of a flow in blocks holds rates that lie close together, and is
 taken apart by its eigenvectors: y = Σ c_j v_j, where the c_j of conjugate rates are conjugate, and |c_j| is the
@@ -17,7 +17,7 @@ _PARALLEL = 1e6  # condition of the eigenvectors of a block that leaves amplitud
 _TURNS = 1e-12  # part of the size of a block above which an imaginary part is none of its rounding
 
 
-class Parts(NamedTuple):
+class Amplitudes(NamedTuple):
     """Oscillators of a mode, p of them, and s parts that die away or grow without turning, about their equilibrium.
 
     ``alpha`` (p) [1/s] is the damping of an oscillator and ``beta`` (p) [rad/s] its frequency, zero if it does not
@@ -38,19 +38,19 @@ class Parts(NamedTuple):
         return state + self.out @ (more * (self.into[:, :-1] @ state + self.into[:, -1]))
 
 
-def parts_of(flow: ModalFlow | BlockFlow, mode: int) -> Parts:
-    """Return the parts of a mode; without those that have no equilibrium, or one that lies far away."""
+def amplitudes_of(flow: ModalFlow | BlockFlow, mode: int) -> Amplitudes:
+    """Return the amplitudes of a mode, without those of parts that have no equilibrium, or one that lies far away."""
     if isinstance(flow, BlockFlow):
-        return _parts_of_blocks(flow, mode)
+        return _of_blocks(flow, mode)
     pairs = int(flow.pairs[mode])
     own = np.flatnonzero((flow.pushes[mode] == 0) & (np.arange(flow.rates.shape[1]) < flow.singles[mode]))
     rows, places = flow.oscillators[mode, :pairs], np.concatenate([np.arange(2 * pairs), 2 * pairs + own])
     into, out = flow.to_modal[mode, places], flow.from_modal[mode][:, places]
-    return Parts(rows[:, ALPHA], rows[:, BETA], flow.rates[mode, own], into, out)
+    return Amplitudes(rows[:, ALPHA], rows[:, BETA], flow.rates[mode, own], into, out)
 
 
-def _parts_of_blocks(flow: BlockFlow, mode: int) -> Parts:
-    """Return those oscillators of a mode in blocks that turn."""
+def _of_blocks(flow: BlockFlow, mode: int) -> Amplitudes:
+    """Return the amplitudes of those oscillators of a mode in blocks that turn."""
     rates, into, out = list[complex](), list[np.ndarray](), list[np.ndarray]()
     for first, last in pairwise(flow.edges[mode]):
         if last - first < 2:
@@ -69,4 +69,4 @@ def _parts_of_blocks(flow: BlockFlow, mode: int) -> Parts:
             out += [columns[:, j].real - columns[:, j].imag * rate.real / rate.imag, columns[:, j].imag / rate.imag]
     found, n = np.array(rates, dtype=complex), flow.field.shape[1]
     into_all, out_all = np.reshape(into, (-1, n + 1)), np.reshape(np.transpose(out), (n, -1))
-    return Parts(-found.real, found.imag, np.zeros(0), into_all, out_all)
+    return Amplitudes(-found.real, found.imag, np.zeros(0), into_all, out_all)
