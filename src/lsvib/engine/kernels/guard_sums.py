@@ -27,6 +27,7 @@ from lsvib.engine.kernels.flow_planar import EPS, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 
 ORDERS = 5  # derivatives 0 to 4
+_LEAST = 2.0**-960  # a guard that is smaller is rounding: the smallest doubles, down to 2⁻¹⁰⁷⁴, have no digits
 
 
 class Sums(NamedTuple):
@@ -192,7 +193,7 @@ def rounding_at(flow, mode, sums, guard, node):
     for single in range(flow.singles[mode]):
         e, integral = sums.single_nodes[node, single, 0], sums.single_nodes[node, single, 1]
         total += abs(sums.singles[guard, single, 0] * e) + abs(sums.singles[guard, single, 1] * integral)
-    return 8.0 * EPS * total
+    return max(8.0 * EPS * total, _LEAST)
 
 
 @inlined_kernel
