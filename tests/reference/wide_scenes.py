@@ -22,9 +22,11 @@ def scene(model: str, seed: int, index: int, start: int, in_blocks: bool = False
     if not in_blocks:
         return kind.build(wide.drive, wide.physics, "contact_sign"), wide.starts[start]
     forget()  # an automaton that was made in modal form
-    with patch("lsvib.engine.exact.flow_choice.modal_mode", side_effect=ArithmeticError):
-        automaton = kind.build(wide.drive, wide.physics, "contact_sign")
-    forget()
+    try:
+        with patch("lsvib.engine.exact.flow_choice.modal_mode", side_effect=ArithmeticError):
+            automaton = kind.build(wide.drive, wide.physics, "contact_sign")
+    finally:
+        forget()
     assert isinstance(automaton.tables.flow, BlockFlow)
     return automaton, wide.starts[start]
 

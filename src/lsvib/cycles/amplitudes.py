@@ -57,7 +57,8 @@ def _of_blocks(flow: BlockFlow, mode: int) -> Amplitudes:
             continue
         block = flow.matrix[mode, first:last, first:last]
         values, vectors = np.linalg.eig(block)
-        if not np.linalg.cond(vectors / np.abs(vectors).max(axis=1, keepdims=True)) < _PARALLEL:
+        sizes = np.abs(vectors).max(axis=1, keepdims=True)
+        if not sizes.all() or not np.linalg.cond(vectors / sizes) < _PARALLEL:
             continue
         rows = np.linalg.solve(vectors, flow.to_blocks[mode, first:last].astype(complex))
         columns = flow.from_blocks[mode, :, first:last] @ vectors

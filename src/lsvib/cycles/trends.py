@@ -120,7 +120,7 @@ def trend_of(motion: Motion) -> Trend | None:
     all_bends[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
     creeping = _creeping(parts, modal, span / QUARTERS)
     _, creep, bent, wander = _over_quarters(np.log(np.abs(modal[:, 2 * pairs + creeping])), windows)
-    creeps = wander <= _STEADY * np.abs(creep)
+    creeps = (creep != 0) & (wander <= _STEADY * np.abs(creep))
     all_steps[pairs + creeping] = np.where(creeps, creep, 0.0)
     all_bends[pairs + creeping] = np.where(creeps, bent, 0.0)
     moves = _moves(motion.after, least)
@@ -134,10 +134,10 @@ def trend_of(motion: Motion) -> Trend | None:
 
 
 def _over_quarters(
-    logarithms: np.ndarray, parts: Sequence[tuple[slice, np.ndarray]]
+    logarithms: np.ndarray, windows: Sequence[tuple[slice, np.ndarray]]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return the means of logarithms (k, t) over quarters (4, t), their mean step, its bend, and the steps' spread."""
-    quarters = np.array([np.average(logarithms[part], axis=0, weights=weights) for part, weights in parts])
+    quarters = np.array([np.average(logarithms[part], axis=0, weights=weights) for part, weights in windows])
     steps = np.diff(quarters, axis=0)
     return quarters, steps.mean(axis=0), (steps[-1] - steps[0]) / (QUARTERS - 2), np.ptp(steps, axis=0)
 

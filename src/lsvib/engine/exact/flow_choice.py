@@ -1,7 +1,8 @@
 """Which kind of flow carries a model with more than two states.
 
 The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Its loss of digits is judged by the typical sizes
-of the coordinates and, if they are not good enough, by the sizes that a motion reaches. If the rates of a mode coincide
+of the coordinates and, if they are not good enough, by what changes until some times, beside the sizes that a motion
+reaches by then. If the rates of a mode coincide
 in a way that the modal form does not know, or so nearly that it would still lose more than six digits, all modes of the
 model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
 because its type chooses the kernels.
@@ -10,7 +11,7 @@ because its type chooses the kernels.
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -73,7 +74,8 @@ def linear_mode(
     field = exact_field(rows, sizes, frozen)
     with suppress(ArithmeticError):
         return LinearMode(field, modal_mode(field), horizon)
-    reaches, field = slow_reaches(field, horizon), reached(field, horizon)
+    reaches = slow_reaches(field, horizon) if horizon < math.inf else None
+    field = reached(field, horizon) if reaches is None else replace(field, sizes=reaches[0][1])
     with suppress(ArithmeticError):
         return LinearMode(field, modal_mode(field, _MORE_DIGITS, reaches), horizon)
     return LinearMode(field, None, horizon)

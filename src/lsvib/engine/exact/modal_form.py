@@ -34,7 +34,8 @@ class ModalMode:
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
     :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
-    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x. ``exact``: V and v₀ before they were rounded, if known.
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x, or of changes to them. ``exact``: V and v₀ before they
+    were rounded, if known.
     """
 
     oscillators: np.ndarray
@@ -80,7 +81,11 @@ def modal_mode(
 
 
 def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
-    """Return the amplification of the rounding of what changes until a time [s] in states of some sizes (n)."""
+    """Return the amplification of the rounding of what changes until a time [s] in states of some sizes (n).
+
+    Growth counts up to one time constant. What is moved by its change (:mod:`lsvib.engine.kernels.flow_modal`) may lose
+    one digit more, and a coordinate that is not small enough for that four digits of its own.
+    """
     pairs, rates, pushes = len(mode.oscillators), np.abs(mode.rates), np.abs(mode.pushes)
     rows = mode.oscillators
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):

@@ -28,13 +28,13 @@ from lsvib.engine.exact.block_form import block_of
 from lsvib.engine.exact.field import Field, homogeneous
 
 _DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
-SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
+SWINGS = 100  # swings of the coupling in a horizon; in blocks a size that takes longer to reach does not count
 _SAME = mpmath.mpf(10) ** -35  # relative size of a rate that is zero but for the rounding of the coefficients
 _GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
 
 
 def slow_reaches(field: Field, horizon: float) -> list[tuple[float, np.ndarray]]:
-    """Return the horizon [s] and the times [s] of all slower rates, each with the sizes that are reached by then."""
+    """Return the horizon [s] and then the times [s] of all slower rates, with the sizes that are reached by then."""
     with mpmath.workdps(_DIGITS):
         rates = mpmath.eig(field.reduced()[0], left=False, right=False)
         least = _SAME * max(abs(rate) for rate in rates)

@@ -52,20 +52,27 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
                 value, size = less, rest
         work.noted[count, 0], work.noted[count, 1], work.noted[count, 2] = surface, value, size
         count += 1
-    work.noted[work.noted.shape[0] - 1, 0] = count
-    work.noted[work.noted.shape[0] - 1, 1], work.noted[work.noted.shape[0] - 1, 2] = mode, guard
+    last = work.noted.shape[0] - 1
+    work.noted[last, 0], work.noted[last, 1], work.noted[last, 2] = count, mode, guard
 
 
 @inlined_kernel
 def late(flow, tables, state, scale, work):
-    """Return by how much [s] the last event may be early or late; zero if it was none of a guard with a rate."""
-    mode, guard = int(work.noted[work.noted.shape[0] - 1, 1]), int(work.noted[work.noted.shape[0] - 1, 2])
+    """Return by how much [s] the last event may be early or late at most; zero if that is not known.
+
+    It is the rounding of the guard that fired, over its rate; or by its bend alone, where the guard has nearly touched.
+    """
+    last = work.noted.shape[0] - 1
+    mode, guard = int(work.noted[last, 1]), int(work.noted[last, 2])
     if mode < 0:
         return 0.0
     surface = tables.surfaces[tables.guard_surface[guard]]
     _, size = level(surface, state, scale)
-    rate, rate_size, _, _ = flow_modal.slopes_at(flow, mode, state, scale, surface)
-    return size / abs(rate) if abs(rate) > rate_size else 0.0
+    rate, rate_size, bend, bend_size = flow_modal.slopes_at(flow, mode, state, scale, surface)
+    by_rate = size / abs(rate) if abs(rate) > rate_size else math.inf
+    by_bend = math.sqrt(2.0 * size / abs(bend)) if abs(bend) > bend_size else math.inf
+    least = min(by_rate, by_bend)
+    return least if least < math.inf else 0.0
 
 
 @kernel
@@ -155,7 +162,8 @@ def note_at_once(flow, tables, guard, work):
 @inlined_kernel
 def forget(flow, work):
     """Forget what was noted, where an impulse has changed the speeds."""
-    work.noted[work.noted.shape[0] - 1, 0], work.noted[work.noted.shape[0] - 1, 1] = 0.0, -1.0
+    last = work.noted.shape[0] - 1
+    work.noted[last, 0], work.noted[last, 1] = 0.0, -1.0
 
 
 @inlined_kernel
@@ -199,7 +207,7 @@ def begin(flow, guard, known, doubt, work):
 def take_up(flow, clock, work):
     """Take up what a run before this one has left behind the fourth entry of ``clock``."""
     rows = work.noted.shape[0]
-    work.noted[rows - 1, 0], work.noted[rows - 1, 1] = 0.0, -1.0
+    work.noted[rows - 1, 0] = 0.0
     if clock.size == 4 + 3 * rows:
         for k in range(rows):
             for i in range(3):

@@ -59,13 +59,15 @@ def room_for(flow, guards):
     """Return uninitialised ``Sums`` for so many guards, with steps without end."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
     size, n = flow.to_modal.shape[1], flow.from_modal.shape[1]
+    noted = np.zeros((guards + 1, 3))
+    noted[guards, 1] = -1.0  # no guard has fired
     return Sums(
         np.empty((flow_modal.ROWS, max(size, n))),
         np.empty(size + 1),
         np.empty(guards),
         np.full(guards, math.nan),
         np.empty(guards),
-        np.zeros((guards + 1, 3)),
+        noted,
         np.empty(guards),
         np.empty((guards, pairs, 4)),
         np.empty((guards, pairs, ORDERS, 4)),
@@ -113,7 +115,7 @@ def prepare(flow, mode, state, guards, sums):
             total += abs(part)
             k += 1
         sums.constants[guard] = constant
-        sums.rounding[guard] = 8.0 * EPS * total
+        sums.rounding[guard] = max(8.0 * EPS * total, _LEAST)
         evaluate(flow, mode, sums, guard, 0)
 
 
@@ -315,7 +317,7 @@ def changed(flow, mode, sums, index, guard, t):
     for j in range(size):
         value += form[j] * moves[j]
         total += abs(form[j]) * sizes[j]
-    return value, 8.0 * EPS * total
+    return value, max(8.0 * EPS * total, _LEAST)
 
 
 @inlined_kernel
