@@ -56,7 +56,7 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
     work.noted[last, 0], work.noted[last, 1], work.noted[last, 2] = count, mode, guard
 
 
-@inlined_kernel
+@kernel
 def late(flow, tables, state, scale, work):
     """Return by how much [s] the last event may be early or late at most; zero if that is not known.
 
