@@ -53,20 +53,19 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
         work.noted[count, 0], work.noted[count, 1], work.noted[count, 2] = surface, value, size
         count += 1
     last = work.noted.shape[0] - 1
-    work.noted[last, 0], work.noted[last, 1], work.noted[last, 2] = count, mode, guard
+    work.noted[last, 0], work.noted[last, 1], work.noted[last, 2] = count, mode, tables.guard_surface[guard]
 
 
 @kernel
-def late(flow, tables, state, scale, work):
+def late(flow, surfaces, state, scale, work):
     """Return by how much [s] the last event may be early or late at most; zero if that is not known.
 
     It is the rounding of the guard that fired, over its rate; or by its bend alone, where the guard has nearly touched.
     """
     last = work.noted.shape[0] - 1
-    mode, guard = int(work.noted[last, 1]), int(work.noted[last, 2])
+    mode, surface = int(work.noted[last, 1]), surfaces[int(work.noted[last, 2])]
     if mode < 0:
         return 0.0
-    surface = tables.surfaces[tables.guard_surface[guard]]
     _, size = level(surface, state, scale)
     rate, rate_size, bend, bend_size = flow_modal.slopes_at(flow, mode, state, scale, surface)
     by_rate = size / abs(rate) if abs(rate) > rate_size else math.inf

@@ -85,7 +85,7 @@ def _as_the_state_says(flow, surface, sign, value, size, work):
 
 
 @inlined_kernel
-def _in_time(flow, tables, state, scale, work):
+def _in_time(flow, surfaces, state, scale, work):
     return 0.0
 
 

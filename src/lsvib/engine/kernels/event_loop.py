@@ -66,7 +66,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
             if rate < -rate_size and bend > bend_size:
-                rate_size += bend * dispatch.late(tables.flow, tables, state, scale, work)
+                rate_size += bend * dispatch.late(tables.flow, tables.surfaces, state, scale, work)
             falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
             # By its bend g″ alone a guard g is zero at √(2 g / |g″|), and the rounding r of its rate moves that by
             # r / |g″|. Where this is more, no digit of g counts.

@@ -42,7 +42,7 @@ class Sums(NamedTuple):
     starts: np.ndarray  # (g,) each guard at time zero, from the state itself, or as known
     known: np.ndarray  # (g,) each guard at time zero where more is known than the state holds, else not a number
     doubts: np.ndarray  # (g,) rounding of each guard at time zero
-    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; last their number, mode and guard
+    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; last their number, mode and surface
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
     pairs: np.ndarray  # (g, p, 4)
     pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
