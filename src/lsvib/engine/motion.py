@@ -177,7 +177,7 @@ def follow(
 def _clock(automaton: Automaton, steps: float) -> np.ndarray:
     """Return a clock at zero with so many steps left, and room for what one run hands on to the next."""
     clock = np.zeros(7 + 3 * automaton.tables.guard_sign.size)
-    clock[3], clock[-2] = steps, -1.0  # no guard has fired yet
+    clock[3] = steps
     return clock
 
 

@@ -7,10 +7,6 @@ the guards that the state does not hold are noted as their value at its start an
 parts, if that is closer because the parts have died away; or without what it has in common with the guard that has
 fired. At the next search such a guard begins with this value.
 
-An event is early or late by the rounding of the guard that has fired, over its rate. Where friction lets go of a body,
-its speed is zero and begins with a rate that is zero as well, but for its bend times that error; a rate below zero that
-is no larger does not end the slip at once (:func:`late`).
-
 Only modal flows note anything; ``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the run.
 """
 
@@ -52,26 +48,7 @@ def note(flow, tables, mode, guard, stay, state, scale, work):
                 value, size = less, rest
         work.noted[count, 0], work.noted[count, 1], work.noted[count, 2] = surface, value, size
         count += 1
-    last = work.noted.shape[0] - 1
-    work.noted[last, 0], work.noted[last, 1], work.noted[last, 2] = count, mode, tables.guard_surface[guard]
-
-
-@kernel
-def late(flow, surfaces, state, scale, work):
-    """Return by how much [s] the last event may be early or late at most; zero if that is not known.
-
-    It is the rounding of the guard that fired, over its rate; or by its bend alone, where the guard has nearly touched.
-    """
-    last = work.noted.shape[0] - 1
-    mode, surface = int(work.noted[last, 1]), surfaces[int(work.noted[last, 2])]
-    if mode < 0:
-        return 0.0
-    _, size = level(surface, state, scale)
-    rate, rate_size, bend, bend_size = flow_modal.slopes_at(flow, mode, state, scale, surface)
-    by_rate = size / abs(rate) if abs(rate) > rate_size else math.inf
-    by_bend = math.sqrt(2.0 * size / abs(bend)) if abs(bend) > bend_size else math.inf
-    least = min(by_rate, by_bend)
-    return least if least < math.inf else 0.0
+    work.noted[work.noted.shape[0] - 1, 0] = count
 
 
 @kernel
@@ -161,8 +138,7 @@ def note_at_once(flow, tables, guard, work):
 @inlined_kernel
 def forget(flow, work):
     """Forget what was noted, where an impulse has changed the speeds."""
-    last = work.noted.shape[0] - 1
-    work.noted[last, 0], work.noted[last, 1] = 0.0, -1.0
+    work.noted[work.noted.shape[0] - 1, 0] = 0.0
 
 
 @inlined_kernel
@@ -211,7 +187,7 @@ def take_up(flow, clock, work):
         for k in range(rows):
             for i in range(3):
                 work.noted[k, i] = clock[4 + 3 * k + i]
-        clock[1 + 3 * rows], clock[2 + 3 * rows] = 0.0, -1.0
+        clock[1 + 3 * rows] = 0.0
 
 
 @kernel

@@ -85,11 +85,6 @@ def _as_the_state_says(flow, surface, sign, value, size, work):
 
 
 @inlined_kernel
-def _in_time(flow, surfaces, state, scale, work):
-    return 0.0
-
-
-@inlined_kernel
 def _modal_travel(flow, mode, state, stay, scale, work):
     flow_modal.travel(flow, mode, state, stay, scale, work.states)
 
@@ -113,7 +108,6 @@ forget = by_kind(_nothing, carried.forget, _nothing)
 put_as_noted = by_kind(_nothing, carried.put_as_noted, _nothing)
 recalled = by_kind(_as_the_state_says, carried.recalled, _as_the_state_says)
 begin = by_kind(_nothing, carried.begin, _nothing)
-late = by_kind(_in_time, carried.late, _in_time)
 take_up = by_kind(_nothing, carried.take_up, _nothing)
 leave_behind = by_kind(_nothing, carried.leave_behind, _nothing)
 

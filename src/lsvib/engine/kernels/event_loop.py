@@ -65,9 +65,11 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         if on_surface[k]:
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
-            if rate < -rate_size and bend > bend_size:
-                rate_size += bend * dispatch.late(tables.flow, tables.surfaces, state, scale, work)
             falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
+            # A guard that turns back above its own rounding below zero stays there: friction lets go of a body without
+            # acceleration, and what the rounding of that instant makes of it does not end the slip.
+            if falls and state.size > 2 and bend > bend_size and rate * rate <= 2.0 * bend * size:
+                falls = False
             # By its bend g″ alone a guard g is zero at √(2 g / |g″|), and the rounding r of its rate moves that by
             # r / |g″|. Where this is more, no digit of g counts.
             if known > 0.0 and not (falls and -2.0 * known * bend <= rate_size * rate_size):

@@ -42,7 +42,7 @@ class Sums(NamedTuple):
     starts: np.ndarray  # (g,) each guard at time zero, from the state itself, or as known
     known: np.ndarray  # (g,) each guard at time zero where more is known than the state holds, else not a number
     doubts: np.ndarray  # (g,) rounding of each guard at time zero
-    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; last their number, mode and surface
+    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; their number in the last row
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
     pairs: np.ndarray  # (g, p, 4)
     pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
@@ -59,15 +59,13 @@ def room_for(flow, guards):
     """Return uninitialised ``Sums`` for so many guards, with steps without end."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
     size, n = flow.to_modal.shape[1], flow.from_modal.shape[1]
-    noted = np.zeros((guards + 1, 3))
-    noted[guards, 1] = -1.0  # no guard has fired
     return Sums(
         np.empty((flow_modal.ROWS, max(size, n))),
         np.empty(size + 1),
         np.empty(guards),
         np.full(guards, math.nan),
         np.empty(guards),
-        noted,
+        np.zeros((guards + 1, 3)),
         np.empty(guards),
         np.empty((guards, pairs, 4)),
         np.empty((guards, pairs, ORDERS, 4)),
