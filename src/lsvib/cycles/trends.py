@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.cycles.amplitudes import Amplitudes, amplitudes_of
 from lsvib.cycles.return_map import conserves
+from lsvib.engine.kernels.columns import ALPHA, BETA
+from lsvib.engine.kernels.tables import ModalFlow
 from lsvib.engine.motion import Motion
 
 QUARTERS = 4  # parts of a window that a trend is measured from; a leap must be longer than the window
@@ -94,37 +95,38 @@ class Trend(NamedTuple):
 def trend_of(motion: Motion) -> Trend | None:
     """Return the trend of the amplitudes of the oscillators of a mode; None without oscillators or if one is zero."""
     flow = motion.automaton.tables.flow
+    if not isinstance(flow, ModalFlow):
+        return None
     modes, _, _, durations = motion.arcs()
-    by_mode = [amplitudes_of(flow, mode) for mode in range(len(flow.field))]
-    turns = [bool((parts.beta > 0).any()) for parts in by_mode]
-    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(by_mode)), -1.0)
+    turns = [(flow.oscillators[mode, :pairs, BETA] > 0).any() for mode, pairs in enumerate(flow.pairs)]
+    shares = np.where(turns, np.bincount(modes[:-1], weights=durations[:-1], minlength=len(flow.pairs)), -1.0)
     home = int(np.argmax(shares))
-    parts, pairs = by_mode[home], by_mode[home].beta.size
-    turning = np.flatnonzero(parts.beta > 0)
+    rows = flow.oscillators[home, : flow.pairs[home]]
+    turning = np.flatnonzero(rows[:, BETA] > 0)
     if turning.size == 0:
         return None
-    alpha, beta, span = parts.alpha[turning], parts.beta[turning], motion.end_time - motion.start_time
-    modal = np.column_stack([motion.after, np.ones(motion.time.size)]) @ parts.into.T
+    states = np.column_stack([motion.after, np.ones(motion.time.size)])
+    modal = states @ flow.to_modal[home].T
     place, rate = modal[:, 2 * turning], modal[:, 2 * turning + 1]
-    across = (rate + alpha * place) / beta
+    across = (rate + rows[turning, ALPHA] * place) / rows[turning, BETA]
     squares = place * place + across * across
     if not (squares > 0).all():
         return None
-    turn = 2 * math.pi / float(beta.min())
+    turn, span = 2 * math.pi / float(rows[turning, BETA].min()), motion.end_time - motion.start_time
     windows, least = _quarters(motion, turn), _CONSERVED if conserves(motion.automaton) else 0.0
     quarters, step, bends, spread = _over_quarters(0.5 * np.log(squares), windows)
     rounding = max(_ROUNDING * motion.time.size, least)
     steady = (np.abs(step) > rounding) & (spread <= _STEADY * np.abs(step))
-    all_steps, all_bends = np.zeros((2, pairs + parts.rates.size))
+    pairs, creeping = int(flow.pairs[home]), _creeping(flow, home, modal, span / QUARTERS)
+    all_steps, all_bends = np.zeros((2, pairs + int(flow.singles[home])))
     all_steps[turning] = np.where(steady, step, 0.0)
     all_bends[turning] = np.where(steady & (np.abs(bends) > _STRAIGHT), bends, 0.0)
-    creeping = _creeping(parts, modal, span / QUARTERS)
     _, creep, bent, wander = _over_quarters(np.log(np.abs(modal[:, 2 * pairs + creeping])), windows)
     creeps = (creep != 0) & (wander <= _STEADY * np.abs(creep))
     all_steps[pairs + creeping] = np.where(creeps, creep, 0.0)
     all_bends[pairs + creeping] = np.where(creeps, bent, 0.0)
     moves = _moves(motion.after, least)
-    own = alpha * span / QUARTERS
+    own = rows[turning, ALPHA] * span / QUARTERS
     level = (np.abs(step) <= np.maximum(np.minimum(_NO_TREND, _NOISE * spread), least)) & ~_may_die(step, own, spread)
     none = not moves and bool(level.all())
     # The amplitude of a part that is shaken now and then scatters; it has no trend, nor does it hide that of others.
@@ -142,12 +144,14 @@ def _over_quarters(
     return quarters, steps.mean(axis=0), (steps[-1] - steps[0]) / (QUARTERS - 2), np.ptp(steps, axis=0)
 
 
-def _creeping(parts: Amplitudes, modal: np.ndarray, quarter: float) -> np.ndarray:
-    """Return which parts without turns may creep to their equilibrium, by all coordinates (k, 2 p + s) at events.
+def _creeping(flow: ModalFlow, home: int, modal: np.ndarray, quarter: float) -> np.ndarray:
+    """Return which singles of a mode may creep to their equilibrium, by their modal coordinates (k, q) at events.
 
     Their rate is slower than a quarter of a window [s], and their sign stays.
     """
-    singles, slow = modal[:, 2 * parts.beta.size :], (-_CREEPS < parts.rates * quarter) & (parts.rates < 0)
+    singles = modal[:, 2 * flow.pairs[home] :][:, : flow.singles[home]]
+    rates, pushes = (table[home, : flow.singles[home]] for table in (flow.rates, flow.pushes))
+    slow = (-_CREEPS < rates * quarter) & (rates < 0) & (pushes == 0)
     return np.flatnonzero(slow & ((singles > 0).all(axis=0) | (singles < 0).all(axis=0)))
 
 
@@ -237,8 +241,12 @@ def reach(trend: Trend, trust: float) -> float:
 
 def extrapolated(motion: Motion, trend: Trend, leap: float, trust: float) -> np.ndarray:
     """Return the state after a leap of so many quarters along a trend."""
+    flow, home = motion.automaton.tables.flow, trend.mode
+    modal = flow.to_modal[home, :, :-1] @ motion.end_state + flow.to_modal[home, :, -1]
     change = leap * trend.step
     if trust == 1.0:
         change = change + 0.5 * leap * (leap + 1) * trend.bend
     factors = np.exp(np.clip(change, _LEAST, _PART))
-    return amplitudes_of(motion.automaton.tables.flow, trend.mode).scaled(motion.end_state, factors)
+    modal[: 2 * trend.pairs] *= np.repeat(factors[: trend.pairs], 2)
+    modal[2 * trend.pairs : factors.size + trend.pairs] *= factors[trend.pairs :]
+    return flow.from_modal[home, :, :-1] @ modal + flow.from_modal[home, :, -1]
