@@ -109,7 +109,7 @@ def unit(units: str) -> str:
 def number(value: float) -> str:
     """Return a number for a text: a minus sign in place of a hyphen, a power of ten where it is short."""
     text = f"{float(value):g}".replace("-", "−")
-    if float(value) == 0 or ("e" not in text and 0.01 <= abs(float(value)) < 1e5):
+    if float(value) == 0 or ("e" not in text and 0.01 <= abs(float(value)) < 1e4):
         return text
     mantissa, power = f"{float(value):.3e}".split("e")
     factor = "" if float(mantissa) == 1 else f"{float(mantissa):g} \\times "
