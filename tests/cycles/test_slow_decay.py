@@ -405,3 +405,11 @@ def test_what_has_shrunk_by_ten_decades_does_not_repeat(translation_damping, sup
     second = {"screw_mass": 1.0, "support_stiffness": 1e8, "axial_support_damping": 3e3}
     automaton = small_net_force("support", translation_damping, net_force, support_damping=support_damping, **second)
     assert steady_state(automaton, np.array([1e-2, 0, 0, 0])).label is Attractor.STEADY_SLIDING
+
+
+@pytest.mark.parametrize(("seed", "index", "start"), [(83, 4, 0), (83, 4, 1), (83, 4, 2), (86, 30, 0), (86, 30, 1)])
+def test_what_has_died_away_to_the_smallest_doubles_slides_steadily(seed, index, start):
+    """A quiet time ends at 1e-321, or at zero, where N = 0 for good: searches took the label's work, or NaN seconds."""
+    wide = wide_drive("threads", seed, index, 4)
+    found = mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[start])
+    assert found.label is Attractor.STEADY_SLIDING

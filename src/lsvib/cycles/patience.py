@@ -27,6 +27,11 @@ _MORE = 4.0  # factor of work where events have cost more than was foreseen: a q
 # The first search after a quiet time is so long, in times of the fastest rate. `quiet_until` gives up where it would
 # take steps below eight of them; the search gets some way beyond that.
 _TURNS = 30.0
+# The longest one, likewise. Where a guard is zero for good, as N is once all has died away without load, no time is
+# quiet; then the next search is over all times, and may find that the motion has settled.
+_FOREVER = 1e30
+# A state that is smaller after a quiet time has died away: below 1e-308 doubles lose their last places one by one.
+_NOTHING = 1e-290
 
 
 def follow_patiently(
@@ -75,12 +80,14 @@ def follow_patiently(
         if quiet > 0:  # else rounding would move the state off the surface that it has just met
             there = np.empty_like(state)
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
-            state, time = there, time + quiet
+            state, time = np.where(np.abs(there).max() < _NOTHING, 0.0, there), time + quiet
         fastest = float(np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max())
         if fastest == 0 and quiet == 0 and not found:  # no time is short in a mode without any rate
             raise EndlessSearchError("the search for the next event takes more work than is allowed.")
         waits = quiet == 0 and not found and reach < math.inf  # an event has led to a mode with times of its own
         reach = 2 * reach if waits else _TURNS / fastest if fastest else math.inf
+        if reach * fastest > _FOREVER:
+            reach = math.inf
 
 
 def _searched(
