@@ -10,8 +10,10 @@ import pytest
 from judge.wide_drives import wide_drive
 from mpmath import mp, mpf
 
+from lsvib.basins.mapper import mapper
 from lsvib.bench.reference import rigid_digits, threads_digits
-from lsvib.cycles.variational import derivative, rounding
+from lsvib.cycles.steady_states import Attractor
+from lsvib.cycles.variational import derivative, eigenvalues, rounding
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import seated_state, threads_automaton
@@ -142,3 +144,18 @@ def test_compliant_threads(seed):
     exact = derivative(motion)
     found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
     assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
+
+
+def test_a_surface_that_is_hardly_crossed_is_no_warning():
+    """Its product is finite with a rounding beyond all numbers, which tells nothing: differences are taken instead."""
+    wide = wide_drive("threads", 83, 47, 4)
+    found = mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[2])
+    assert found.label is Attractor.UNBOUNDED
+
+
+@pytest.mark.parametrize("gap", [1e-160, 1e-200])
+def test_eigenvectors_that_are_nearly_parallel_have_a_condition(gap):
+    """One of support 93/10 had entries beyond 10¹⁵⁴, whose squares are no numbers."""
+    values, condition = eigenvalues(np.array([[0.0, 1.0], [0.0, gap]]))
+    assert sorted(values.real) == [0.0, gap]
+    assert condition == pytest.approx(1 / gap)

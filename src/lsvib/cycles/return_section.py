@@ -332,7 +332,7 @@ class Section:
                 self.budget.spend(_FACTOR * motion.time.size)
             exact = derivative(motion)
             found = self._axes @ exact.matrix @ self.directions
-            if np.isfinite(found).all():
+            if np.isfinite(found).all() and np.isfinite(exact.rounding).all():
                 with np.errstate(over="ignore"):  # beyond all numbers it is more than the margin
                     lost = np.abs(self._axes) @ exact.rounding @ np.abs(self.directions) * self.automaton.condition
                     size = float(np.linalg.norm(lost))

@@ -153,7 +153,9 @@ def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         return values.astype(complex), math.inf
-    return values.astype(complex), float(np.max(np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)))
+    with np.errstate(over="ignore"):  # hypot alone keeps the squares of large entries within the range of numbers
+        conditions = np.hypot.reduce(np.abs(left), axis=1) * np.hypot.reduce(np.abs(right), axis=0)
+    return values.astype(complex), float(np.max(conditions))
 
 
 def then(first: Derivative, second: Derivative) -> Derivative:
@@ -166,18 +168,20 @@ def then(first: Derivative, second: Derivative) -> Derivative:
 def derivative(motion: Motion) -> Derivative:
     """Return the derivative of the state after a motion's last event with respect to its start.
 
-    nan if an event has none. The start's own mode is kept: neighbours start in it.
+    nan if an event has none. The start's own mode is kept: neighbours start in it. A rounding beyond all numbers is
+    infinite or nan: a surface is hardly crossed there.
     """
     automaton, n = motion.automaton, motion.start_state.size
     total = Derivative(np.eye(n), np.zeros((n, n)))
     modes, _, _, durations = motion.arcs()
     coordinates: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    for k in range(motion.time.size):
-        mode, after = int(modes[k]), int(motion.mode[k])
-        if mode not in coordinates:
-            coordinates[mode] = inner_coordinates(automaton, mode)
-        total = then(total, flow_derivative(automaton, mode, float(durations[k]), coordinates[mode]))
-        total = then(total, event_derivative(automaton, mode, int(motion.kind[k]), after, motion.before[k]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(motion.time.size):
+            mode, after = int(modes[k]), int(motion.mode[k])
+            if mode not in coordinates:
+                coordinates[mode] = inner_coordinates(automaton, mode)
+            total = then(total, flow_derivative(automaton, mode, float(durations[k]), coordinates[mode]))
+            total = then(total, event_derivative(automaton, mode, int(motion.kind[k]), after, motion.before[k]))
     return total
 
 
