@@ -190,7 +190,7 @@ def test_the_largest_of_a_neutral_family_is_no_cycle_of_its_own():
     assert abs(sizes[1][0] / found.state[0] - 1) > 1e-5
 
 
-@pytest.mark.parametrize(("index", "start"), [(27, 0), (46, 1), (51, 0)])
+@pytest.mark.parametrize(("index", "start"), [(27, 0), (46, 1), pytest.param(51, 0, marks=pytest.mark.long)])
 def test_a_motion_in_blocks_settles_by_its_rates(index, start):
     """Each block of the mode is bounded by an exponential that grows, so that the search itself finds no end."""
     automaton, state = scene("threads", 71, index, start, in_blocks=True)
@@ -407,7 +407,7 @@ def test_what_has_shrunk_by_ten_decades_does_not_repeat(translation_damping, sup
     assert steady_state(automaton, np.array([1e-2, 0, 0, 0])).label is Attractor.STEADY_SLIDING
 
 
-@pytest.mark.parametrize(("seed", "index", "start"), [(83, 4, 0), (83, 4, 1), (83, 4, 2), (86, 30, 0), (86, 30, 1)])
+@pytest.mark.parametrize(("seed", "index", "start"), [(83, 4, 0), (86, 30, 1)])
 def test_what_has_died_away_to_the_smallest_doubles_slides_steadily(seed, index, start):
     """A quiet time ends at 1e-321, or at zero, where N = 0 for good: searches took the label's work, or NaN seconds."""
     wide = wide_drive("threads", seed, index, 4)
