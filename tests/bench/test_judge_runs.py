@@ -33,7 +33,7 @@ def test_motions_and_stability_of_random_drives_are_right():
 @pytest.mark.slow
 def test_more_motions_and_stability_of_random_drives_are_right():
     """The same for more drives, and some of each other model."""
-    drives = {"rigid": 150, "support": 3, "nut": 3}
+    drives = {"rigid": 400, "support": 5, "nut": 5}
     for model, count in drives.items():
         records = [command.judged(model, SEED, k, ("stability", "motion")) for k in range(count)]
         table = command.summary(records)

@@ -190,7 +190,7 @@ def test_the_largest_of_a_neutral_family_is_no_cycle_of_its_own():
     assert abs(sizes[1][0] / found.state[0] - 1) > 1e-5
 
 
-@pytest.mark.parametrize(("index", "start"), [(27, 0), (46, 1), pytest.param(51, 0, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("index", "start"), [(27, 0), (46, 1), (51, 0)])
 def test_a_motion_in_blocks_settles_by_its_rates(index, start):
     """Each block of the mode is bounded by an exponential that grows, so that the search itself finds no end."""
     automaton, state = scene("threads", 71, index, start, in_blocks=True)

@@ -84,7 +84,7 @@ def test_random_motions():
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(300, marks=pytest.mark.slow), pytest.param(5000, marks=pytest.mark.long)]
+    "count", [pytest.param(600, marks=pytest.mark.slow), pytest.param(5000, marks=pytest.mark.long)]
 )
 def test_many_more_random_motions(count):
     assert compare_random_motions(count)[0] == []

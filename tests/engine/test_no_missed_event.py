@@ -174,7 +174,7 @@ def test_no_event_is_missed_near_tangencies():
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(10_000, marks=pytest.mark.slow), pytest.param(100_000, marks=pytest.mark.long)]
+    "count", [pytest.param(20_000, marks=pytest.mark.slow), pytest.param(100_000, marks=pytest.mark.long)]
 )
 def test_no_event_is_missed_in_many_motions(count):
     assert faults(random_motions(count, seed=2)) == []

@@ -80,7 +80,9 @@ def follow_patiently(
         if quiet > 0:  # else rounding would move the state off the surface that it has just met
             there = np.empty_like(state)
             dispatch.advance(automaton.tables.flow, mode, state, quiet, there)
-            state, time = np.where(np.abs(there).max() < _NOTHING, 0.0, there), time + quiet
+            if np.abs(there).max() < _NOTHING:
+                there[:] = 0.0
+            state, time = there, time + quiet
         fastest = float(np.abs(np.linalg.eigvals(automaton.tables.flow.field[mode][:, :-1])).max())
         if fastest == 0 and quiet == 0 and not found:  # no time is short in a mode without any rate
             raise EndlessSearchError("the search for the next event takes more work than is allowed.")

@@ -2,10 +2,9 @@
 
 The modal form (:mod:`lsvib.engine.exact.modal_form`) is the fast one. Its loss of digits is judged by the typical sizes
 of the coordinates and, if they are not good enough, by what changes until some times, beside the sizes that a motion
-reaches by then. If the rates of a mode coincide
-in a way that the modal form does not know, or so nearly that it would still lose more than six digits, all modes of the
-model are carried in blocks instead (:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes,
-because its type chooses the kernels.
+reaches by then. If the rates of a mode coincide in a way that the modal form does not know, or so nearly that it would
+still lose more than six digits, all modes of the model are carried in blocks instead
+(:mod:`lsvib.engine.exact.block_form`). A flow is of one type for all modes, because its type chooses the kernels.
 """
 
 import math
