@@ -22,7 +22,7 @@ DOCS, SITE = ROOT / "docs", ROOT / "docs" / "site"
 sys.path.insert(0, str(SITE))
 
 import gallery  # noqa: E402
-import reference  # noqa: E402
+import references  # noqa: E402
 
 HOME = "index.rst"  # of the site, in place of the README
 # Pages of the repository that lie outside of docs, and their names on the site.

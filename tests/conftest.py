@@ -1,11 +1,11 @@
-"""Puts ``tests`` on the path (``from reference import ...``), makes hypothesis reproducible, and orders the files."""
+"""Puts ``tests`` on the path (``from references import ...``), makes hypothesis reproducible, and orders the files."""
 
 import sys
 
 import pytest
 from hypothesis import settings
 
-pytest.register_assert_rewrite("reference")
+pytest.register_assert_rewrite("references")
 
 # The same examples in every run, on every machine; no limit in time, because the first example compiles the kernels.
 settings.register_profile("reproducible", derandomize=True, deadline=None)

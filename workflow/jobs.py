@@ -47,7 +47,7 @@ def run(job: Callable[..., None], log: str, subject: str, *arguments: Any) -> No
     """Run ``job(*arguments)`` in a process of its own and wait for it; raise ``WorkflowError`` if it fails.
 
     What it says goes to the file ``log``; an error of ours is one sentence there, after its ``subject``. The file of
-    the same name in the folder ``benchmarks`` gets its time and its memory.
+    the same name in the folder ``results/benchmarks`` gets its time and its memory.
     """
     process = _PROCESSES.Process(target=_run, args=(job, log, subject, arguments))
     with _TURN:
@@ -79,7 +79,7 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     seconds, cpu = time.perf_counter() - started, sum(part.ru_utime + part.ru_stime for part in used)
     memory = max(part.ru_maxrss for part in used) / (2**20 if sys.platform == "darwin" else 2**10)
-    benchmark = Path("benchmarks", Path(log).relative_to("logs")).with_suffix(".tsv")
+    benchmark = Path("results/benchmarks", Path(log).relative_to("logs")).with_suffix(".tsv")
     with suppress(OSError, LsvibError):  # what the job has made is good without it
         benchmark.parent.mkdir(parents=True, exist_ok=True)
         write_text(f"s\tcpu_time\tmax_rss [MB]\n{seconds:.2f}\t{cpu:.2f}\t{memory:.0f}\n", benchmark)
@@ -169,7 +169,7 @@ def verdict(file: str, marker: str) -> None:
 
 def accuracy_table(dataset: str, file: str) -> None:
     """Write the tables of error against run time as Markdown."""
-    from lsvib.bench.rivals.markdown_tables import markdown
+    from benchmarks.rivals.markdown_tables import markdown
     from lsvib.data.writer import read_dataset
     from lsvib.files import write_text
 

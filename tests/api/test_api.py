@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from reference.command_line import DRIVE, GRID, MOTION
+from references.command_line import DRIVE, GRID, MOTION
 
 import lsvib
 from lsvib import api

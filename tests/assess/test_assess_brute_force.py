@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from reference.small_swings import causes, measured_growth, steady_contact
+from references.small_swings import causes, measured_growth, steady_contact
 
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import study

@@ -10,7 +10,7 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 
-from reference.chapter_sheet import sheet
+from references.chapter_sheet import sheet
 
 from lsvib.assess.assessment import assess
 from lsvib.assess.flank_friction import (

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from reference.chapter_sheet import sheet, values_of
+from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.assessment import assess

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reference import many_starts
+from references import many_starts
 
 from lsvib.basins.cells import QUANTITIES
 from lsvib.basins.grid import Grid

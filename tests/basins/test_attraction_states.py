@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference.figure_checks import assert_drawn_from_file, assert_each_check_fails_on_some, set_to
+from references.figure_checks import assert_drawn_from_file, assert_each_check_fails_on_some, set_to
 
 from lsvib.basins import slice_mapper
 from lsvib.basins.grid import Grid

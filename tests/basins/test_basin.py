@@ -16,7 +16,7 @@ from lsvib.basins import backward_motions
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, Segment, area, state_on
 from lsvib.basins.exact_basin import Boundary, basin
-from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lsvib.bench.ablation import leaving_out
+from benchmarks.ablation import leaving_out
 from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.drives.second_body.support import MODEL

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.figures.work_precision import dataset as work_precision
-from lsvib.bench.figures.work_precision.settings import SCENES
-from lsvib.bench.record import Record, Verdict, errors
-from lsvib.bench.rivals.hybrid import Hybrid, _affine
-from lsvib.bench.rivals.markdown_tables import markdown
-from lsvib.bench.rivals.method_list import MethodFamily
-from lsvib.bench.rivals.padded_tables import NEVER, even_tables
-from lsvib.bench.rivals.race import fastest, time_at_error
-from lsvib.bench.rivals.race_scenes import scene
+from benchmarks.figures.work_precision import dataset as work_precision
+from benchmarks.figures.work_precision.settings import SCENES
+from benchmarks.record import Record, Verdict, errors
+from benchmarks.rivals.hybrid import Hybrid, _affine
+from benchmarks.rivals.markdown_tables import markdown
+from benchmarks.rivals.method_list import MethodFamily
+from benchmarks.rivals.padded_tables import NEVER, even_tables
+from benchmarks.rivals.race import fastest, time_at_error
+from benchmarks.rivals.race_scenes import scene
 from lsvib.data.writer import read_dataset, write_dataset
 
 TRUTH = Record(
@@ -133,7 +133,7 @@ def test_even_tables_hold_the_scene_and_nothing_that_acts(name):
 
 
 def test_dataset_tables_and_picture(tmp_path):
-    from lsvib.bench.figures.work_precision.picture import draw
+    from benchmarks.figures.work_precision.picture import draw
     from lsvib.figures.drawing.style import save
 
     dataset = work_precision.build(SETTINGS)

@@ -11,8 +11,8 @@ import pytest
 from judge.second_opinions import strides
 
 import lsvib
-from lsvib.bench import jit as bench_jit
-from lsvib.bench.sweeps import taylor
+from benchmarks import jit as bench_jit
+from benchmarks.sweeps import taylor
 from lsvib.engine.kernels import flow_planar, jit
 
 # A kernel of the judge, into which that of another module is inlined, how often it had to be compiled, and the digests
@@ -20,7 +20,7 @@ from lsvib.engine.kernels import flow_planar, jit
 PROGRAM = """
 import numpy as np
 from judge.second_opinions import strides
-from lsvib.bench import jit as bench_jit
+from benchmarks import jit as bench_jit
 from lsvib.engine.kernels import jit
 table, x = np.zeros((4, 5, 2)), np.zeros((4, 2))
 table[:, 4, 0] = 1.0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from judge.wide_drives import wide_drive
 
-from lsvib.bench.sweeps.energy_balance import balance, terms
-from lsvib.bench.sweeps.energy_quadrature import residual
+from benchmarks.sweeps.energy_balance import balance, terms
+from benchmarks.sweeps.energy_quadrature import residual
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton

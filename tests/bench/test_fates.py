@@ -10,7 +10,7 @@ from judge.linear_judge import rates
 from judge.second_opinions import watch
 from judge.wide_drives import wide_drive
 
-from lsvib.bench.reference import rigid_digits
+from references import rigid_digits
 from lsvib.drives.parameters import RigidParameters
 
 SEED = 7

@@ -8,8 +8,8 @@ import pytest
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import basin
 from lsvib.basins.mapper import mapper
-from lsvib.bench.maps.map_methods import METHODS, MapMethod, Rule
-from lsvib.bench.maps.map_race import MapOutcome, RaceBox, beside_boundary, contest, strip_share, wrong_share
+from benchmarks.maps.map_methods import METHODS, MapMethod, Rule
+from benchmarks.maps.map_race import MapOutcome, RaceBox, beside_boundary, contest, strip_share, wrong_share
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError
@@ -77,7 +77,7 @@ def test_an_unknown_method_is_refused():
 
 
 def test_a_missing_package_is_named(monkeypatch):
-    monkeypatch.setattr("lsvib.bench.rivals.method_list.find_spec", lambda name: None)
+    monkeypatch.setattr("benchmarks.rivals.method_list.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"package scipy, which .* needs, is not installed"):
         METHODS["lsoda"].prepare(mapper(NEAR.drive))
 
@@ -101,8 +101,8 @@ def test_rivals_map_the_same_but_for_the_boundary(box):
 
 @pytest.mark.long
 def test_the_dataset_of_a_small_contest(tmp_path):
-    from lsvib.bench.figures.map_precision import dataset as map_precision
-    from lsvib.bench.figures.map_precision import picture as figure
+    from benchmarks.figures.map_precision import dataset as map_precision
+    from benchmarks.figures.map_precision import picture as figure
     from lsvib.data.writer import read_dataset, write_dataset
 
     window = dict(zip(("left", "right", "bottom", "top"), NEAR.window, strict=True))

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.figures.work_precision.settings import SCENES
-from lsvib.bench.record import Verdict
-from lsvib.bench.rivals import method_list
-from lsvib.bench.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
-from lsvib.bench.rivals.on_sweeps import Effort
-from lsvib.bench.rivals.race import RaceBudget, contest
-from lsvib.bench.rivals.race_scenes import scene
+from benchmarks.figures.work_precision.settings import SCENES
+from benchmarks.record import Verdict
+from benchmarks.rivals import method_list
+from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
+from benchmarks.rivals.on_sweeps import Effort
+from benchmarks.rivals.race import RaceBudget, contest
+from benchmarks.rivals.race_scenes import scene
 from lsvib.errors import InputError
 
 ONCE = RaceBudget(repeats=1, seconds=0.0, limit=20.0)
@@ -158,7 +158,7 @@ def test_heyoka_keeps_the_limits_of_all():
 def test_heyoka_sees_a_guard_that_rises_from_zero_and_falls_at_once(offset, speed):
     """x″ = −1, x = offset at the start and again after 2 speed; heyoka alone loses that root of its polynomial."""
     needed("heyoka")
-    from lsvib.bench.rivals.methods import heyoka_events
+    from benchmarks.rivals.methods import heyoka_events
 
     mode = HybridMode(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([0.0, -1.0]), np.array([[1.0, 0.0, -offset]]), 0)
     arc = heyoka_events._integrator(mode, np.ones(2), 2.2e-16)

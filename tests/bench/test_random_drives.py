@@ -10,11 +10,11 @@ from judge.second_opinions import watch
 from judge.second_paths import case_ladders, quick_path, strides_path, watched_path
 from judge.wide_drives import wide_drive
 
-from lsvib.bench.record import Record
-from lsvib.bench.reference import rigid_digits
-from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.paths import MOST_EVENTS, engine_path, exact_path
-from lsvib.bench.sweeps.paths import automaton as built
+from benchmarks.record import Record
+from references import rigid_digits
+from benchmarks.sweeps import case_judge
+from benchmarks.sweeps.paths import MOST_EVENTS, engine_path, exact_path
+from benchmarks.sweeps.paths import automaton as built
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.motion import follow

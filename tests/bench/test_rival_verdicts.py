@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.figures.rival_verdicts import dataset as rival_verdicts
-from lsvib.bench.record import Record, Verdict
-from lsvib.bench.rivals.answer_errors import compare
-from lsvib.bench.rivals.hybrid import GaveUp
-from lsvib.bench.rivals.on_sweeps import Effort, Question, ask, confirm, pose
-from lsvib.bench.rivals.race import quiet
-from lsvib.bench.sweeps import case_judge
-from lsvib.bench.sweeps.cases import Case, CaseFamily, CaseGroup, cases, threshold
+from benchmarks.figures.rival_verdicts import dataset as rival_verdicts
+from benchmarks.record import Record, Verdict
+from benchmarks.rivals.answer_errors import compare
+from benchmarks.rivals.hybrid import GaveUp
+from benchmarks.rivals.on_sweeps import Effort, Question, ask, confirm, pose
+from benchmarks.rivals.race import quiet
+from benchmarks.sweeps import case_judge
+from benchmarks.sweeps.cases import Case, CaseFamily, CaseGroup, cases, threshold
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.drives.parameters import RigidParameters
 
@@ -159,7 +159,7 @@ def test_interval_of_a_share():
 
 
 def test_dataset_checks_and_picture(tmp_path):
-    from lsvib.bench.figures.rival_verdicts.picture import draw
+    from benchmarks.figures.rival_verdicts.picture import draw
     from lsvib.figures.drawing.style import save
 
     dataset = rival_verdicts.build(SETTINGS)

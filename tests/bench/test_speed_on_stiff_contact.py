@@ -9,8 +9,8 @@ from time import process_time
 import numpy as np
 import pytest
 
-from lsvib.bench.record import Verdict
-from lsvib.bench.rivals.race import RaceBudget, contest
+from benchmarks.record import Verdict
+from benchmarks.rivals.race import RaceBudget, contest
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import enter, follow
 

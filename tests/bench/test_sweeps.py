@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from reference.figure_checks import assert_drawn_from_file, set_to
+from references.figure_checks import assert_drawn_from_file, set_to
 
-from lsvib.bench.figures.stability_sweeps import dataset as stability_sweeps
-from lsvib.bench.record import Record, Verdict
-from lsvib.bench.reference.rigid_digits import simulate
-from lsvib.bench.sweeps import case_judge, taylor
-from lsvib.bench.sweeps.case_judge import Judge, judge
-from lsvib.bench.sweeps.cases import THRESHOLDS, cases
-from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
-from lsvib.bench.sweeps.taylor import KINDS
-from lsvib.bench.sweeps.threshold_sides import attractor_is_right, long_run
+from benchmarks.figures.stability_sweeps import dataset as stability_sweeps
+from benchmarks.record import Record, Verdict
+from references.rigid_digits import simulate
+from benchmarks.sweeps import case_judge, taylor
+from benchmarks.sweeps.case_judge import Judge, judge
+from benchmarks.sweeps.cases import THRESHOLDS, cases
+from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.taylor import KINDS
+from benchmarks.sweeps.threshold_sides import attractor_is_right, long_run
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive

@@ -8,13 +8,13 @@ from hypothesis import HealthCheck, given, settings, target
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from lsvib.bench.record import Verdict
-from lsvib.bench.reference.threads_digits import ThreadsTrueDrive
-from lsvib.bench.sweeps.case_judge import TOLERANCE
-from lsvib.bench.sweeps.cases import cases
-from lsvib.bench.sweeps.cases_threads import coinciding
-from lsvib.bench.sweeps.families import CaseFamily, CaseGroup
-from lsvib.bench.sweeps.worst_case import GENES, Draws, attempt, search
+from benchmarks.record import Verdict
+from references.threads_digits import ThreadsTrueDrive
+from benchmarks.sweeps.case_judge import TOLERANCE
+from benchmarks.sweeps.cases import cases
+from benchmarks.sweeps.cases_threads import coinciding
+from benchmarks.sweeps.families import CaseFamily, CaseGroup
+from benchmarks.sweeps.worst_case import GENES, Draws, attempt, search
 from lsvib.drives.parameters import ThreadsParameters
 
 GENOMES = st.lists(st.floats(0.0, 1.0, exclude_max=True), min_size=GENES, max_size=GENES)

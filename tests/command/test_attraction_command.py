@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from reference.command_line import DRIVE, GRID, refused
+from references.command_line import DRIVE, GRID, refused
 
 
 def test_attraction_json_and_dataset(run):

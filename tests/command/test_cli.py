@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from reference.command_line import DRIVE, GRID, MOTION, refused
+from references.command_line import DRIVE, GRID, MOTION, refused
 
 import lsvib
 from lsvib.data.writer import read_dataset

@@ -2,7 +2,7 @@
 
 import json
 
-from reference.command_line import refused
+from references.command_line import refused
 
 
 def test_commands(run):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from reference.malformed import ARGUMENTS, FIGURES, PYTHON, SCENES, SECTIONS, SETTINGS, START
+from references.malformed import ARGUMENTS, FIGURES, PYTHON, SCENES, SECTIONS, SETTINGS, START
 
 import lsvib
 from lsvib.command.app import main

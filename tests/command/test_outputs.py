@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from reference.command_line import MOTION
+from references.command_line import MOTION
 
 import lsvib
 from lsvib.basins.grid import Axis

@@ -4,7 +4,7 @@ import json
 
 import pytest
 import xarray as xr
-from reference.command_line import refused
+from references.command_line import refused
 
 import lsvib
 

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from reference.command_line import DRIVE
+from references.command_line import DRIVE
 
 import lsvib
 from lsvib.drives.parameters import RigidParameters

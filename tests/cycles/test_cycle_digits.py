@@ -10,7 +10,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from reference.cycle_digits import CycleDigits
+from references.cycle_digits import CycleDigits
 
 import lsvib
 

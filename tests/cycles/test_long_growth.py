@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reference.wide_scenes import scene
+from references.wide_scenes import scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.cones import growing

@@ -9,7 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 import lsvib
-from lsvib.bench.reference import rigid_digits
+from references import rigid_digits
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.continuation import other_sections
 from lsvib.cycles.periodic import cycle_of, cycle_on

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
 from judge.wide_drives import wide_drive
-from reference.wide_scenes import assert_slides_steadily, scene
+from references.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.quiet import parts_of, quiet_until

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from judge.wide_drives import wide_drive
-from reference.wide_scenes import scene
+from references.wide_scenes import scene
 
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, steady_state

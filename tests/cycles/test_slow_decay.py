@@ -12,7 +12,7 @@ import pytest
 from judge.judges import BAD, stages
 from judge.long_run import constants_of, fate
 from judge.wide_drives import wide_drive
-from reference.wide_scenes import assert_slides_steadily, scene
+from references.wide_scenes import assert_slides_steadily, scene
 
 import lsvib
 from lsvib.basins.mapper import mapper

@@ -11,7 +11,7 @@ from judge.wide_drives import wide_drive
 from mpmath import mp, mpf
 
 from lsvib.basins.mapper import mapper
-from lsvib.bench.reference import rigid_digits, threads_digits
+from references import rigid_digits, threads_digits
 from lsvib.cycles.steady_states import Attractor
 from lsvib.cycles.variational import derivative, eigenvalues, rounding
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from reference.command_line import refused
+from references.command_line import refused
 
 import lsvib
 from lsvib.cycles.attractors import orbit_extremes

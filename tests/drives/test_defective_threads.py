@@ -11,8 +11,8 @@ double, which parts n-fold rates by about the n-th root of its rounding. Toleran
 
 import pytest
 from mpmath import mp, mpf
-from reference.dense import simulate
-from reference.threads_comparison import compare
+from references.dense import simulate
+from references.threads_comparison import compare
 
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.engine.kernels.tables import BlockFlow

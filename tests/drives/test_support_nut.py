@@ -10,10 +10,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from reference.two_bodies_steps import SteppedDrive, simulate
+from references.two_bodies_steps import SteppedDrive, simulate
 
 import lsvib
-from lsvib.bench.reference import two_bodies_digits
+from references import two_bodies_digits
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.drives.registry import find_model
 from lsvib.drives.rigid import rigid_automaton

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.drives import RULES, drives, starts
+from references.drives import RULES, drives, starts
 
 from lsvib.cycles.attractors import steady_state
 from lsvib.cycles.impulses import mean_load, seizure_impulses

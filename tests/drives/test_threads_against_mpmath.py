@@ -13,10 +13,10 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from reference.threads_comparison import Comparison, compare
+from references.threads_comparison import Comparison, compare
 
-from lsvib.bench.reference.exponential_sums import affine
-from lsvib.bench.reference.threads_digits import SPARE_DIGITS, Function, simulate
+from references.exponential_sums import affine
+from references.threads_digits import SPARE_DIGITS, Function, simulate
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import ThreadsMode
 

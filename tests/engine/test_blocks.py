@@ -12,7 +12,7 @@ import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from reference.wide_scenes import scene
+from references.wide_scenes import scene
 
 from lsvib.engine.exact.block_form import block_flow, block_mode
 from lsvib.engine.exact.field import exact_field

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
 from judge.wide_drives import wide_drive
-from reference.wide_scenes import scene
+from references.wide_scenes import scene
 
-from lsvib.bench.sweeps.case_judge import allowed_residual
-from lsvib.bench.sweeps.energy_balance import balance
+from benchmarks.sweeps.case_judge import allowed_residual
+from benchmarks.sweeps.energy_balance import balance
 from lsvib.cycles.attractors import steady_state
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels import event_loop

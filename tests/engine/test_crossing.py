@@ -11,8 +11,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from reference.cases import CASES, EPS, STARTS, advanced, rate_of
-from reference.oscillator import flow
+from references.cases import CASES, EPS, STARTS, advanced, rate_of
+from references.oscillator import flow
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble, oscillator
 from lsvib.engine.kernels import columns, event_loop, search_planar

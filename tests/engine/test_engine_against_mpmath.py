@@ -14,9 +14,9 @@ from itertools import groupby
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from reference.drives import RULES, compare, random_drive, random_start
+from references.drives import RULES, compare, random_drive, random_start
 
-from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
+from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.motion import follow

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from reference.modal_fields import DIGITS, as_decimals, rate_of
+from references.modal_fields import DIGITS, as_decimals, rate_of
 
 from lsvib.engine.exact.field import exact_field
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode

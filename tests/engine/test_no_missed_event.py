@@ -18,7 +18,7 @@ import math
 import numba
 import numpy as np
 import pytest
-from reference.drives import RULES, random_drive, random_start
+from references.drives import RULES, random_drive, random_start
 
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import oscillator

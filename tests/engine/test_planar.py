@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from reference.cases import CASES, EPS, STARTS, advanced, rate_of
-from reference.oscillator import flow, number
+from references.cases import CASES, EPS, STARTS, advanced, rate_of
+from references.oscillator import flow, number
 
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar, search_planar

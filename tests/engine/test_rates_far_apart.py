@@ -13,10 +13,10 @@ from judge.second_paths import quick_path
 from judge.wide_drives import wide_drive
 from mpmath import mp
 
-from lsvib.bench.record import Verdict
-from lsvib.bench.sweeps.case_judge import judge
-from lsvib.bench.sweeps.families import Case, CaseFamily, CaseGroup
-from lsvib.bench.sweeps.paths import automaton
+from benchmarks.record import Verdict
+from benchmarks.sweeps.case_judge import judge
+from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.paths import automaton
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import NutParameters, RigidParameters, ThreadsParameters
 from lsvib.drives.registry import find_model

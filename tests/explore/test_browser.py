@@ -9,7 +9,7 @@ from urllib.parse import parse_qsl, urlsplit
 from urllib.request import urlopen
 
 import pytest
-from reference import chromium
+from references import chromium
 
 pytest.importorskip("bokeh", reason="The explorer needs bokeh, which is not installed.")
 playwright = pytest.importorskip("playwright.sync_api", reason="The browser is driven by playwright, not installed.")

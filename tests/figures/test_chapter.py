@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from reference.listed_claims import entries
+from references.listed_claims import entries
 
 from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.folders import default_figures

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reference.figure_checks import dataset_of, draft, figure_tests, scale, set_to
+from references.figure_checks import dataset_of, draft, figure_tests, scale, set_to
 
 from lsvib.contact import limit_process
 from lsvib.contact.limit_process import BranchFamily, Region

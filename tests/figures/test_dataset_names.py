@@ -7,7 +7,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 import xarray as xr
-from reference.figure_checks import dataset_of, draft
+from references.figure_checks import dataset_of, draft
 from scipy.integrate import solve_ivp
 
 from lsvib.data.parameter_origins import (

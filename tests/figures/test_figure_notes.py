@@ -4,7 +4,7 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from reference.figure_checks import assert_states_what_is_assumed, dataset_of, draft, number_in
+from references.figure_checks import assert_states_what_is_assumed, dataset_of, draft, number_in
 
 from lsvib.contact import existence
 from lsvib.data import phase_plane

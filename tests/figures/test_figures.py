@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference.figure_checks import dataset_of, draft, figure_tests, scale, set_to
+from references.figure_checks import dataset_of, draft, figure_tests, scale, set_to
 
 from lsvib.basins.exact_basin import Boundary
 from lsvib.cycles.attractors import Attractor, steady_state

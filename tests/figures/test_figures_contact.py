@@ -3,7 +3,7 @@
 from time import process_time
 
 import numpy as np
-from reference.figure_checks import figure_tests, scale, set_to
+from references.figure_checks import figure_tests, scale, set_to
 
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.drives.parameters import SupportParameters

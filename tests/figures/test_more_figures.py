@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from reference.figure_checks import (
+from references.figure_checks import (
     assert_drawn_from_file,
     assert_each_check_fails_on_some,
     dataset_of,
@@ -16,7 +16,7 @@ from reference.figure_checks import (
     set_to,
 )
 
-from lsvib.bench.figures.ablation import dataset as ablation
+from benchmarks.figures.ablation import dataset as ablation
 from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.fig8_03 import dataset as fig8_03
 from lsvib.figures.table_rounding.dataset import PrintedThreshold

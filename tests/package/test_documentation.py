@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from reference import chromium
+from references import chromium
 
 import lsvib
 from lsvib.figures.folders import default_figures

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.classes import damped_class
+from references.classes import damped_class
 
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, nut_conditions, support_conditions

@@ -12,7 +12,7 @@ import pytest
 from mpmath import diff, findroot, mp, mpf
 
 from lsvib.basins.exact_basin import Boundary, basin
-from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients

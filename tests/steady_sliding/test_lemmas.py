@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.classes import growth_rate
-from reference.companion_roots import roots
+from references.classes import growth_rate
+from references.companion_roots import roots
 
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters

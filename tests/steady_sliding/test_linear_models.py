@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.classes import damped_class, growth_rate
-from reference.companion_roots import roots
-from reference.newton import accelerations
+from references.classes import damped_class, growth_rate
+from references.companion_roots import roots
+from references.newton import accelerations
 
 from lsvib.contact.contact_force import contact_frequency
 from lsvib.drives.coefficients import coefficients

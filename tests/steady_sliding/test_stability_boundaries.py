@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.newton import eigenvalues, is_stable, steady_law
+from references.newton import eigenvalues, is_stable, steady_law
 
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.engine.exact.polynomials import multiplied

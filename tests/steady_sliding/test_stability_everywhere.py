@@ -6,8 +6,8 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from reference.many_decades import KINDS, extreme_values, wide_drive
-from reference.newton import DIGITS, eigenvalues, is_stable, steady_law
+from references.many_decades import KINDS, extreme_values, wide_drive
+from references.newton import DIGITS, eigenvalues, is_stable, steady_law
 
 from lsvib.drives.parameters import RigidParameters, zero_if_close
 from lsvib.errors import InputError

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from reference import threshold_digits
+from references import threshold_digits
 
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.cycles.slip_cycle import half_return, leaving

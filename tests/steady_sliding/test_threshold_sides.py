@@ -1,7 +1,7 @@
 """Both sides of every threshold of the axial force, for random drives and for drives that once failed.
 
 The threshold is computed from closed forms with many digits; the motions on either side are followed by the engine,
-event by event, and some of them by the Taylor steps of :mod:`lsvib.bench.sweeps.taylor`, which share nothing
+event by event, and some of them by the Taylor steps of :mod:`benchmarks.sweeps.taylor`, which share nothing
 with it. A statement on one side of a threshold is judged by the events of motions:
 
 * stick: slip that starts where θ′ = 0 is touched, the end of rest, comes back to θ′ = 0 within a turn, or never;
@@ -15,8 +15,8 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.bench.sweeps import taylor
-from lsvib.bench.sweeps.taylor import KINDS
+from benchmarks.sweeps import taylor
+from benchmarks.sweeps.taylor import KINDS
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters

@@ -14,9 +14,9 @@ import math
 import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf
-from reference.drives import compare
+from references.drives import compare
 
-from lsvib.bench.reference.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.bench.rivals.hybrid import Clock, Hybrid
-from lsvib.bench.rivals.method_list import find_method
-from lsvib.bench.rivals.race import quiet
-from lsvib.bench.rivals.race_scenes import RaceScene
-from lsvib.bench.rivals.truth import reference
+from benchmarks.rivals.hybrid import Clock, Hybrid
+from benchmarks.rivals.method_list import find_method
+from benchmarks.rivals.race import quiet
+from benchmarks.rivals.race_scenes import RaceScene
+from benchmarks.rivals.truth import reference
 from lsvib.data.sweep import sweep
 from lsvib.drives.parameters import RigidParameters
 

@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 from conftest import Project
-from reference import chromium
+from references import chromium
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 FIGURES = ("fig8_03", "fig8_08")

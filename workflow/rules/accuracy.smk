@@ -39,7 +39,7 @@ rule accuracy_table:
     """Write the measured run times and errors as the tables of docs/accuracy.md."""
     input:
         dataset="results/datasets/work_precision.nc",
-        sources=source_files(imports("lsvib.bench.rivals.markdown_tables")),
+        sources=source_files(imports("benchmarks.rivals.markdown_tables")),
     output:
         "results/accuracy/table.md",
     log:

@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 
 from lsvib.errors import InputError
 
-_DEFAULT, _ACCURACY = "lsvib.figures", "lsvib.bench.figures"
+_DEFAULT, _ACCURACY = "lsvib.figures", "benchmarks.figures"
 ROOMS = (_DEFAULT, _ACCURACY)
 
 

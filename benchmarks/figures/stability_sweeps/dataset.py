@@ -1,0 +1,254 @@
+"""Stability on stiff and extreme cases: the engine judged at the edge of the domain, family by family."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from benchmarks.record import Verdict
+from benchmarks.sweeps.case_judge import (
+    ENERGY_TOLERANCE,
+    TOLERANCE,
+    VERDICTS,
+    CaseOutcome,
+    Judge,
+    allowed_residual,
+    judge,
+)
+from benchmarks.sweeps.cases import THRESHOLDS
+from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.threshold_sides import attractor_is_right, long_run
+from benchmarks.sweeps.worst_case import GENES, Tried, attempt, search
+from lsvib.data.attributes import flagged, named_flags, variable, yes_no, yes_no_or
+from lsvib.data.checks import Check
+from lsvib.drives.parameters import RigidParameters
+
+_SOURCE = "docs/stability.md"
+_NUMBERS = {
+    "state_error": ("1", "error of the final state, relative to the size of the motion"),
+    "time_error": ("1", "largest error of an event time, relative to the duration"),
+    "sensitivity": ("1", "change of the final state when the input is moved in its last places"),
+    "condition": ("1", "largest condition number of the modal forms"),
+    "energy_residual": ("1", "residual of the energy balance, relative to the largest energy or work in it"),
+    "energy_rounding": ("1", "residual of the energy balance that rounding may make"),
+}
+_WORDS = {
+    "level": "decimal logarithm of the parameter or of its distance from the edge",
+    "damping_level": "decimal logarithm of the contact damping in N s/m",
+    "stepper_agrees": "whether the Taylor stepper has the right events",
+    "stepper_wrong": "number of cases in which the Taylor stepper has wrong events",
+    "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
+    "evaluations": "number of cases that the search for the worst one tried in each family",
+}
+_WORST = {  # variable of the worst case of each family: of its outcome, words
+    "worst_state_error": ("state_error", "error of the final state in the worst case of the family"),
+    "worst_time_error": ("time_error", "error of an event time in the worst case of the family"),
+    "worst_sensitivity": ("sensitivity", "change of the worst case when its input is moved in its last places"),
+    "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
+}
+_RUNS = {  # variable of the long runs: of a run, words
+    "run_events": ("events", "number of events of the long run"),
+    "clock_error": ("clock_error", "relative error of the time of the last release from rest"),
+    "run_state_error": ("state_error", "relative error of the state at the last release from rest"),
+}
+_WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.DOUBLE_RATE_OF_THREADS, CaseFamily.SUPPORT, CaseFamily.NUT)
+# Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/stability.md.
+_TOLERANCE_WITH_FOUR_STATES = 1e-8
+_NOT_PASSED = 1e-3  # share of the cases that need not pass, without a wrong one among them,
+_FEW = 3  # or this number, if that is more
+_BALANCED = 0.99  # share of the motions whose energy must be balanced
+# Drives whose motions are followed for very many periods: one with stick–slip, one with sprag–slip.
+_LONG = ({"translation_damping": 1e3, "axial_force": 40.0}, {"mass": 15.0, "axial_force": 100.0})
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Run the sweeps, and search on from the worst cases of each family; ``settings``: see ``Settings``."""
+    rows: list[tuple[Case, CaseOutcome]] = []
+    worst: dict[CaseFamily, Tried] = {}
+    for name, count in settings["counts"].items():
+        family = CaseFamily[name.upper()]
+        rng = np.random.default_rng([settings["seed"], family])
+        begin = []
+        for k in range(count):
+            tried = attempt(family, rng.random(GENES), rng, thorough=k < settings["thorough"])
+            tried.outcome.path = None  # of no further use, and most of the memory
+            rows.append((tried.case, tried.outcome))
+            if tried.outcome.judge == Judge.REFERENCE:
+                begin.append(tried)
+        found = search(family, begin, settings["evaluations"], rng)
+        worst[family] = replace(found, outcome=judge(found.case, rng, thorough=True))
+    families = sorted({case.family for case, _ in rows})
+    found = [worst[f].outcome.verdict for f in families]
+    distances = np.array(settings["distances"], dtype=float)
+    right = [[[attractor_is_right(group, side, x) for x in distances] for side in (-1, 1)] for group in THRESHOLDS]
+    by_side = ("force_threshold", "side", "threshold_distance")
+    runs = [long_run(RigidParameters.of(changes), settings["periods"]) for changes in _LONG]
+    return xr.Dataset(
+        _cases(rows)
+        | _summary(rows, families)
+        | _each("edge_family", [worst[f].outcome for f in families], _WORST)
+        | {"worst_verdict": flagged("edge_family", found, "verdict on the worst case", VERDICTS)}
+        | {"attractor_is_right": yes_no(by_side, right, "the attractor is the one that the threshold promises")}
+        | _each("run", runs, _RUNS),
+        coords={
+            "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
+            "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
+            "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
+            "force_threshold": flagged("force_threshold", list(THRESHOLDS), "threshold of R", CaseGroup),
+            "side": named_flags("side", [-1, 1], "side of the threshold", {-1: "smaller_force", 1: "larger_force"}),
+            "threshold_distance": variable(
+                "threshold_distance", distances, "1", "relative distance from the threshold"
+            ),
+            "run": variable("run", np.arange(len(runs)), "1", "index of the long run"),
+            "passing_error": variable((), TOLERANCE, "1", "relative error that passes"),
+            "energy_tolerance": variable((), ENERGY_TOLERANCE, "1", _WORDS["energy_tolerance"]),
+            "evaluations": variable((), settings["evaluations"], "1", _WORDS["evaluations"]),
+            "periods": variable((), settings["periods"], "1", "number of periods of a long run"),
+        },
+        attrs={
+            "title": "The engine at the edge of the domain",
+            "source": "lsvib, exact event-driven motion; judges: Taylor steps, and a reference with 40 digits",
+            "references": "doi:10.1007/978-1-4419-1752-2_8; docs/stability.md",
+            "worst_cases": json.dumps({f.name.lower(): worst[f].description() for f in families}),
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that no verdict is wrong and hardly one but passed, accuracy and energy, the thresholds and long runs."""
+    total = dataset.sizes["case"]
+    verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
+    inaccurate = verdict == Verdict.INACCURATE
+    count = {kind: int((verdict == kind).sum()) for kind in VERDICTS}
+    asked = rigid & (dataset.judge.values == Judge.REFERENCE) & (verdict != Verdict.BEYOND_INPUT)
+    worst = float(np.nanmax(np.where(asked, dataset.state_error.values, np.nan)))
+    others = ~rigid & (verdict != Verdict.BEYOND_INPUT)
+    errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
+    sides, closest = dataset.attractor_is_right.values, float(dataset.threshold_distance.min())
+    return [
+        Check.holds(
+            "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
+            _SOURCE,
+            f"{count[Verdict.WRONG]} wrong of {total}",
+            count[Verdict.WRONG] == 0,
+        ),
+        Check.holds(
+            f"At most one case in {1 / _NOT_PASSED:g}, or {_FEW} if that is more, does not pass",
+            _SOURCE,
+            f"{total - count[Verdict.RIGHT]} of {total} do not: {count[Verdict.BEYOND_INPUT]} decided "
+            "by digits that "
+            f"the input does not have, {count[Verdict.CORNER]} differ within an instant at a corner, "
+            f"{count[Verdict.REFUSED]} refused in a sentence, {count[Verdict.INACCURATE]} inaccurate, "
+            f"{count[Verdict.UNBALANCED]} unbalanced",
+            total - count[Verdict.RIGHT] <= max(_FEW, _NOT_PASSED * total),
+        ),
+        Check.holds(
+            f"Rigid drive: final states and event times to {TOLERANCE:.0e} in every case",
+            _SOURCE,
+            f"{int((inaccurate & rigid).sum())} above it; worst error against 40 digits {worst:.1e}",
+            not bool((inaccurate & rigid).any()),
+        ),
+        Check.holds(
+            f"Drives with four states: final states and event times to {_TOLERANCE_WITH_FOUR_STATES:.0e} in every case "
+            "that its input decides",
+            _SOURCE,
+            f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, in "
+            f"{int(np.isnan(errors).sum())} unknown",
+            bool(errors.size and (errors <= _TOLERANCE_WITH_FOUR_STATES).all()),
+        ),
+        _energy_check(dataset),
+        _search_check(dataset),
+        Check.holds(
+            "Attractors on both sides of each threshold of the axial force are those that it promises",
+            _SOURCE,
+            f"{int(sides.sum())} of {sides.size}, down to {closest:.0e} of the threshold",
+            bool(sides.all()),
+        ),
+        Check.holds(
+            "Cycles over many periods: clock to 1e-12, state to 1e-12",
+            _SOURCE,
+            f"{int(dataset.periods)} periods, {int(dataset.run_events.sum())} events: clock "
+            f"{float(dataset.clock_error.max()):.1e}, state {float(dataset.run_state_error.max()):.1e}",
+            bool(dataset.clock_error.max() <= 1e-12 and dataset.run_state_error.max() <= 1e-12),
+        ),
+    ]
+
+
+def _energy_check(dataset: xr.Dataset) -> Check:
+    residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
+    tolerance = float(dataset.energy_tolerance)
+    drawn = np.isfinite(residual)
+    astray = int((residual[drawn] > allowed_residual(rounding[drawn])).sum())
+    sharp = drawn & (rounding <= tolerance)
+    return Check.holds(
+        f"Energy balances in every motion: supply, storage, friction, dampers and seizures, to {tolerance:.0e} of the "
+        "largest of them and what rounding makes of it",
+        _SOURCE,
+        f"{astray} of {int(drawn.sum())} do not, {int((~drawn).sum())} not drawn; where rounding makes less than "
+        f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
+        astray == 0 and bool(drawn[dataset.case_verdict.values != Verdict.REFUSED].mean() > _BALANCED),
+    )
+
+
+def _search_check(dataset: xr.Dataset) -> Check:
+    state, time = dataset.worst_state_error.values, dataset.worst_time_error.values
+    errors = np.fmax(state, time)
+    names = [CaseFamily(int(f)).name.lower() for f in dataset.edge_family.values]
+    bad = np.isin(dataset.worst_verdict.values, (Verdict.WRONG, Verdict.UNBALANCED))
+    found = ", ".join(f"{name} {error:.0e}" for name, error in zip(names, errors, strict=True))
+    return Check.holds(
+        "A search for the worst case of each family finds no wrong one, and none of a rigid drive that is inaccurate",
+        _SOURCE,
+        f"{int(dataset.evaluations)} evaluations a family: {found}",
+        not bool(bad.any())
+        and not bool(
+            (errors[~np.isin(dataset.edge_family.values, _WITH_FOUR_STATES)] > float(dataset.passing_error)).any()
+        ),
+    )
+
+
+def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
+    damping = [_log(getattr(c.drive, "contact_damping", 0.0)) for c, _ in rows]
+    # On the edge itself the logarithm is −inf, which is stored as missing.
+    level = np.array([case.level for case, _ in rows])
+    return {
+        "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
+        "group": flagged("case", [c.group for c, _ in rows], "edge of the case", CaseGroup),
+        "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
+        "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
+        "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),
+        "judge": flagged("case", [o.judge for _, o in rows], "who decided", Judge),
+        "events": variable("case", np.array([o.events for _, o in rows], np.int32), "1", "number of events"),
+        "stepper_agrees": yes_no_or("not_asked", "case", [o.stepper_agrees for _, o in rows], _WORDS["stepper_agrees"]),
+        **{
+            name: variable("case", np.array([_number(o, name) for _, o in rows], np.float32), *about)
+            for name, about in _NUMBERS.items()
+        },
+    }
+
+
+def _number(outcome: CaseOutcome, name: str) -> float:
+    if not name.startswith("energy_"):
+        return getattr(outcome, name)
+    return np.nan if outcome.energy is None else getattr(outcome.energy, name.removeprefix("energy_"))
+
+
+def _log(value: float) -> float:
+    return float(np.log10(value)) if value else np.nan
+
+
+def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -> dict[str, tuple]:
+    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
+    astray = [sum(c.family == f and o.stepper_agrees is False for c, o in rows) for f in families]
+    return {
+        "case_count": variable(("edge_family", "outcome"), count, "1", "number of cases"),
+        "stepper_wrong": variable("edge_family", np.array(astray), "1", _WORDS["stepper_wrong"]),
+    }
+
+
+def _each(dim: str, things: list, words: Mapping[str, tuple[str, str]]) -> dict[str, tuple]:
+    """Variables of what some things have; ``words``: the name of an attribute, and words, by variable."""
+    return {name: variable(dim, [getattr(x, key) for x in things], "1", text) for name, (key, text) in words.items()}

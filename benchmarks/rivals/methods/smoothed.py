@@ -1,0 +1,129 @@
+"""Friction without a jump: sgn θ′ is replaced by tanh(θ′/ε), and a stiff solver (CVODE, BDF) integrates in one go.
+
+No event, no restart; what practitioners do. Rigid drive outside the Painlevé region, (8.16) and (8.17) with
+μ_s = μ tanh(θ′/ε) sgn Q; drive with compliant threads, (8.6) with friction μ |N| tanh(θ′/ε). In the Painlevé region
+the smoothed rigid drive does not exist – on the way from Γ₋ to Γ₊ < 0 the effective inertia is zero – so there the
+contact is made compliant as well, with the stiffness and damping of Fig. 8.10.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from sksundae.cvode import CVODE
+
+from benchmarks.jit import kernel
+from benchmarks.record import Record
+from benchmarks.rivals.hybrid import Clock, Hybrid
+from benchmarks.rivals.race_scenes import RaceScene
+from lsvib.drives.coefficients import coefficients
+from lsvib.drives.parameters import RigidParameters, ThreadsParameters
+from lsvib.drives.threads import seated_state
+
+_TOLERANCE = 1e-8  # relative; below the error of any width ε
+_STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
+_STANDS = 5.0  # a screw slower than so many ε stands
+
+
+def _record(scene: RaceScene, width: float, found) -> Record:
+    """What is compared; a smoothed motion has no events."""
+    times, states = np.asarray(found.t), np.asarray(found.y)
+    if not found.success:
+        return Record(end=states[-1], failure=str(found.message))
+    first = max(int(np.searchsorted(times, scene.steady_from)) - 1, 0)  # the step in which it lies
+    standing = np.abs(states[:, 1] + scene.drive.input_speed) < _STANDS * width
+    return Record(
+        end=states[-1],
+        stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
+        extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], scene.steady_from),
+    )
+
+
+def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+    """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
+    scene = hybrid.scene
+    drive, state = scene.drive, np.array(scene.state)
+    compliant = scene.drive.model == "threads"
+    if not compliant and coefficients(drive).paradox:
+        drive, compliant = ThreadsParameters.of(drive.model_dump()), True
+        state = seated_state(drive, *state)
+    c, lead = coefficients(drive), drive.lead_angle
+    if compliant:
+        own = (
+            drive.axial_force,
+            c.deflection,
+            math.cos(lead),
+            math.sin(lead),
+            drive.contact_stiffness,
+            drive.contact_damping,
+        )
+    else:
+        own = (c.net_force, c.xi[c.steady_law], *c.q_row)
+    numbers, rate = _numbers(drive, *own), _threads_rate if compliant else _rigid_rate
+    scales = np.array([0.1, abs(drive.input_speed), 1e-6, 1e-6])[: state.size]
+
+    def field(t, x, out):
+        """Put x′ under smoothed friction into ``out``."""
+        clock.check()
+        rate(numbers, setting, x, out)
+
+    solver = CVODE(field, method="BDF", rtol=_TOLERANCE, atol=_TOLERANCE * scales, max_num_steps=_STEPS)
+
+    def run() -> Callable[[], Record]:
+        """Solve to the end of the scene."""
+        clock.start()
+        found = solver.solve(np.array([0.0, scene.duration]), state)
+        return lambda: _record(scene, setting, found)
+
+    return run
+
+
+def _numbers(drive: RigidParameters, *more) -> tuple[float, ...]:
+    """The parameters that both models have, and more."""
+    values = (
+        drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
+        drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
+        *more,
+    )  # fmt: skip
+    return tuple(float(value) for value in values)
+
+
+@kernel
+def _rigid_rate(numbers, width, state, out):
+    r, tan, inertia, k, c, mu, speed, m, cx, net_force, xi0, q_u, q_w, q_0 = numbers
+    u, w = state[0], state[1]
+    q = q_u * u + q_w * w + q_0
+    mu_s = mu * math.tanh((w + speed) / width) * (1.0 if q >= 0.0 else -1.0)
+    xi = (mu_s - tan) / (1.0 + mu_s * tan)
+    lever = xi * r * r * tan
+    out[0] = w
+    out[1] = (r * (xi0 - xi) * net_force - (c - lever * cx) * w - k * u) / (inertia - lever * m)
+
+
+@kernel
+def _threads_rate(numbers, width, state, out):
+    r, tan, inertia, k, c, mu, speed, m, cx, force, z0, cos, sin, kc, cc = numbers
+    u, w, e, v = state[0], state[1], state[2], state[3]
+    turning = w + speed
+    normal = cos * (kc * e + cc * v)
+    friction = mu * abs(normal) * math.tanh(turning / width)
+    acceleration = (-k * (z0 + u) - c * turning - r * (friction * cos - normal * sin)) / inertia
+    nut = (force - cx * (v + r * tan * turning) - normal * cos - friction * sin) / m
+    out[0], out[1], out[2], out[3] = w, acceleration, v, nut - r * tan * acceleration
+
+
+def _extremes(times: np.ndarray, u: np.ndarray, w: np.ndarray, steady_from: float) -> tuple[float, float]:
+    """Extremes from ``steady_from`` [s] on, of the steps and of the cubic between two of them where w changes sign."""
+    found = [*u[1:], _cubic(times, u, w, 0, (steady_from - times[0]) / (times[1] - times[0]))]
+    for i in np.flatnonzero((w[1:] < 0) != (w[:-1] < 0)):
+        share = w[i] / (w[i] - w[i + 1])
+        if times[i] + share * (times[i + 1] - times[i]) >= steady_from:
+            found.append(_cubic(times, u, w, i, share))
+    return float(min(found)), float(max(found))
+
+
+def _cubic(times, u, w, i: int, x: float) -> float:
+    """Value of the cubic through two steps a share x after the first."""
+    h, y = times[i + 1] - times[i], 1 - x
+    rise = u[i] * (1 + 2 * x) * y * y + u[i + 1] * (3 - 2 * x) * x * x
+    return float(rise + h * x * y * (w[i] * y - w[i + 1] * x))

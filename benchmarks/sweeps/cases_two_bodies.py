@@ -1,0 +1,114 @@
+"""Cases of axial support and rotating nut: stiffness, damping and inertia over decades, frictions, starts on guards."""
+
+import math
+
+import numpy as np
+
+from references.two_bodies_laws import TwoBodiesTrueDrive
+from benchmarks.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
+from lsvib.drives.friction import friction_factor
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
+from lsvib.steady_sliding.linearised import nut_model, support_model
+
+_FRICTIONS = {
+    CaseGroup.WITHOUT_FRICTION: (),
+    CaseGroup.WITH_SLIDE: ("slide_friction",),
+    CaseGroup.WITH_BEARING: ("bearing_friction",),
+    CaseGroup.WITH_BOTH: ("slide_friction", "bearing_friction"),
+}
+_STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
+
+
+def support(rng) -> Case:
+    """k_1 from 1e2 to 1e12, c_1 = 0 and to 1e8, m_1 from 1e-2 to 1e3."""
+    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
+    level = rng.uniform(2, 12)
+    values |= {
+        "screw_mass": power(rng, -2, 3),
+        "support_stiffness": 10.0**level,
+        "axial_support_damping": rng.integers(2) * power(rng, -2, 8),
+    }
+    share = power(rng, -3, -0.01)
+    if "slide_friction" in _FRICTIONS[group]:  # only up to this mass is the motion determined
+        values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
+    drive = SupportParameters.of(values)
+    shift = drive.axial_force / drive.support_stiffness
+    own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
+    return _case(rng, CaseFamily.SUPPORT, group, level, drive, own)
+
+
+def nut(rng) -> Case:
+    """k_2 from 1e-3 to 1e5, c_2 = 0 and to 1, I_2 from 1e-8 to 1e-2."""
+    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
+    level = rng.uniform(-3, 5)
+    values |= {
+        "nut_inertia": power(rng, -8, -2),
+        "nut_stiffness": 10.0**level,
+        "nut_damping": rng.integers(2) * power(rng, -8, 0),
+    }
+    share = power(rng, -3, -0.01)
+    if "bearing_friction" in _FRICTIONS[group]:
+        inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
+        values["mass"] = min(values["mass"], share * heaviest(values, inertia))
+    drive = NutParameters.of(values)
+    own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
+    return _case(rng, CaseFamily.NUT, group, level, drive, own)
+
+
+def _common(rng) -> dict[str, float]:
+    defaults = dict(RigidParameters())
+    return {
+        **defaults,
+        "mass": power(rng, -1, 1.7),
+        "friction_coefficient": rng.uniform(0.02, 0.5),
+        "axial_force": sign(rng) * power(rng, -1, 2.5),
+        "input_speed": sign(rng) * power(rng, 0, 2),
+        "support_damping": power(rng, -5, -2),
+        "translation_damping": rng.integers(2) * power(rng, 0, 3.5),
+        "slide_friction": power(rng, -2, 2.5),
+        "bearing_friction": power(rng, -4, 0),
+    }
+
+
+def heaviest(values: dict[str, float], inertia: float) -> float:
+    """Mass [kg] above which the threads could seize with a given inertia [kg m²], infinite if they never do."""
+    tan = math.tan(values["lead_angle"])
+    factor = friction_factor(values["friction_coefficient"], tan, 1)
+    return inertia / (factor * tan * values["pitch_radius"] ** 2) if factor > 0 else math.inf
+
+
+def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: tuple[float, float]) -> Case:
+    model = "support" if family == CaseFamily.SUPPORT else "nut"
+    linear = support_model if model == "support" else nut_model
+    physics = _FRICTIONS[group]
+    if not physics:
+        drive = drive.replace(slide_friction=0.0, bearing_friction=0.0)
+    rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
+    swing = math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
+    duration = math.tau * swing * rng.uniform(0.3, 3.0)
+    duration = min(duration, MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
+    state = [0.3 * rng.uniform(-1, 1), drive.input_speed * rng.uniform(-3, 3), *own]
+    start = _on_a_guard(rng.choice(_STARTS), model, drive, physics, state, sign(rng))
+    return Case(family, group, level, drive, tuple(map(float, start)), float(duration), physics)
+
+
+def _on_a_guard(where: str, model: str, drive, physics: tuple[str, ...], state: list[float], side: int) -> list[float]:
+    """Move a state to where slip, the second body, both, or the contact force are zero, or to steady sliding."""
+    rest = -drive.input_speed
+    u, w, place, rate = state
+    if where == "steady":
+        return [0.0, 0.0, 0.0, 0.0]
+    if where == "both":
+        return [u, rest, place, 0.0]
+    if where == "slip":
+        return [u, rest, place, rate] if model == "support" else [u, w, place, drive.input_speed + w]
+    if where == "second" and physics:
+        reach = drive.pitch_radius * math.tan(drive.lead_angle)
+        return [u, w, place, -reach * (drive.input_speed + w)] if model == "support" else [u, rest, place, rate]
+    if where == "contact":
+        reference = TwoBodiesTrueDrive(model, dict(drive), physics)
+        second = side if reference.second else None
+        row = reference.row(lambda x: reference.forces((side, -side, second), x)[2])
+        u = -(row[1] * w + row[2] * place + row[3] * rate + row[4]) / row[0]
+        return [u, w, place, rate] if abs(u) < 1e3 else state
+    return state

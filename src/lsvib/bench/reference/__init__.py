@@ -1,1 +1,0 @@
-"""References in many digits, independent of the engine."""

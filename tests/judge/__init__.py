@@ -1,1 +1,0 @@
-"""Random drives over the full ranges, and the questions that each is asked."""

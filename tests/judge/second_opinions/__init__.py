@@ -1,1 +1,0 @@
-"""Fast followers of motions that share nothing with the engine's search."""
