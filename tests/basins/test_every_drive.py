@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from judge.fate import fate
 from judge.second_opinions import watch
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 from lsvib.basins.mapper import mapper
 from lsvib.basins.section_labels import Sections

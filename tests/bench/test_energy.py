@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 from benchmarks.sweeps.energy_balance import balance, terms
 from benchmarks.sweeps.energy_quadrature import residual

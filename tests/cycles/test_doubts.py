@@ -5,7 +5,7 @@ The drives are those of ``judge.wide_drives``, far from the chapter's.
 
 import pytest
 from judge import command, judges
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from references.wide_scenes import scene
 
 from lsvib.basins import slice_mapper

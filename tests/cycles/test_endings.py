@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 from lsvib.cycles.ending_numbers import Endings
 from lsvib.cycles.endings import all_endings

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from references.wide_scenes import assert_slides_steadily, scene
 
 from lsvib.cycles.attractors import Attractor, steady_state

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from references.wide_scenes import scene
 
 from lsvib.basins.mapper import mapper

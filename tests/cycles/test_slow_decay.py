@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from judge.judges import BAD, stages
 from judge.long_run import constants_of, fate
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from references.wide_scenes import assert_slides_steadily, scene
 
 import lsvib

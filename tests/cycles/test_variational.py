@@ -7,7 +7,7 @@ the library's own bound of its rounding, with a factor for the rounding of the e
 
 import numpy as np
 import pytest
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from mpmath import mp, mpf
 
 from lsvib.basins.mapper import mapper

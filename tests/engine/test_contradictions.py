@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from judge.long_run import constants_of, fate
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from references.wide_scenes import scene
 
 from benchmarks.sweeps.case_judge import allowed_residual

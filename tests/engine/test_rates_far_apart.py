@@ -10,7 +10,7 @@ import pytest
 from judge.judges import four_case
 from judge.linear_judge import rates
 from judge.second_paths import quick_path
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 from mpmath import mp
 
 from benchmarks.record import Verdict

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.registry import find_model

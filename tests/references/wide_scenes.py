@@ -4,7 +4,7 @@ import math
 from unittest.mock import patch
 
 import numpy as np
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.patience import follow_patiently

@@ -1,7 +1,7 @@
 """The nodes through which the curves of charts are traced."""
 
 import numpy as np
-from judge.wide_drives import wide_drive
+from references.wide_drives import wide_drive
 
 import lsvib
 from lsvib.cycles.ending_numbers import Endings

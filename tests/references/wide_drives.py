@@ -1,0 +1,126 @@
+"""Random drives of every model over the full ranges of their parameters, and starts of each; seeded one by one."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from references.rigid_digits import RigidTrueDrive
+from benchmarks.sweeps.cases_two_bodies import heaviest
+from benchmarks.sweeps.families import power, sign
+from benchmarks.sweeps.wide_values import ZERO_DAMPING, rigid_values, zero_or
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+
+MODELS = ("rigid", "threads", "support", "nut")
+_PLACES = ("anywhere", "anywhere", "anywhere", "speed", "contact", "corner", "near", "equilibrium")
+
+
+class WideDrive(NamedTuple):
+    """A drive, the frictions of a second body that it has, and starts of motions (starts, states)."""
+
+    model: str
+    seed: int
+    index: int
+    drive: RigidParameters
+    physics: tuple[str, ...]
+    starts: np.ndarray
+
+
+def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
+    """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it."""
+    rng = np.random.default_rng([seed, MODELS.index(model), index])
+    values = rigid_values(rng)
+    if model == "rigid":
+        drive = RigidParameters.of(values)
+        return WideDrive(model, seed, index, drive, (), _starts(rng, drive, starts))
+    drive, physics = _OTHERS[model](rng, values)
+    return WideDrive(model, seed, index, drive, physics, _states(rng, model, drive, starts))
+
+
+def _threads(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
+    values |= {"contact_stiffness": power(rng, 3, 12), "contact_damping": zero_or(rng, ZERO_DAMPING, -2, 9)}
+    return ThreadsParameters.of(values), ()
+
+
+def _support(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
+    values |= {
+        "screw_mass": power(rng, -2, 4),
+        "support_stiffness": power(rng, 2, 10),
+        "axial_support_damping": zero_or(rng, ZERO_DAMPING, -2, 8),
+    }
+    physics = _frictions(rng, values)
+    if "slide_friction" in physics:  # only up to this mass is the motion determined
+        share = power(rng, -3, -0.01)
+        values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
+    return SupportParameters.of(values), physics
+
+
+def _nut(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
+    values |= {
+        "nut_inertia": power(rng, -9, 1),
+        "nut_stiffness": power(rng, -3, 6),
+        "nut_damping": zero_or(rng, ZERO_DAMPING, -9, 2),
+    }
+    physics = _frictions(rng, values)
+    if "bearing_friction" in physics:
+        inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
+        values["mass"] = min(values["mass"], power(rng, -3, -0.01) * heaviest(values, inertia))
+    return NutParameters.of(values), physics
+
+
+def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
+    """Choose the frictions of the second body; one that is not there is zero."""
+    size = abs(values["axial_force"]) or 1.0
+    physics = []
+    for name, unit in (("slide_friction", size), ("bearing_friction", size * values["pitch_radius"])):
+        if rng.random() < 0.5:
+            physics.append(name)
+            values[name] = unit * power(rng, -3, 1)
+    return tuple(physics)
+
+
+def _states(rng, model: str, drive: RigidParameters, count: int) -> np.ndarray:
+    """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
+    speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
+    reach = drive.pitch_radius * math.tan(drive.lead_angle)
+    if model == "nut":
+        place, rate = size, speed
+    else:
+        stiffness = drive.contact_stiffness if model == "threads" else drive.support_stiffness
+        place, rate = (abs(drive.axial_force) or 1.0) / stiffness, reach * speed
+    found = np.empty((count, 4))
+    for k in range(count):
+        found[k] = [sign(rng) * x * power(rng, -2, 2) for x in (size, speed, place, rate)]
+        where = _PLACES[rng.integers(len(_PLACES))]
+        if where in ("speed", "corner"):
+            found[k, 1] = -speed
+        if where in ("contact", "corner"):
+            found[k, 3] = 0.0
+        if where == "near":
+            found[k] *= 1e-8
+        if where == "equilibrium":
+            found[k] = 0.0
+    return found
+
+
+def _starts(rng, drive: RigidParameters, count: int) -> np.ndarray:
+    """Starts (count, 2): anywhere over four decades, on θ′ = 0, on Q = 0, on both, near the equilibrium and on it."""
+    reference = RigidTrueDrive(dict(drive), 30)
+    q_u, q_w, q_0 = (float(x) for x in reference.Q_terms(1, 1))
+    speed = drive.input_speed
+    size = float(reference.u_scale)
+    found = np.empty((count, 2))
+    for k in range(count):
+        u, w = sign(rng) * size * power(rng, -2, 2), sign(rng) * speed * power(rng, -2, 2)
+        place = _PLACES[rng.integers(len(_PLACES))]
+        if place in ("speed", "corner"):
+            w = -speed
+        if place in ("contact", "corner"):
+            u = -(q_0 + q_w * w) / q_u
+        if place == "near":
+            u, w = 1e-8 * u, 1e-8 * w
+        found[k] = (0.0, 0.0) if place == "equilibrium" else (u, w)
+    return found
+
+
+_OTHERS = {"threads": _threads, "support": _support, "nut": _nut}
