@@ -8,8 +8,8 @@ taken for a sprag–slip cycle.
 
 import math
 
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from benchmarks.jit import allocating_kernel, kernel
+from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import ROUNDING

@@ -7,13 +7,13 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.basins.kernels import labelling
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
-from lsvib.basins.planar_mapper import PlanarMapper
 from benchmarks.maps import map_kernels
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import find_method
 from benchmarks.rivals.race_scenes import RaceScene
+from lsvib.basins.kernels import labelling
+from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.cycles.attractors import Attractor
 from lsvib.engine.kernels import columns
 

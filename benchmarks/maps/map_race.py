@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.maps.map_methods import METHODS, Label
 from lsvib.basins.clipping import Window, inside
 from lsvib.basins.curves import Arc, Piece, state_on
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.kernels.labelling import UNRESOLVED
 from lsvib.basins.mapper import mapper
-from benchmarks.maps.map_methods import METHODS, Label
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.engine.kernels import columns

@@ -1,4 +1,4 @@
-"""The tables of docs/accuracy.md, from the dataset of error against run time."""
+"""The tables of docs/validation.md, from the dataset of error against run time."""
 
 import math
 

@@ -1,6 +1,6 @@
 """Other methods on the cases of the sweeps: do they show the motion that really takes place?
 
-The truth is the engine's own motion, and only in cases in which an independent computation has confirmed it
+The truth is the engine's own motion, and only in cases in which 40 digits have confirmed it
 (:func:`benchmarks.sweeps.case_judge.judge`: RIGHT). A method is told the sizes of the motion, for its absolute
 tolerances, and judged as in :mod:`benchmarks.rivals.answer_errors`. Effort is counted in evaluations of the field,
 not in seconds, so that a verdict is the same on every machine.
@@ -152,13 +152,6 @@ def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> Record:
             kept.append(k)
     kinds = [hybrid.names[int(motion.kind[k])] for k in kept]
     return Record(kinds, motion.time[kept], motion.end_state, size, True)
-
-
-def confirm(question: Question, rng: np.random.Generator) -> bool:
-    """Whether the reference with 40 digits has the events of the engine as well."""
-    outcome = case_judge.judge(question.case, rng, thorough=True)
-    same = (Verdict.RIGHT, Verdict.INACCURATE)
-    return outcome.verdict in same and outcome.judge is case_judge.Judge.REFERENCE
 
 
 def _rates(hybrid: Hybrid, motion: Motion) -> tuple[float, float, float]:

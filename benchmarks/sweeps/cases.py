@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from references.wide_drives import power, rigid_values, sign
 
-from benchmarks.sweeps import cases_threads, cases_two_bodies
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup, power, sign
-from benchmarks.sweeps.wide_values import rigid_values
+from benchmarks.sweeps import cases_four_states
+from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
@@ -176,7 +176,7 @@ def _random(rng) -> Case:
 
 
 _FAMILIES: dict[CaseFamily, Callable[[np.random.Generator], Case]] = {
-    CaseFamily.CONTACT: cases_threads.contact,
+    CaseFamily.CONTACT: cases_four_states.contact,
     CaseFamily.CRITICAL_MASS: _critical_mass,
     CaseFamily.FRICTION: _friction,
     CaseFamily.INPUT_SPEED: _input_speed,
@@ -187,7 +187,6 @@ _FAMILIES: dict[CaseFamily, Callable[[np.random.Generator], Case]] = {
     CaseFamily.START: _start,
     CaseFamily.DOUBLE_RATE: _double_rate,
     CaseFamily.RANDOM: _random,
-    CaseFamily.DOUBLE_RATE_OF_THREADS: cases_threads.double_rate,
-    CaseFamily.SUPPORT: cases_two_bodies.support,
-    CaseFamily.NUT: cases_two_bodies.nut,
+    CaseFamily.SUPPORT: cases_four_states.support,
+    CaseFamily.NUT: cases_four_states.nut,
 }

@@ -5,8 +5,6 @@ from typing import NamedTuple
 
 from lsvib.drives.parameters import DriveParameters
 
-MOST_TURNS = 6.0  # of the fastest oscillation of four states: bounds the work of the references
-
 
 class CaseFamily(IntEnum):
     """What is driven to the edge."""
@@ -22,9 +20,8 @@ class CaseFamily(IntEnum):
     START = 8  # on guards, on corners, on the equilibrium, at 1e±8
     DOUBLE_RATE = 9  # critical damping, to the last digit
     RANDOM = 10  # every parameter over decades
-    DOUBLE_RATE_OF_THREADS = 11  # two or three rates of compliant threads that coincide
-    SUPPORT = 12  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
-    NUT = 13  # rotating nut, the same
+    SUPPORT = 11  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
+    NUT = 12  # rotating nut, the same
 
 
 class CaseGroup(IntEnum):
@@ -46,13 +43,10 @@ class CaseGroup(IntEnum):
     FAR_AWAY = 13
     LAW_PLUS = 14
     LAW_MINUS = 15
-    DOUBLE_BY_DAMPING = 16
-    DOUBLE_BY_STIFFNESS = 17
-    TRIPLE = 18
-    WITHOUT_FRICTION = 19
-    WITH_SLIDE = 20
-    WITH_BEARING = 21
-    WITH_BOTH = 22
+    WITHOUT_FRICTION = 16
+    WITH_SLIDE = 17
+    WITH_BEARING = 18
+    WITH_BOTH = 19
 
 
 class Case(NamedTuple):
@@ -69,13 +63,3 @@ class Case(NamedTuple):
     start: tuple[float, ...]
     duration: float
     physics: tuple[str, ...] = ()
-
-
-def sign(rng) -> int:
-    """Draw −1 or +1."""
-    return int(rng.choice((-1, 1)))
-
-
-def power(rng, low: float, high: float) -> float:
-    """Draw a number whose decimal logarithm is uniform between two bounds."""
-    return 10.0 ** rng.uniform(low, high)

@@ -1,4 +1,4 @@
-"""Motions as far as judges compare them: of the engine, of the Taylor stepper, and of the references with 40 digits."""
+"""Motions as far as they are compared: of the engine, and of the references with 40 digits."""
 
 import math
 from collections.abc import Sequence
@@ -7,32 +7,24 @@ from functools import lru_cache
 
 import numpy as np
 from mpmath import mp, mpf
+from references import four_states_digits, rigid_digits
 
 from benchmarks.record import Record
-from references import rigid_digits as rigid_reference
-from references import threads_digits as threads_reference
-from references import two_bodies_digits
-from references.two_bodies_laws import TwoBodiesTrueDrive as TwoBodies
-from benchmarks.sweeps import taylor
 from benchmarks.sweeps.families import Case
 from lsvib.drives.parameters import DriveParameters
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
 _SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
-_MOST_STEPS = 100_000  # steps of the stepper; motions that need more go to the reference
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
-TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
+_TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
 CORNER = "corner"  # stands for events that follow each other at once
-_TWO_BODIES = ("support", "nut")  # models with a second body
 _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
-_SLIPS = {1: "forward", -1: "backward"}
-_CONTACTS = {1: "_positive", -1: "_negative", 0: ""}
-_SECONDS = {1: "_forward", -1: "_backward", 0: "_held"}
 
 
 def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -> list[str]:
@@ -51,39 +43,34 @@ def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
     return len(left) == len(right) and all(a == b or CORNER in (a, b) for a, b in zip(left, right, strict=True))
 
 
-def is_rigid(case: Case) -> bool:
-    """Whether a case is of the rigid drive, which the stepper can follow."""
-    return case.drive.model == "rigid"
-
-
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
     model = find_model(case.drive.model)
     return model.build(case.drive, (*model.options, *case.physics), "contact_sign")
 
 
+def fields(automaton: Automaton) -> np.ndarray:
+    """Return A and b of every mode of x′ = A x + b, (m, n, n + 1)."""
+    flow = automaton.tables.flow
+    if not isinstance(flow, np.ndarray):
+        return flow.field
+    table = np.zeros((len(flow), 2, 3))
+    table[:, 0, 1] = 1.0
+    table[:, 1] = np.stack([-flow[:, columns.A0], -flow[:, columns.A1], flow[:, columns.B]], axis=1)
+    return table
+
+
 def engine_path(motion: Motion, case: Case) -> Record:
-    """Record of the engine's motion."""
+    """Record of the engine's motion: its events by their kinds, of four states by the modes that follow."""
     model, counted = find_model(case.drive.model), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
-    if case.drive.model in _TWO_BODIES:
-        pairs = zip(motion.mode[counted], motion.kind[counted] == model.events["SEIZURE"], strict=True)
-        kinds = [token(model.modes(int(motion.automaton.codes[mode])).name.lower(), seized) for mode, seized in pairs]
-    else:
+    if case.drive.model == "rigid":
         kinds = [model.events(event).name.lower() for event in motion.kind[counted]]
-    return shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
-
-
-def stepper_path(case: Case, size: np.ndarray) -> Record | None:
-    """The stepper's motion, or None where it would take too many steps; ``size`` is that of the engine's motion."""
-    constants = taylor.constants(dict(case.drive))
-    rates = np.abs(constants.rates)
-    if not case.duration * (rates[:, 1] + np.sqrt(rates[:, 0])).max() < _MOST_STEPS * taylor.PART:
-        return None
-    times, kinds = np.empty(MOST_EVENTS), np.empty(MOST_EVENTS, dtype=np.int64)
-    complete, count, u, w = taylor.run(constants, *case.start, case.duration, times, kinds)
-    names = [taylor.KINDS[kind] for kind in kinds[:count]]
-    return shortened(case, names, times[:count], (u, w), size, complete)
+    else:
+        names = [model.modes(int(motion.automaton.codes[mode])).name.lower() for mode in motion.mode[counted]]
+        seized = np.isin(motion.kind[counted], motion.automaton.sprag_kinds)
+        kinds = [_token(*pair) for pair in zip(names, seized, strict=True)]
+    return _shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 
 @lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
@@ -96,65 +83,51 @@ def exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...]) -> 
 
 
 def _exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...], digits: int) -> Record:
-    if drive.model == "threads":
-        result = threads_reference.simulate(dict(drive), start, case.duration, dps=digits, max_events=MOST_EVENTS)
-        kinds, visited = [event.kind for event in result.events], [event.state for event in result.events]
-        visited += [arc.state(stay * x) for _, _, arc, stay in result.arcs for x in _SAMPLES if stay]
-        end, complete = result.state, result.complete
-    elif is_rigid(case):
-        result = rigid_reference.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
+    if drive.model == "rigid":
+        result = rigid_digits.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds = [event.kind for event in result.events]
         visited = [(event.u_before, event.w_before) for event in result.events]
         visited += [(segment.u, segment.w) for segment in result.segments]
-        end, complete = (result.u, result.w), result.complete
+        end = result.u, result.w
     else:
-        result = two_bodies_digits.simulate(
+        result = four_states_digits.simulate(
             dict(drive), drive.model, case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
         )
-        kinds = [token(mode_name(event.mode_after, drive.model), event.seizure) for event in result.events]
-        visited = [event.state for event in result.events]
-        visited += result.sampled(_SAMPLES)
-        end, complete = result.state, result.complete
+        names = [four_states_digits.mode_name(event.mode_after, drive.model) for event in result.events]
+        kinds = [_token(name, event.seizure) for name, event in zip(names, result.events, strict=True)]
+        visited = [event.state for event in result.events] + result.sampled(_SAMPLES)
+        end = result.state
     size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
     times = np.array([float(event.time) for event in result.events])
-    return shortened(case, kinds, times, end, size, complete)
+    return _shortened(case, kinds, times, end, size, result.complete)
 
 
-def token(mode: str, seized: bool) -> str:
-    """Name of an event of a drive with a second body: the mode after it, and whether it is a seizure."""
+def _token(mode: str, seized: bool) -> str:
     return mode + ("_by_seizure" if seized else "")
-
-
-def mode_name(mode: tuple, model: str) -> str:
-    """Name of a mode (d, q, a) of the reference."""
-    slip, contact, second = mode
-    name = f"slip_{_SLIPS[slip]}{_CONTACTS[contact]}" if slip else f"rest{_CONTACTS[contact]}"
-    body = "nut" if model == "support" else "screw"
-    return name if second is None else f"{name}_{body}{_SECONDS[second]}"
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: DriveParameters, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = TwoBodies(drive.model, dict(drive), physics)
+    steady = four_states_digits.FourStatesDrive(drive.model, dict(drive), physics)
     speed = abs(drive.input_speed)
     rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.model == "support" else speed
-    return _LEAST * np.array([abs(steady.z0), speed, abs(steady.q0), rate])
+    return _LEAST * np.array([abs(float(steady.z0)), speed, abs(float(steady.q0)), rate])
 
 
-def shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
+def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, complete: bool) -> Record:
     """Leave out what lasts no time: events of the start on a guard, and a touch that is told as two events.
 
     A motion with a second body that is small counts as large as a part of steady sliding.
     """
-    if case.drive.model in _TWO_BODIES:
+    if case.drive.model in ("support", "nut"):
         size = np.maximum(size, _least(case.drive, case.physics))
     kept: list[int] = []
     instant = INSTANT * case.duration
     for k, kind in enumerate(kinds):
         if times[k] <= instant:
             continue
-        if kept and (kinds[kept[-1]], kind) in TOUCHES and times[k] - times[kept[-1]] <= instant:
+        if kept and (kinds[kept[-1]], kind) in _TOUCHES and times[k] - times[kept[-1]] <= instant:
             kept.pop()
             continue
         kept.append(k)

@@ -4,8 +4,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-
 from references.rigid_digits import simulate
+
 from benchmarks.sweeps.cases import CaseGroup, threshold
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters

@@ -2,9 +2,8 @@
 
 A case is made of random draws, here numbers in [0, 1) that are kept with it (:class:`Draws`). A change of some of them
 makes another case of the same family: near, if they change a little, which moves parameters and start a little, or
-elsewhere, if one is drawn anew. The error is that against the reference with 40 digits, always. Cases whose digits the
-input does not hold, and corners (:class:`benchmarks.record.Verdict`), are no finds; a wrong one ends
-the search.
+elsewhere, if one is drawn anew. Cases whose digits the input does not hold, and corners
+(:class:`benchmarks.record.Verdict`), are no finds; a wrong one ends the search.
 """
 
 import math
@@ -68,8 +67,7 @@ class Tried:
             return -1.0
         if self.outcome.verdict is Verdict.WRONG:
             return math.inf
-        # The first is nan if the motion was cut off.
-        return float(np.fmax(self.outcome.state_error, self.outcome.time_error))
+        return self.outcome.error
 
     def description(self) -> dict[str, Any]:
         """Return everything that is needed to run the case again."""
@@ -88,12 +86,11 @@ class Tried:
         }
 
 
-def attempt(family: CaseFamily, genes, rng: np.random.Generator, **how: bool) -> Tried:
-    """Make a case of a family from draws and judge it; ``how``: arguments of
-    :func:`benchmarks.sweeps.case_judge.judge`."""
+def attempt(family: CaseFamily, genes, rng: np.random.Generator, thorough: bool = False) -> Tried:
+    """Make a case of a family from draws and judge it, as :func:`benchmarks.sweeps.case_judge.judge` does."""
     draws = Draws(genes)
     case = next(cases(family, 1, draws))
-    return Tried(np.asarray(genes, dtype=float), min(draws.used, GENES), case, judge(case, rng, **how))
+    return Tried(np.asarray(genes, dtype=float), min(draws.used, GENES), case, judge(case, rng, thorough))
 
 
 def search(family: CaseFamily, begin: list[Tried], evaluations: int, rng: np.random.Generator) -> Tried:
@@ -104,7 +101,7 @@ def search(family: CaseFamily, begin: list[Tried], evaluations: int, rng: np.ran
             break
         k = int(_KEPT * rng.random() ** 2)  # the worst ones more often
         genes = _changed(worst[k], rng) if k < len(worst) else rng.random(GENES)
-        tried = attempt(family, genes, rng, by_reference=True)
+        tried = attempt(family, genes, rng)
         worst = sorted([*worst, tried], key=lambda other: -other.error)[:_KEPT]
     return worst[0]
 

@@ -2,7 +2,6 @@
 
 import pytest
 from mpmath import mp, mpf
-
 from references.exponential_sums import Function, ThreadsTrueArc, first_root, summed
 
 FIRST = [mpf(1), mpf(0), mpf(0), mpf(0), mpf(0)]  # the function is the first coordinate

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.maps.map_methods import METHODS, MapMethod, Rule
+from benchmarks.maps.map_race import MapOutcome, RaceBox, beside_boundary, contest, strip_share, wrong_share
 from lsvib.basins.clipping import Window
 from lsvib.basins.exact_basin import basin
 from lsvib.basins.mapper import mapper
-from benchmarks.maps.map_methods import METHODS, MapMethod, Rule
-from benchmarks.maps.map_race import MapOutcome, RaceBox, beside_boundary, contest, strip_share, wrong_share
 from lsvib.cycles.attractors import Attractor
 from lsvib.drives.parameters import RigidParameters
 from lsvib.errors import InputError

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from references.figure_checks import assert_drawn_from_file, set_to
+from references.rigid_digits import simulate
 
 from benchmarks.figures.stability_sweeps import dataset as stability_sweeps
 from benchmarks.record import Record, Verdict
-from references.rigid_digits import simulate
 from benchmarks.sweeps import case_judge, taylor
 from benchmarks.sweeps.case_judge import Judge, judge
 from benchmarks.sweeps.cases import THRESHOLDS, cases

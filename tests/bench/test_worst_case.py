@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings, target
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from references.threads_digits import ThreadsTrueDrive
 
 from benchmarks.record import Verdict
-from references.threads_digits import ThreadsTrueDrive
 from benchmarks.sweeps.case_judge import TOLERANCE
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.cases_threads import coinciding

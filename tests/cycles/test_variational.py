@@ -7,11 +7,11 @@ the library's own bound of its rounding, with a factor for the rounding of the e
 
 import numpy as np
 import pytest
-from references.wide_drives import wide_drive
 from mpmath import mp, mpf
+from references import four_states_digits, rigid_digits
+from references.wide_drives import wide_drive
 
 from lsvib.basins.mapper import mapper
-from references import rigid_digits, threads_digits
 from lsvib.cycles.steady_states import Attractor
 from lsvib.cycles.variational import derivative, eigenvalues, rounding
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
@@ -134,8 +134,9 @@ def test_compliant_threads(seed):
         motion = follow(threads_automaton(drive), start, np.inf, max_events=4)
         if qualified(motion):
             break
+    end = float(motion.time[-1]) * 1.01 + 1e-6
     reference = differences(
-        lambda x: threads_digits.simulate(numbers(drive), x, float(motion.time[-1]) * 1.01 + 1e-6).events,
+        lambda x: four_states_digits.simulate(numbers(drive), "threads", (), x, end).events,
         tuple(map(float, start)),
         motion.time.size,
     )

@@ -12,64 +12,15 @@ from functools import cached_property
 import numpy as np
 from mpmath import mp, mpf
 
-from references.threads_digits import Function, ThreadsTrueDrive
-from references.two_bodies_digits import ClosedFormDrive
 from lsvib.drives.registry import find_model
 from lsvib.engine.kernels.status import GRAZE_KIND
+from references.exponential_sums import Function
+from references.four_states_digits import FourStatesDrive, mode_name
 
 DIGITS = 110  # a fourfold multiplier 0 scatters by the fourth root of what the differences are wrong by, 1e-45
 STEP = mpf(10) ** -45
 CLOSED = mpf(10) ** -40  # residual of a period
 PLACES = 24  # of each arc at which the guards of its mode must be positive
-_WAYS = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
-
-
-class _Threads:
-    def __init__(self, drive, physics):
-        self.drive = ThreadsTrueDrive(dict(drive))
-        self.kinds = {}
-
-    def mode(self, words):
-        direction = 0 if words[0] == "rest" else _WAYS[words[1]]
-        return direction, _WAYS[words[-1]]
-
-    def rows(self, mode):
-        return [([side * x for x in row], None) for row, side in self.drive.guards(mode)]
-
-    def arc(self, mode, x):
-        return self.drive.arc(mode, x)
-
-    def after(self, mode, fired, x, seizure):
-        return (x[0], -self.drive.Omega, x[2], x[3]) if mode[0] and fired == 1 else x
-
-
-class _TwoBodies:
-    def __init__(self, drive, physics):
-        self.drive = ClosedFormDrive(drive.model, dict(drive), physics)
-
-    def mode(self, words):
-        second = None
-        if "nut" in words or "screw" in words:
-            *words, _, how = words
-            second = _WAYS[how]
-        if words[0] == "rest":
-            return 0, _WAYS[words[1]] if len(words) > 1 else 0, second
-        return _WAYS[words[1]], _WAYS[words[2]], second
-
-    def rows(self, mode):
-        found = self.drive.mode(mode)
-        return list(zip(found.rows, found.kinds, strict=True))
-
-    def arc(self, mode, x):
-        return self.drive.mode(mode).arc(x)
-
-    def after(self, mode, fired, x, seizure):
-        here, x = self.drive.mode(mode), np.array(x, dtype=object)
-        kind = here.kinds[fired]
-        if seizure:
-            x, _ = self.drive.impact(x)
-            return tuple(self.drive.tie(x, {0}))
-        return tuple(self.drive.tie(x, set(here.ties) | ({kind} if kind is not None else set())))
 
 
 class CycleDigits:
@@ -82,21 +33,21 @@ class CycleDigits:
         modes = [codes[orbit.start_mode], *codes[orbit.mode[own]]]
         times = np.concatenate([[0.0], orbit.time[own]])
         with mp.workdps(DIGITS):
-            self.reference = (_Threads if cycle.drive.model == "threads" else _TwoBodies)(cycle.drive, physics)
-            self.modes = [self.reference.mode(model.modes(int(code)).name.lower().split("_")) for code in modes]
+            self.drive = FourStatesDrive(cycle.drive.model, dict(cycle.drive), physics)
+            named = {mode_name(mode, cycle.drive.model): mode for mode in self.drive.modes()}
+            self.modes = [self.drive.mode(named[model.modes(int(code)).name.lower()]) for code in modes]
             assert self.modes[0] == self.modes[-1]
             self.stays = [mpf(float(stay)) for stay in np.diff(times)]
             self.seizures = np.isin(orbit.kind[own], orbit.automaton.sprag_kinds).tolist()
-            self.rows = {mode: self.reference.rows(mode) for mode in self.modes}
             self.fired = [self._nearest(mode, x) for mode, x in zip(self.modes, orbit.before[own], strict=False)]
-            self.start = tuple(mpf(float(x)) for x in cycle.state)
+            self.start = np.array([mpf(float(x)) for x in cycle.state], dtype=object)
             self.size = [mpf(float(x)) for x in cycle.section.size]
 
     def _nearest(self, mode, x):
         """The guard that an event is on."""
         x = [float(value) for value in x]
         away = []
-        for row, _ in self.rows[mode]:
+        for row in mode.rows:
             terms = [float(g) * c for g, c in zip(row, [*x, 1.0], strict=True)]
             size = sum(map(abs, terms))
             away.append(abs(sum(terms)) / size if size else 1.0)
@@ -106,8 +57,8 @@ class CycleDigits:
         """State after one period from x; the times of the events are kept as the next guess."""
         for k, fired in enumerate(self.fired):
             mode = self.modes[k]
-            arc = self.reference.arc(mode, x)
-            guards = [Function(arc, row) for row, _ in self.rows[mode]]
+            arc = mode.arc(x)
+            guards = [Function(arc, row) for row in mode.rows]
             guard, t = guards[fired], self.stays[k]
             for _ in range(12):
                 step = guard(t) / guard(t, 1)
@@ -120,15 +71,17 @@ class CycleDigits:
                 for part in range(1, PLACES):
                     assert all(f(t * part / PLACES) > 0 for f in guards), "an event was left out"
             self.stays[k] = t
-            x = self.reference.after(mode, fired, arc.state(t), self.seizures[k])
+            x = np.array(arc.state(t), dtype=object)
+            stopped = {mode.kinds[fired]} - {None}
+            x = self.drive.impact(x)[0] if self.seizures[k] else self.drive.tie(x, mode.ties | stopped)
         return x
 
     def _derivative(self, x, end):
         found = mp.zeros(4)
         for j in range(4):
-            beside = list(x)
+            beside = x.copy()
             beside[j] += STEP * self.size[j]
-            ahead = self.period(tuple(beside))
+            ahead = self.period(beside)
             for i in range(4):
                 found[i, j] = (ahead[i] - end[i]) / STEP / self.size[i]
         return found
@@ -145,7 +98,7 @@ class CycleDigits:
                 if max(abs(g) for g in gap) <= CLOSED:
                     break
                 step = mp.lu_solve(mp.eye(4) - slopes, gap)
-                x = tuple(a + s * d for a, s, d in zip(x, self.size, step, strict=True))
+                x = np.array([a + s * d for a, s, d in zip(x, self.size, step, strict=True)], dtype=object)
                 end = self.period(x)
             else:
                 raise ArithmeticError("Newton's method does not find the cycle")

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from references.rigid_digits import RigidTruth, simulate
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, rigid_automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
+from references.rigid_digits import RigidTruth, simulate
 
 RULES = ("contact_sign", "at_once")
 

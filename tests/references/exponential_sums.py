@@ -192,7 +192,7 @@ def first_root(functions, sides, end):
     return end, None
 
 
-class ThreadsTrueArc:
+class TrueArc:
     """Motion in one mode: coordinates c0 + c1 t + sum over columns of Re(column * exp(rate t))."""
 
     def __init__(self, rates, columns, c0, c1):
@@ -205,7 +205,7 @@ class ThreadsTrueArc:
         """The exponentials of this arc, each divided by e^(rate t)."""
         if rate not in self._over:
             columns = [[mpf(0)] * 4] * len(self.rates)
-            self._over[rate] = ThreadsTrueArc([x - rate for x in self.rates], columns, [mpf(0)] * 4, [mpf(0)] * 4)
+            self._over[rate] = TrueArc([x - rate for x in self.rates], columns, [mpf(0)] * 4, [mpf(0)] * 4)
         return self._over[rate]
 
     def exponentials(self, t):

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from mpmath import mpf
 
-from references.threads_digits import ThreadsTruth
 from lsvib.drives.parameters import ThreadsParameters
 from lsvib.drives.threads import ThreadsEvent, ThreadsMode, threads_automaton
 from lsvib.engine.motion import Motion, follow
+from references.threads_digits import ThreadsTruth
 
 STATE_TOLERANCE = 1e-9  # of the size of each coordinate's motion, as the project demands
 TIME_TOLERANCE = 1e-12  # s

@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from references.rigid_digits import RigidTrueDrive
-from benchmarks.sweeps.cases_two_bodies import heaviest
-from benchmarks.sweeps.families import power, sign
-from benchmarks.sweeps.wide_values import ZERO_DAMPING, rigid_values, zero_or
+from lsvib.drives.friction import friction_factor
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
+from references.rigid_digits import RigidTrueDrive
 
 MODELS = ("rigid", "threads", "support", "nut")
+_ZERO_DAMPING = 0.25  # share of drives without a damping
+_ZERO_FORCE = 0.1  # share of drives without an axial force
 _PLACES = ("anywhere", "anywhere", "anywhere", "speed", "contact", "corner", "near", "equilibrium")
 
 
@@ -37,8 +37,49 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     return WideDrive(model, seed, index, drive, physics, _states(rng, model, drive, starts))
 
 
+def sign(rng) -> int:
+    """Draw −1 or +1."""
+    return int(rng.choice((-1, 1)))
+
+
+def power(rng, low: float, high: float) -> float:
+    """Draw a number whose decimal logarithm is uniform between two bounds."""
+    return 10.0 ** rng.uniform(low, high)
+
+
+def _zero_or(rng, share: float, low: float, high: float) -> float:
+    """Draw zero in a share of all draws, else a number whose decimal logarithm is uniform between two bounds."""
+    return 0.0 if rng.random() < share else power(rng, low, high)
+
+
+def heaviest(values: dict[str, float], inertia: float) -> float:
+    """Mass [kg] above which the threads could seize with a given inertia [kg m²], infinite if they never do."""
+    tan = math.tan(values["lead_angle"])
+    factor = friction_factor(values["friction_coefficient"], tan, 1)
+    return inertia / (factor * tan * values["pitch_radius"] ** 2) if factor > 0 else math.inf
+
+
+def rigid_values(rng: np.random.Generator) -> dict[str, float]:
+    """Draw the parameters of a rigid drive over decades; dampings and axial force are zero in a share of the drives."""
+    lead = math.radians(power(rng, math.log10(0.5), math.log10(45.0)))
+    friction = power(rng, -3, math.log10(0.9)) if rng.random() < 0.5 else rng.uniform(0.001, 0.9)
+    force = sign(rng) * _zero_or(rng, _ZERO_FORCE, -3, 6)
+    return {
+        "pitch_radius": power(rng, -3, math.log10(0.05)),
+        "lead_angle": lead,
+        "friction_coefficient": min(friction, 0.999 / math.tan(lead)),
+        "mass": power(rng, -2, 4),
+        "screw_inertia": power(rng, -9, 1),
+        "coupling_stiffness": power(rng, -3, 6),
+        "support_damping": _zero_or(rng, _ZERO_DAMPING, -9, 2),
+        "translation_damping": _zero_or(rng, _ZERO_DAMPING, -4, 6),
+        "axial_force": force,
+        "input_speed": sign(rng) * power(rng, -2, 4),
+    }
+
+
 def _threads(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...]]:
-    values |= {"contact_stiffness": power(rng, 3, 12), "contact_damping": zero_or(rng, ZERO_DAMPING, -2, 9)}
+    values |= {"contact_stiffness": power(rng, 3, 12), "contact_damping": _zero_or(rng, _ZERO_DAMPING, -2, 9)}
     return ThreadsParameters.of(values), ()
 
 
@@ -46,7 +87,7 @@ def _support(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str,
     values |= {
         "screw_mass": power(rng, -2, 4),
         "support_stiffness": power(rng, 2, 10),
-        "axial_support_damping": zero_or(rng, ZERO_DAMPING, -2, 8),
+        "axial_support_damping": _zero_or(rng, _ZERO_DAMPING, -2, 8),
     }
     physics = _frictions(rng, values)
     if "slide_friction" in physics:  # only up to this mass is the motion determined
@@ -59,7 +100,7 @@ def _nut(rng, values: dict[str, float]) -> tuple[RigidParameters, tuple[str, ...
     values |= {
         "nut_inertia": power(rng, -9, 1),
         "nut_stiffness": power(rng, -3, 6),
-        "nut_damping": zero_or(rng, ZERO_DAMPING, -9, 2),
+        "nut_damping": _zero_or(rng, _ZERO_DAMPING, -9, 2),
     }
     physics = _frictions(rng, values)
     if "bearing_friction" in physics:

@@ -36,7 +36,7 @@ use rule verdict as accuracy_verdict with:
 
 
 rule accuracy_table:
-    """Write the measured run times and errors as the tables of docs/accuracy.md."""
+    """Write the measured run times and errors as the tables of docs/validation.md."""
     input:
         dataset="results/datasets/work_precision.nc",
         sources=source_files(imports("benchmarks.rivals.markdown_tables")),

@@ -28,7 +28,8 @@ from lsvib.figures.folders import (
 )
 from snakemake.exceptions import WorkflowError
 
-sys.path.insert(0, str(Path(workflow.basedir, "workflow")))
+sys.path[:0] = [str(Path(workflow.basedir, "workflow")), workflow.basedir]
+import benchmarks  # with which the references are found, too
 import jobs
 
 try:
@@ -53,10 +54,14 @@ MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k 
 CHART = json.loads(json.dumps({k: v for k, v in config["chart"].items() if k != "tiles"}, sort_keys=True))
 
 
+# Our packages and the folders that they are in.
+FOLDERS = {"lsvib": "src", "benchmarks": ".", "references": "tests"}
+
+
 @cache
 def import_graph():
-    """Return who imports whom inside lsvib; refuse an lsvib that is not the one beside this Snakefile."""
-    graph = grimp.build_graph("lsvib", cache_dir=None)
+    """Return who imports whom in our packages; refuse an lsvib that is not the one beside this Snakefile."""
+    graph = grimp.build_graph(*FOLDERS, cache_dir=None)
     source = Path(workflow.basedir, "src", "lsvib", "__init__.py").resolve()
     found = Path(importlib.util.find_spec("lsvib").origin).resolve()
     if found != source:
@@ -66,7 +71,7 @@ def import_graph():
 
 @cache
 def imports(module):
-    """Return the modules of lsvib that ``module`` imports, directly or not, itself included."""
+    """Return the modules of our packages that ``module`` imports, directly or not, itself included."""
     graph = import_graph()
     if module not in graph.modules:
         raise WorkflowError(f"The module {module} does not exist.")
@@ -81,9 +86,9 @@ def source_files(modules):
     files = set()
     for module in modules:
         parts = module.split(".")
-        files |= {Path("src", *parts[:n], "__init__.py") for n in range(1, len(parts))}
-        package = Path("src", *parts, "__init__.py")
-        file = package if package.exists() else Path("src", *parts).with_suffix(".py")
+        files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
+        package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
+        file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
         files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
     return sorted(str(file) for file in files)
 

@@ -16,7 +16,7 @@ from lsvib.data.checks import Check
 from lsvib.data.simulation import simulate
 from lsvib.drives.registry import find_model
 
-_SOURCE = "docs/stability.md"
+_SOURCE = "docs/validation.md"
 _ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
 _MODELS = ("pared", "general")
 _PACKAGES = ("numba", "matplotlib", "xarray")
@@ -65,7 +65,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         attrs={
             "title": "Nothing that a scene does not need",
             "source": "lsvib, its own models and general ones of the same motion",
-            "references": "docs/stability.md",
+            "references": "docs/validation.md",
             "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
             "modules": "; ".join(f"{name}: {module}" for name, module in MODULES.items()),
             "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",

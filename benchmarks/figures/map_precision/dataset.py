@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.clipping import Window
 from benchmarks.maps.map_methods import METHODS, Rule
 from benchmarks.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
+from lsvib.basins.clipping import Window
 from lsvib.data import phase_plane, spans
 from lsvib.data.attributes import flagged, named_index, variable
 from lsvib.data.checks import Check

@@ -9,7 +9,6 @@ from matplotlib.lines import Line2D
 from lsvib.figures.drawing import style
 
 _ALL = 17.0  # digits of an error that is zero
-_REFERENCE = "reference"
 _EDGES = {  # families with a distance from the edge: colour, marker, words
     "critical mass": (style.BLUE, "o", "critical mass"),
     "friction": (style.GREEN, "^", "friction: 0, tan λ, cot λ"),
@@ -21,13 +20,13 @@ _PASSED = ("right", "corner")
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw (a) the digits of every case that the reference judged, and of the worst one that a search found, (b, c) the
-    contact, (d) digits near the edges, (e) the energy balance."""
+    """Draw (a) the digits of every case, and of the worst one that a search found, (b, c) the contact, (d) digits near
+    the edges, (e) the energy balance."""
     figure = style.new_figure(style.DOUBLE, 7.0)
     axes = figure.subplot_mosaic([["a", "b"], ["a", "c"], ["d", "e"]], width_ratios=[1.5, 1],
                                  height_ratios=[1.1, 1.1, 0.9])  # fmt: skip
     digits = -np.log10(np.maximum(dataset.state_error.values, 10.0**-_ALL))
-    asked = _is(dataset.judge, _REFERENCE) & np.isfinite(digits)
+    asked = np.isfinite(digits)
     _families(axes["a"], dataset, digits, asked)
     _contact(figure, axes["b"], dataset, digits, "(b) compliant threads: digits right", "digits", 6, 16)
     condition = np.log10(dataset.condition.values)
@@ -68,7 +67,7 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
     axes.axvline(-np.log10(float(dataset.passing_error)), color=style.GREY, linestyle=":", linewidth=0.9)
     axes.set_yticks(range(dataset.sizes["edge_family"]), [names[int(f)] for f in dataset.edge_family.values])
     axes.set(
-        title=f"(a) {total:,} cases, those that 40 digits judged",
+        title=f"(a) {total:,} cases, judged by 40 digits",
         xlabel="Digits that are right",
         xlim=(-3.5, 24.5),
         ylim=(dataset.sizes["edge_family"] - 0.4, -0.6),

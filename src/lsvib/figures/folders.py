@@ -1,5 +1,10 @@
-"""The folder of each figure: its name is found there, and so are its settings, dataset, picture and caption."""
+"""The folder of each figure: its name is found there, and so are its settings, dataset, picture and caption.
 
+The figures of the benchmarks have theirs beside the package, in a checkout only: an installed lsvib knows their names,
+so that a configuration may have their sections, and says that they are not there.
+"""
+
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -9,17 +14,17 @@ from pkgutil import iter_modules
 from lsvib.errors import InputError
 
 _DEFAULT, _ACCURACY = "lsvib.figures", "benchmarks.figures"
-ROOMS = (_DEFAULT, _ACCURACY)
+_BENCHMARKS = ("ablation", "map_precision", "rival_verdicts", "stability_sweeps", "work_precision")
 
 
 def default_figures() -> tuple[str, ...]:
     """Return the names of the figures that a bare ``snakemake`` builds: those of the chapter first."""
-    return _found(_DEFAULT)
+    return _found()
 
 
 def accuracy_figures() -> tuple[str, ...]:
     """Return the names of the figures of the target ``accuracy``."""
-    return _found(_ACCURACY)
+    return _BENCHMARKS
 
 
 def settings_module(figure: str) -> str:
@@ -43,18 +48,21 @@ def caption_file(figure: str) -> Path:
 
 
 @cache
-def _found(room: str) -> tuple[str, ...]:
+def _found() -> tuple[str, ...]:
     """Return the names of the folders in which a dataset is made: the numbered ones first, each part by its names."""
-    names = [found.name for found in iter_modules([str(_path(room))]) if found.ispkg]
-    figures = [name for name in names if (_path(room) / name / "dataset.py").is_file()]
+    room = _path(_DEFAULT)
+    figures = [found.name for found in iter_modules([str(room)]) if (room / found.name / "dataset.py").is_file()]
     return tuple(sorted(figures, key=lambda name: (not name.startswith("fig"), name)))
 
 
 def _folder(figure: str) -> str:
-    for room in ROOMS:
+    room = _ACCURACY if figure in _BENCHMARKS else _DEFAULT
+    with suppress(ModuleNotFoundError):  # no benchmarks, or others
         if figure.isidentifier() and find_spec(f"{room}.{figure}") is not None:
             return f"{room}.{figure}"
-    raise InputError(f"figure = {figure!r} has no folder in {' or '.join(ROOMS)}.")
+    if room == _ACCURACY:
+        raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
+    raise InputError(f"figure = {figure!r} has no folder in {_DEFAULT}.")
 
 
 def _path(package: str) -> Path:

@@ -1,14 +1,17 @@
-"""Cases of axial support and rotating nut: stiffness, damping and inertia over decades, frictions, starts on guards."""
+"""Cases of four states: contacts, supports and nuts over decades, with frictions, starts on guards."""
 
 import math
 
 import numpy as np
+from mpmath import mp
+from references.four_states_digits import FourStatesDrive
+from references.wide_drives import heaviest, power, sign
 
-from references.two_bodies_laws import TwoBodiesTrueDrive
-from benchmarks.sweeps.families import MOST_TURNS, Case, CaseFamily, CaseGroup, power, sign
-from lsvib.drives.friction import friction_factor
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
+from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.steady_sliding.linearised import nut_model, support_model
+
+_MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 
 _FRICTIONS = {
     CaseGroup.WITHOUT_FRICTION: (),
@@ -17,6 +20,19 @@ _FRICTIONS = {
     CaseGroup.WITH_BOTH: ("slide_friction", "bearing_friction"),
 }
 _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
+
+
+def contact(rng) -> Case:
+    """k_c and c_c from 1e3 to 1e14."""
+    stiffness, damping = power(rng, 3, 14), power(rng, 3, 14)
+    mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
+    drive = ThreadsParameters.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
+    # So many radians of the contact where it vibrates, else of the drive.
+    rate = math.sqrt(0.4 * stiffness)
+    vibrates = damping < 4.0 * stiffness / rate
+    duration = min(0.01, rng.uniform(5, 40) / rate) if vibrates else 0.01
+    start = (rng.uniform(-0.2, 0.2), rng.uniform(-120, 60), 0.0, 0.0)
+    return Case(CaseFamily.CONTACT, CaseGroup.ONLY, math.log10(stiffness), drive, start, duration)
 
 
 def support(rng) -> Case:
@@ -70,13 +86,6 @@ def _common(rng) -> dict[str, float]:
     }
 
 
-def heaviest(values: dict[str, float], inertia: float) -> float:
-    """Mass [kg] above which the threads could seize with a given inertia [kg m²], infinite if they never do."""
-    tan = math.tan(values["lead_angle"])
-    factor = friction_factor(values["friction_coefficient"], tan, 1)
-    return inertia / (factor * tan * values["pitch_radius"] ** 2) if factor > 0 else math.inf
-
-
 def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: tuple[float, float]) -> Case:
     model = "support" if family == CaseFamily.SUPPORT else "nut"
     linear = support_model if model == "support" else nut_model
@@ -86,7 +95,7 @@ def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: t
     rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
     swing = math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
     duration = math.tau * swing * rng.uniform(0.3, 3.0)
-    duration = min(duration, MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
+    duration = min(duration, _MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
     state = [0.3 * rng.uniform(-1, 1), drive.input_speed * rng.uniform(-3, 3), *own]
     start = _on_a_guard(rng.choice(_STARTS), model, drive, physics, state, sign(rng))
     return Case(family, group, level, drive, tuple(map(float, start)), float(duration), physics)
@@ -106,9 +115,10 @@ def _on_a_guard(where: str, model: str, drive, physics: tuple[str, ...], state: 
         reach = drive.pitch_radius * math.tan(drive.lead_angle)
         return [u, w, place, -reach * (drive.input_speed + w)] if model == "support" else [u, rest, place, rate]
     if where == "contact":
-        reference = TwoBodiesTrueDrive(model, dict(drive), physics)
-        second = side if reference.second else None
-        row = reference.row(lambda x: reference.forces((side, -side, second), x)[2])
+        with mp.workdps(40):
+            reference = FourStatesDrive(model, dict(drive), physics)
+            second = side if reference.second else None
+            row = [float(x) for x in reference.row(lambda x: reference.forces((side, -side, second), x)[2])]
         u = -(row[1] * w + row[2] * place + row[3] * rate + row[4]) / row[0]
         return [u, w, place, rate] if abs(u) < 1e3 else state
     return state

@@ -1,10 +1,10 @@
-"""Reference with 40 digits for the drives with axial support and with rotating nut: closed forms, certified search.
+"""Reference with 40 digits for the drives with four states: closed forms, certified search.
 
 Newton's laws, modes, their conditions, the rule that tries modes out and the impact are those of
-``two_bodies_laws.py``, here in mpmath numbers; the closed form of the motion and the search for roots are those of
-``exponential_sums.py``. Speeds that a mode ties are eliminated from its field, so that the rates left over are the
-modal ones and one zero for each tie. A mode follows if each of its conditions holds; a condition that is zero holds if
-its first derivative along the mode's own flow that is not zero is positive.
+``four_states_laws.py``; the closed form of the motion and the search for roots are those of ``exponential_sums.py``.
+Speeds that a mode ties are eliminated from its field, so that the rates left over are the modal ones and one zero for
+each tie. A mode follows if each of its conditions holds; a condition that is zero holds if its first derivative along
+the mode's own flow that is not zero is positive.
 """
 
 from dataclasses import dataclass
@@ -14,26 +14,38 @@ from itertools import product
 import numpy as np
 from mpmath import mp, mpf
 
-from references.exponential_sums import UNIT, Function, ThreadsTrueArc, affine, first_root, summed
-from references.threads_digits import SPARE_DIGITS
-from references.two_bodies_laws import TwoBodiesTrueDrive
+from references.exponential_sums import UNIT, Function, TrueArc, affine, first_root, summed
+from references.four_states_laws import FourStatesLaws
+
+SPARE_DIGITS = 30  # extra working digits beyond the dps asked for
 
 _BEHIND = 30  # Digits behind a condition, of its terms, that an event, or the start, has put on zero.
 _CORNER = mpf(10) ** -20  # of its terms: N that the next seizures take to zero, each of which squares it
 
 
 @dataclass
-class TwoBodiesTrueEvent:
-    """An event: its time, the mode that follows, the state, and whether it was a seizure."""
+class FourStatesEvent:
+    """An event: its time, the modes around it, the state after it, and whether it was a seizure."""
 
     time: mpf
+    mode_before: tuple
     mode_after: tuple
     state: tuple
     seizure: bool
 
+    @property
+    def kind(self):
+        """What happens to the slip or to the contact; ``other`` where only a second friction changes."""
+        before, after = self.mode_before, self.mode_after
+        if self.seizure:
+            return "seizure"
+        if before[0] == after[0]:
+            return "other" if before[1] == after[1] else "contact_reversal"
+        return "release" if before[0] == 0 else "reversal" if after[0] else "stick"
+
 
 @dataclass
-class TwoBodiesTruth:
+class FourStatesTruth:
     """A motion with all of its digits: its end, its events and its arcs."""
 
     time: mpf
@@ -53,7 +65,17 @@ class TwoBodiesTruth:
         return found
 
 
-class TwoBodiesTrueMode:
+def mode_name(mode, model):
+    """The library's name of a mode (d, q, a)."""
+    slip, contact, second = mode
+    ways = {1: "forward", -1: "backward", 0: "held"}
+    words = ["slip", ways[slip]] if slip else ["rest"]
+    words += ["positive" if contact > 0 else "negative"] if contact else []
+    words += [] if second is None else ["nut" if model == "support" else "screw", ways[second]]
+    return "_".join(words)
+
+
+class FourStatesMode:
     """Field, closed form and conditions of a mode (d, q, a) of a drive."""
 
     def __init__(self, drive, mode):
@@ -116,7 +138,7 @@ class TwoBodiesTrueMode:
         if not kept:  # nothing swings; a rate of no weight sets the scale of time
             stiffness, inertia = self.drive.p["coupling_stiffness"], self.drive.p["screw_inertia"]
             kept, columns = [-mp.sqrt(stiffness / inertia)], [[mpf(0)] * 4]
-        return ThreadsTrueArc(kept, columns, c0, c1)
+        return TrueArc(kept, columns, c0, c1)
 
     def lasts(self, x, zero):
         """Whether the mode's own flow keeps all its conditions; the speeds in ``zero`` are zero exactly."""
@@ -161,11 +183,11 @@ def _size(row, x):
     return sum((abs(g) * c for g, c in zip(row[:4], x, strict=True)), abs(row[4]))
 
 
-class ClosedFormDrive(TwoBodiesTrueDrive):
-    """The drive in mpmath numbers, its modes made once."""
+class FourStatesDrive(FourStatesLaws):
+    """The drive, its modes made once."""
 
-    def __init__(self, model, parameters, frictions):
-        super().__init__(model, parameters, frictions, exact=True)
+    def __init__(self, model, parameters, frictions=()):
+        super().__init__(model, parameters, frictions)
         self.known, self.solved, self.inverses = {}, {}, {}
 
     def solve(self, rows, sides):
@@ -180,7 +202,7 @@ class ClosedFormDrive(TwoBodiesTrueDrive):
         """Accelerations and forces at a state, from the affine functions of it that they are; solved once a mode."""
         key = mode, along
         if key not in self.solved:
-            self.solved[key] = affine(lambda y: super(ClosedFormDrive, self).forces(mode, y, along))
+            self.solved[key] = affine(lambda y: super(FourStatesDrive, self).forces(mode, y, along))
         return [_at(row, x) for row in self.solved[key]]
 
     def row(self, function):
@@ -194,11 +216,11 @@ class ClosedFormDrive(TwoBodiesTrueDrive):
     def mode(self, mode):
         """Field and conditions of a mode."""
         if mode not in self.known:
-            self.known[mode] = TwoBodiesTrueMode(self, mode)
+            self.known[mode] = FourStatesMode(self, mode)
         return self.known[mode]
 
     def lasts(self, mode, x, zero):
-        """See :meth:`TwoBodiesTrueMode.lasts`."""
+        """See :meth:`FourStatesMode.lasts`."""
         d, _, a = mode
         slip, second = self.speeds(x)[:2]
         if d and 0 not in zero and d * slip < 0:  # the usual reason, seen without making the mode
@@ -228,7 +250,7 @@ def put_on_zero(row, x):
 def simulate(parameters, model, frictions, start, t_end, *, dps=40, max_events=60):
     """Follow the motion from ``start`` (u, w and the deviation and rate of the second body) at t = 0 to t_end."""
     with mp.workdps(dps + SPARE_DIGITS):
-        drive = ClosedFormDrive(model, parameters, frictions)
+        drive = FourStatesDrive(model, parameters, frictions)
         x, t, t_end = np.array([mpf(value) for value in start], dtype=object), mpf(0), mpf(t_end)
         events, arcs = [], []
         speeds = drive.speeds(x)
@@ -236,7 +258,7 @@ def simulate(parameters, model, frictions, start, t_end, *, dps=40, max_events=6
         direction = int(mp.sign(speeds[0]))
         mode = (direction, -direction, None) if drive.painleve and direction else drive.choose(x, zero)
         while len(events) < max_events:
-            here, seized = drive.mode(mode), False
+            here = drive.mode(mode)
             if drive.painleve and direction and not events and _at(here.rows[1], x) < 0:
                 stay, fired = mpf(0), 1  # a start where law -1 is not admissible
             else:
@@ -250,7 +272,7 @@ def simulate(parameters, model, frictions, start, t_end, *, dps=40, max_events=6
                 x = np.array(arc.state(stay), dtype=object) if stay else x
             t += stay
             if fired is None:
-                return TwoBodiesTruth(t_end, tuple(x), mode, events, arcs, True, drive)
+                return FourStatesTruth(t_end, tuple(x), mode, events, arcs, True, drive)
             zero, after = set(here.ties), None
             if stay and here.kinds[fired] is None:  # what is left of it is the rounding of the clock, which may be fast
                 put_on_zero(here.rows[fired], x)
@@ -262,6 +284,6 @@ def simulate(parameters, model, frictions, start, t_end, *, dps=40, max_events=6
                 zero = {0}
             x = drive.tie(x, zero)
             x = drive.cornered(x) if seized else x
-            mode = drive.choose(x, zero, after)
-            events.append(TwoBodiesTrueEvent(t, mode, tuple(x), seized))
-        return TwoBodiesTruth(t, tuple(x), mode, events, arcs, False, drive)
+            before, mode = mode, drive.choose(x, zero, after)
+            events.append(FourStatesEvent(t, before, mode, tuple(x), seized))
+        return FourStatesTruth(t, tuple(x), mode, events, arcs, False, drive)
