@@ -167,15 +167,6 @@ def verdict(file: str, marker: str) -> None:
     write_text(f"{checks.verdict(judged)}\n", marker)
 
 
-def accuracy_table(dataset: str, file: str) -> None:
-    """Write the tables of error against run time as Markdown."""
-    from benchmarks.rivals.markdown_tables import markdown
-    from lsvib.data.writer import read_dataset
-    from lsvib.files import write_text
-
-    write_text(markdown(read_dataset(dataset)), file)
-
-
 def first_cell(settings: dict[str, Any], marker: str) -> None:
     """Map one cell of the region of attraction and note its label."""
     from lsvib.basins.grid import Grid

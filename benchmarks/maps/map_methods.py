@@ -3,18 +3,17 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
+from functools import partial
 
 import numpy as np
 
-from benchmarks.maps import map_kernels
+from benchmarks.maps.map_kernels import stepped_labels
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import find_method
 from benchmarks.rivals.race_scenes import RaceScene
 from lsvib.basins.kernels import labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.planar_mapper import PlanarMapper
-from lsvib.cycles.attractors import Attractor
 from lsvib.engine.kernels import columns
 
 _HORIZON = 1.0  # [s] after which the motion of a rival is unresolved: some hundred swings of the drive
@@ -26,20 +25,11 @@ _STEP_CAP = 2e-4  # [s] from which a solver looks for a guard that falls within 
 Label = Callable[[np.ndarray, np.ndarray, np.ndarray], None]  # (x, y, labels), filled
 
 
-class Rule(IntEnum):
-    """When a motion need not be followed further."""
-
-    PROOF = 0  # as in the engine's map, without following it at all where bounds decide
-    TABLE = 1  # in the trapping ellipse, or after the first event, by the engine's table of intervals
-    SEIZURES = 2  # in the trapping ellipse, or at the third seizure
-
-
 @dataclass(frozen=True)
 class MapMethod:
     """A way to map: ``prepare`` makes the function that is timed."""
 
     label: str
-    rule: Rule
     prepare: Callable[[PlanarMapper], Label]
 
 
@@ -49,19 +39,9 @@ def _engine(mapper: PlanarMapper) -> Label:
     return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
-def _by(kernel: Callable[..., None], *limits: float) -> Callable[[PlanarMapper], Label]:
-    """Return what prepares a kernel of ``map_kernels``; ``limits``: its arguments between the grid and the labels."""
-
-    def prepare(mapper: PlanarMapper) -> Label:
-        """Return the function that labels."""
-        tables, cycle = _tables(mapper), int(Attractor.SPRAG_SLIP_CYCLE)
-        return lambda x, y, labels: kernel(*tables, x, y, *limits, cycle, labels)
-
-    return prepare
-
-
-def _tables(mapper: PlanarMapper):
-    return mapper.automaton.tables, mapper.sections.known, np.array(mapper.automaton.sprag_kinds, dtype=np.int64)
+def _stepped(mapper: PlanarMapper, step: float) -> Label:
+    tables, known = mapper.automaton.tables, mapper.sections.known
+    return lambda x, y, labels: stepped_labels(tables, known, x, y, step, _HORIZON, labels)
 
 
 def _lsoda(mapper: PlanarMapper) -> Label:
@@ -72,7 +52,7 @@ def _lsoda(mapper: PlanarMapper) -> Label:
     clock = Clock(_LIMIT)
     hybrid = Hybrid(RaceScene("map", "map", mapper.drive, (0.0, 0.0), _HORIZON, _STEP_CAP))
     integrate = integrator(hybrid, _TOLERANCE, clock, "LSODA")
-    tables, known, _ = _tables(mapper)
+    tables, known = mapper.automaton.tables, mapper.sections.known
 
     def label(start: tuple[float, float]) -> int:
         """Return the attractor of one start; GaveUp where the solver fails."""
@@ -118,12 +98,9 @@ def _trapped_after(tables, known, mode: int, state: np.ndarray) -> float:
     return max(0.0, math.log(labelling.ellipse(tables, known, mode, np.array(state)) / reach) / rate)
 
 
-_STEPPED, _FOLLOWED = map_kernels.stepped_labels, map_kernels.followed_labels
 METHODS: dict[str, MapMethod] = {
-    "engine": MapMethod("lsvib", Rule.PROOF, _engine),
-    "followed": MapMethod("exact events, to the third seizure", Rule.SEIZURES, _by(_FOLLOWED, _BUDGET, 3)),
-    "rk4_coarse": MapMethod("RK4, 1e-4 s", Rule.TABLE, _by(_STEPPED, 1e-4, _HORIZON, 0)),
-    "rk4_fine": MapMethod("RK4, 1e-5 s", Rule.TABLE, _by(_STEPPED, 1e-5, _HORIZON, 0)),
-    "rk4_seizures": MapMethod("RK4, 1e-4 s, to the third seizure", Rule.SEIZURES, _by(_STEPPED, 1e-4, _HORIZON, 3)),
-    "lsoda": MapMethod("LSODA with events", Rule.TABLE, _lsoda),
+    "engine": MapMethod("lsvib", _engine),
+    "rk4_coarse": MapMethod("RK4, 1e-4 s", partial(_stepped, step=1e-4)),
+    "rk4_fine": MapMethod("RK4, 1e-5 s", partial(_stepped, step=1e-5)),
+    "lsoda": MapMethod("LSODA with events", _lsoda),
 }

@@ -14,8 +14,9 @@ import numpy as np
 
 from benchmarks.record import Record
 from benchmarks.rivals.race_scenes import RaceScene
+from benchmarks.sweeps.paths import fields
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, dispatch
+from lsvib.engine.kernels import dispatch
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
 
 ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.
@@ -251,17 +252,6 @@ class Recorder:
             extremes=extremes,
             failure=self.failure,
         )
-
-
-def fields(automaton: Automaton) -> np.ndarray:
-    """Return A and b of every mode, (m, n, n + 1)."""
-    flow = automaton.tables.flow
-    if not isinstance(flow, np.ndarray):
-        return flow.field
-    table = np.zeros((len(flow), 2, 3))
-    table[:, 0, 1] = 1.0
-    table[:, 1] = np.stack([-flow[:, columns.A0], -flow[:, columns.A1], flow[:, columns.B]], axis=1)
-    return table
 
 
 def arc_extremes(automaton: Automaton, modes, starts, times, end: float, steady_from: float) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """What a case at the edge of the domain is: its family, where in it it stands, its drive, start and duration."""
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from lsvib.drives.parameters import DriveParameters
 
@@ -22,6 +22,9 @@ class CaseFamily(IntEnum):
     RANDOM = 10  # every parameter over decades
     SUPPORT = 11  # axial support: its stiffness, damping and mass, with and without friction of slide and bearing
     NUT = 12  # rotating nut, the same
+
+
+FamilyName = Literal[*(family.name.lower() for family in CaseFamily)]
 
 
 class CaseGroup(IntEnum):

@@ -7,7 +7,7 @@ rule accuracy:
         collect("results/figures/{figure}.{format}", figure=ACCURACY_FIGURES, format=["png", "pdf"]),
         collect("results/datasets/{figure}.nc", figure=ACCURACY_FIGURES),
         collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
-        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "checks.html", "verdict.txt", "table.md"]),
+        collect("results/accuracy/{name}", name=["checks.json", "checks.md", "checks.html", "verdict.txt"]),
     message:
         "All figures of accuracy are drawn and all their checks passed"
 
@@ -33,20 +33,3 @@ use rule verdict as accuracy_verdict with:
         "results/accuracy/verdict.txt",
     log:
         "logs/accuracy_verdict.log",
-
-
-rule accuracy_table:
-    """Write the measured run times and errors as the tables of docs/validation.md."""
-    input:
-        dataset="results/datasets/work_precision.nc",
-        sources=source_files(imports("benchmarks.rivals.markdown_tables")),
-    output:
-        "results/accuracy/table.md",
-    log:
-        "logs/accuracy_table.log",
-    params:
-        code=code(jobs.accuracy_table),
-    message:
-        "Writing the tables of accuracy"
-    run:
-        jobs.run(jobs.accuracy_table, log[0], "work_precision", input.dataset, output[0])

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from benchmarks.maps.map_methods import METHODS, Rule
+from benchmarks.maps.map_methods import METHODS
 from benchmarks.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
 from lsvib.basins.clipping import Window
 from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import flagged, named_index, variable
+from lsvib.data.attributes import named_index, variable
 from lsvib.data.checks import Check
 from lsvib.data.parameter_origins import drive_parameters
 from lsvib.data.provenance import machine
@@ -33,11 +33,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)
     floors, along = [box["ratio_floor"] for box in settings["boxes"].values()], "boundary_distance"
-    rules, words = [METHODS[name].rule for name in cells], "when a motion need not be followed further"
     return xr.Dataset(
         _measured(rows, distances, lengths)
         | {
-            "decision_rule": flagged("method", rules, words, Rule),
             **phase_plane.window_edges("window", ("box", "edge"), [box.window for box in boxes]),
             "ratio_floor": variable("box", floors, "1", "ratio to RK4 with the coarse step that is asked for"),
         },

@@ -10,10 +10,8 @@ from lsvib.figures.drawing import style
 
 _STYLES = {  # colour, dashes
     "engine": (style.BLACK, "-"),
-    "followed": (style.PURPLE, "--"),
     "rk4_coarse": (style.BLUE, "-"),
     "rk4_fine": (style.SKY, "-"),
-    "rk4_seizures": (style.BLUE, ":"),
     "lsoda": (style.GREEN, "-"),
 }
 _MARKERS = {"o": "circles", "s": "squares", "D": "diamonds", "^": "triangles", "v": "wedges", "P": "crosses"}  # boxes

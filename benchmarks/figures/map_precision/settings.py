@@ -32,10 +32,8 @@ class CellsOfMethods(SettingsSection):
     """Cells along an edge of each method's grid, 0 to leave the method out."""
 
     engine: Some
-    followed: SomeOrNone = 0
     rk4_coarse: Some
     rk4_fine: SomeOrNone = 0
-    rk4_seizures: SomeOrNone = 0
     lsoda: int = Field(default=0, ge=0, le=1000)
 
 

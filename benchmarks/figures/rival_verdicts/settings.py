@@ -5,7 +5,8 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from benchmarks.rivals.methods import MODULES
-from lsvib.figures.common.settings import CaseSeed, FigureSettings, SweepFamily, Tolerances
+from benchmarks.sweeps.families import FamilyName
+from lsvib.figures.common.settings import CaseSeed, FigureSettings, Tolerances
 
 
 class Settings(FigureSettings):
@@ -14,10 +15,10 @@ class Settings(FigureSettings):
     needs: ClassVar = MODULES
 
     seed: CaseSeed
-    counts: dict[SweepFamily, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
+    counts: dict[FamilyName, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
         min_length=1, description="Number of cases of each family that every method is asked."
     )
-    more: dict[SweepFamily, Annotated[int, Field(ge=0, le=1_000_000)]] = Field(
+    more: dict[FamilyName, Annotated[int, Field(ge=0, le=1_000_000)]] = Field(
         description="Number of further cases that only the fixed-step methods are asked, of families in counts."
     )
     methods: dict[str, Tolerances] = Field(description="Relative tolerances of each method; none leaves it out.")

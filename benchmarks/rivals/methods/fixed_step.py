@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.jit import allocating_kernel, kernel
+from benchmarks.jit import kernel
 from benchmarks.record import Record
-from benchmarks.rivals.hybrid import Clock, Hybrid, fields
+from benchmarks.rivals.hybrid import Clock, Hybrid
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
 from lsvib.engine.motion import enter
 from lsvib.errors import InputError
@@ -24,7 +24,6 @@ _MOST_STEPS = 3e8  # of a run, a minute or so
 def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refined: bool = False) -> Callable:
     """Return a function that runs the scene with the step ``setting`` [s]."""
     scene, automaton = hybrid.scene, hybrid.automaton
-    table = fields(automaton)
     if scene.duration / setting > _MOST_STEPS:
         raise InputError(
             f"a time step of {setting:g} s is outside the allowed range >= {scene.duration / _MOST_STEPS:.3g} s of a "
@@ -37,7 +36,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refin
         times, kinds = np.empty(max_events), np.empty(max_events, dtype=np.int8)
         extremes = np.array([np.inf, -np.inf])
         status, count = _march(
-            automaton.tables, table, mode, state, setting, scene.duration, scene.steady_from,
+            automaton.tables, hybrid.fields, mode, state, setting, scene.duration, scene.steady_from,
             _REFINEMENTS if refined else 0, times, kinds, extremes,
         )  # fmt: skip
         return lambda: Record(
@@ -107,7 +106,7 @@ def _cut(tables, field, guard, state, h, refinements, rates, trial, out):
     return fraction
 
 
-@allocating_kernel
+@kernel
 def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, times, kinds, extremes):
     """Follow the motion; ``state`` (n) becomes the final one. Returns (status, number of events)."""
     n = state.size

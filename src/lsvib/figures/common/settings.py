@@ -5,7 +5,7 @@ parameters are those of :mod:`lsvib.drives.parameters`.
 """
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
@@ -176,10 +176,6 @@ Tolerances = Annotated[
     *Unique,
     Field(max_length=20, description="Settings of a method, coarse to fine; [] leaves it out."),
 ]
-SweepFamily = Literal[
-    "contact", "critical_mass", "friction", "input_speed", "axial_force", "support_damping", "translation_damping",
-    "time_span", "start", "double_rate", "random", "double_rate_of_threads", "support", "nut",
-]  # fmt: skip
 
 
 class PhasePlane(FigureSettings):
