@@ -38,9 +38,10 @@ def prepare(
     """
     scene, arc = hybrid.scene, _compiled(solver)
     modes = [tuple(map(jnp.asarray, (m.matrix, m.constant, _guards(m)))) for m in hybrid.modes]
-    cap, atol = scene.step_cap if capped else np.inf, jnp.asarray(setting * scene.scales)
+    cap, n = scene.step_cap if capped else np.inf, scene.scales.size
+    tolerances = jnp.asarray(setting), jnp.asarray(setting * scene.scales)
     for mode in modes:
-        arc(mode, np.zeros(scene.scales.size), 1e-12, setting, atol, cap)  # compiled here, not in what is timed
+        arc(mode, tolerances, np.array([*np.zeros(n), 1e-12, cap]))  # compiled here, not in what is timed
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
         """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
@@ -48,13 +49,13 @@ def prepare(
             return now, state, None
         for tries in range(RETRIES):
             longest = min(cap, scene.step_cap * 0.25**tries) if tries else cap
-            found = arc(modes[mode], np.asarray(state, dtype=float), end - now, setting, atol, longest)
-            away, after, guard, met, ended, steps = jax.device_get(found)
+            found = np.asarray(arc(modes[mode], tolerances, np.array([*state, end - now, longest]))).tolist()
+            away, guard, met, ended, steps = found[n:]
             clock.spend(int(steps))
             if not (met or ended):
                 raise GaveUp(f"the solver failed or took over {MOST_STEPS} steps")
             if not met or away > _ROOT[1]:
-                return now + float(away), after.tolist(), int(guard) if met else None
+                return now + away, found[:n], int(guard) if met else None
         raise GaveUp("no step away from a guard")
 
     return lambda: hybrid.run(integrate, clock, max_events)
@@ -79,19 +80,20 @@ def _least_guard(t, y, args, **_):
 
 @cache
 def _compiled(solver: str) -> Callable:
-    """An arc: (mode, state, time, tolerances, largest step) -> (time, state, guard, met, came to the end, steps)."""
+    """An arc: (mode, tolerances, [state, time, largest step]) -> [state, time, guard, met, came to the end, steps]."""
     method = getattr(diffrax, solver)()
 
-    def arc(mode, state, span, rtol, atol, cap):
+    def arc(mode, tolerances, start):
         """Integrate to the next guard."""
         found = diffrax.diffeqsolve(
-            diffrax.ODETerm(lambda t, y, args: args[0] @ y + args[1]), method, 0.0, span, None, state, mode,
-            stepsize_controller=diffrax.PIDController(rtol, atol, dtmax=cap),
+            diffrax.ODETerm(lambda t, y, args: args[0] @ y + args[1]), method, 0.0, start[-2], None, start[:-2], mode,
+            stepsize_controller=diffrax.PIDController(*tolerances, dtmax=start[-1]),
             event=diffrax.Event(_least_guard, optimistix.Bisection(*_ROOT, flip=True), direction=False),
             adjoint=diffrax.ForwardMode(), max_steps=MOST_STEPS, throw=False,
         )  # fmt: skip
         met, ended = (found.result == x for x in (diffrax.RESULTS.event_occurred, diffrax.RESULTS.successful))
         end = found.ys[-1]
-        return found.ts[-1], end, jnp.argmin(_shares(mode[2], end)), met, ended, found.stats["num_steps"]
+        rest = found.ts[-1], jnp.argmin(_shares(mode[2], end)), met, ended, found.stats["num_steps"]
+        return jnp.concatenate([end, jnp.stack([jnp.asarray(x, dtype=float) for x in rest])])
 
     return jax.jit(arc)
