@@ -86,11 +86,6 @@ class Question(NamedTuple):
         """Time [s] in which the motion turns: its shortest oscillation, or all of it."""
         return min(self.turn, self.case.duration)
 
-    @property
-    def shortest_stay(self) -> float:
-        """Shortest time between two events in units of ``scale`` [1]; infinite if there are fewer."""
-        return float(np.diff(self.path.times).min(initial=math.inf)) / self.scale
-
 
 class Effort(Clock):
     """A limit on the evaluations, or on the compiled steps, of a run, the same on every machine."""

@@ -38,7 +38,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for row, counts in enumerate([_engine(dataset, words), *_others(dataset)]):
         for column, count in enumerate(counts):
             _bar(axes, row, column, dict(zip(words, count, strict=True)))
-    axes.set_xticks(range(len(families) + 1), [*families, "cases that\nall share"])
+    axes.set_xticks(range(len(families) + 1), [*families, "all"])
     axes.set_yticks(range(len(methods)), methods)
     for ticks in (axes.get_yticklabels()[0], axes.get_xticklabels()[-1]):
         ticks.set_fontweight("bold")
@@ -59,7 +59,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _engine(dataset: xr.Dataset, words: list[str]) -> np.ndarray:
-    """Count the verdicts on the engine (family and shared, outcome).
+    """Count the verdicts on the engine (family and all, outcome).
 
     Cases at a corner, and those that digits beyond the input decide, have no one true motion: they are left out for
     all methods.
@@ -67,14 +67,14 @@ def _engine(dataset: xr.Dataset, words: list[str]) -> np.ndarray:
     known = [style.flag_names(dataset.engine_verdict)[int(v)] for v in dataset.engine_verdict.values]
     verdict = np.array([words.index(_ENGINE[word]) if word in _ENGINE else -1 for word in known])
     groups = [dataset.case_family.values == family for family in dataset.edge_family.values]
-    groups.append(dataset.shared.values == 1)
+    groups.append(np.ones(verdict.size, dtype=bool))
     return np.array([[(verdict[g] == k).sum() for k in range(len(words))] for g in groups])
 
 
 def _others(dataset: xr.Dataset) -> np.ndarray:
-    """Counts of the other methods, (method, family and shared, outcome)."""
+    """Counts of the other methods, (method, family and all, outcome)."""
     families = dataset["count"].transpose("method", "edge_family", "method_outcome").values
-    return np.concatenate([families, dataset.shared_count.values[:, None]], axis=1)
+    return np.concatenate([families, families.sum(axis=1, keepdims=True)], axis=1)
 
 
 def _label(text: str) -> str:

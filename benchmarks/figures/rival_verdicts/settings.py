@@ -18,7 +18,4 @@ class Settings(FigureSettings):
     counts: dict[FamilyName, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
         min_length=1, description="Number of cases of each family that every method is asked."
     )
-    more: dict[FamilyName, Annotated[int, Field(ge=0, le=1_000_000)]] = Field(
-        description="Number of further cases that only the fixed-step methods are asked, of families in counts."
-    )
     methods: dict[str, Tolerances] = Field(description="Relative tolerances of each method; none leaves it out.")

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from benchmarks.sweeps.families import FamilyName
-from lsvib.figures.common.settings import CaseSeed, FigureSettings, Unique
+from lsvib.figures.common.settings import CaseSeed, FigureSettings
 
 
 class Settings(FigureSettings):
@@ -17,7 +17,3 @@ class Settings(FigureSettings):
     )
     thorough: int = Field(ge=1, description="Cases of each family that the reference judges in any case.")
     evaluations: int = Field(ge=0, description="Steps of the search for the worst case in each family.")
-    distances: Annotated[list[Annotated[float, Field(gt=0, le=0.5)]], *Unique] = Field(
-        min_length=1, description="Relative distances from the thresholds at which the attractor is found [1]."
-    )
-    periods: int = Field(ge=1, le=100_000_000, description="Periods of the long runs.")
