@@ -7,4 +7,6 @@ import numba
 
 from lsvib.engine.kernels import jit
 
-kernel = numba.njit(**jit.OPTIONS)
+# As in the engine, a kernel that makes no array does not count references; rivals are not to be slowed down by that.
+kernel = numba.njit(**{**jit.OPTIONS, "_nrt": False})
+allocating_kernel = numba.njit(**{**jit.OPTIONS, "_nrt": True})

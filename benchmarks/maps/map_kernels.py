@@ -4,7 +4,7 @@ A motion need not be followed further once it is within the ellipse that is neve
 steady sliding, or once the label after an event is found in the engine's table of intervals.
 """
 
-from benchmarks.jit import kernel
+from benchmarks.jit import allocating_kernel, kernel
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.columns import A0, A1, B
@@ -106,7 +106,7 @@ def _label(tables, known, mode, scratch, step, limit):
     return UNRESOLVED
 
 
-@kernel
+@allocating_kernel
 def stepped_labels(tables, known, x, y, step, limit, labels):
     """Label the starts u = x, w = y of a grid by Runge–Kutta of order four with a fixed step; fills ``labels``.
 

@@ -222,7 +222,9 @@ class TrueArc:
 
     def state(self, t):
         """The four coordinates of the state."""
-        return tuple(Function(self, [*row, mpf(0)])(t) for row in UNIT)
+        turning = list(zip(self.columns, self.exponentials(t), strict=True))
+        parts = [sum((column[i] * x).real for column, x in turning) for i in range(4)]
+        return tuple(a + b * t + c for a, b, c in zip(self.c0, self.c1, parts, strict=True))
 
 
 def _clusters(rates):

@@ -16,8 +16,8 @@ with the slip is T_0 in the support model and F_0 in the nut model; rest lasts w
 at either end.
 
 After an event the mode follows whose own flow fulfils its own conditions (``lasts``, which the reference defines):
-they are tried out one by one. In the Painleve region only law -1 is tried; if N = 0 there, the impact is computed from the impulses of
-N and f.
+they are tried out one by one. In the Painleve region only law -1 is tried; if N = 0 there, the impact is computed from
+the impulses of N and f.
 """
 
 from itertools import product

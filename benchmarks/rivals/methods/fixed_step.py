@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.jit import kernel
+from benchmarks.jit import allocating_kernel, kernel
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
@@ -106,7 +106,7 @@ def _cut(tables, field, guard, state, h, refinements, rates, trial, out):
     return fraction
 
 
-@kernel
+@allocating_kernel
 def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, times, kinds, extremes):
     """Follow the motion; ``state`` (n) becomes the final one. Returns (status, number of events)."""
     n = state.size

@@ -1,0 +1,114 @@
+"""Each figure of the benchmarks on a few cases: its checks pass, fail on spoiled data, and its file alone is drawn."""
+
+from functools import cache
+from importlib import import_module
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from benchmarks.record import Verdict
+from lsvib.data.writer import read_dataset, write_dataset
+from lsvib.figures.folders import accuracy_figures, dataset_module, picture_module
+
+DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
+SETTINGS = {
+    "ablation": {"duration": 0.3, "repeats": 5, "compile": ["planar"]},
+    "map_precision": {
+        "boxes": {
+            "near": {
+                "drive": DRIVE,
+                "window": {"left": -0.05, "right": 0.05, "bottom": -15.0, "top": 15.0},
+                "ratio_floor": 2.0,
+            }
+        },
+        "cells": {"engine": 60, "rk4_coarse": 40},
+        "repeats": 3,
+        "distances": {"start": 1e-12, "stop": 1e-1, "count": 12},
+        "starts": 10,
+        "seed": 1,
+    },
+    "rival_verdicts": {
+        "seed": 3,
+        "counts": {"axial_force": 6, "time_span": 2},
+        "methods": {"dop853": [1e-6], "rk4_refined": [1e-6]},
+    },
+    "stability_sweeps": {
+        "seed": 1,
+        "counts": {"contact": 1, "axial_force": 6, "critical_mass": 1},
+        "thorough": 1,
+        "evaluations": 1,
+    },
+    "work_precision": {
+        "scenes": ["stick_slip", "sprag_graze"],
+        "shorten": 0.3,
+        "methods": {"exact": [0], "rk4_refined": [1e-4, 1e-5], "dop853": [1e-3, 1e-9]},
+        "repeats": 2,
+        "seconds": 0.0,
+        "limit": 5.0,
+        "error_levels": [1e-3, 1e-9],
+        "ratio_floor": 1.0,
+        "compiled_floor": 1.0,
+    },
+}
+SPOILED = {  # words of a check: variable, value, place
+    "ablation": {
+        "have the same events": ("difference", 1e-9, 0),
+        "runs faster": ("run_time", 1.0, (0, 0)),
+        "import no numba": ("loads", 1, ...),
+    },
+    "map_precision": {
+        "wrong or undecided": ("undecided_near", 1.0, (0, 0, 5)),
+        "times as fast": ("time_per_label", 1.0, 0),
+    },
+    "rival_verdicts": {
+        "The engine is neither": ("engine_count", 1, (0, -1)),
+        "Every other method": ("count", 0, ...),
+    },
+    "stability_sweeps": {
+        "No wrong verdict": ("case_verdict", Verdict.WRONG, 0),
+        "does not pass": ("case_verdict", Verdict.REFUSED, slice(0, 4)),
+        "Rigid drive": ("case_verdict", Verdict.INACCURATE, 1),
+        "Drives with four states": ("time_error", 2e-8, 0),
+        "Energy balances": ("energy_residual", 1e-3, 2),
+        "A search": ("worst_verdict", Verdict.UNBALANCED, 0),
+    },
+    "work_precision": {
+        "The engine shows the true motion": ("motion_verdict", Verdict.OTHER_EVENTS, (0, 0, 0)),
+        "below 1e-11": ("state_error", 1e-10, (0, 0, 0)),
+        "General solvers": ("motion_verdict", Verdict.RIGHT, ...),
+        "stick_slip": ("ratio", 0.5, ...),
+    },
+}
+
+
+@cache
+def built(figure: str) -> xr.Dataset:
+    pytest.importorskip("scipy")
+    return import_module(dataset_module(figure)).build(SETTINGS[figure])
+
+
+def passed(figure: str, dataset: xr.Dataset) -> dict[str, bool]:
+    return {check.claim: check.passed for check in import_module(dataset_module(figure)).checks(dataset)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", accuracy_figures())
+def test_a_figure_is_built_and_drawn_from_its_file(figure, tmp_path):
+    dataset = built(figure)
+    assert [claim for claim, good in passed(figure, dataset).items() if not good] == []
+    write_dataset(dataset, tmp_path / "a.nc")
+    drawn = import_module(picture_module(figure)).draw(read_dataset(tmp_path / "a.nc"))
+    drawn.draw_without_rendering()
+    assert any(axes.has_data() for axes in drawn.axes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("figure", "words"), [(f, words) for f, spoilers in SPOILED.items() for words in spoilers])
+def test_a_check_fails_on_spoiled_data(figure, words):
+    name, value, place = SPOILED[figure][words]
+    dataset = built(figure).copy(deep=True)
+    values = np.array(dataset[name].values)
+    values[place] = value
+    dataset[name] = dataset[name].dims, values, dataset[name].attrs
+    assert False in {good for claim, good in passed(figure, dataset).items() if words in claim}
