@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.cycles import drift_two_states
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState, cycle_label
@@ -30,9 +29,6 @@ _ATTRACTS = 1e-11  # least distance of the multipliers of a faint cycle from one
 _LEFT = 1e-3  # most that may be left of the way to it, in sizes of the motion
 _FEW = 64  # events of a return whose derivative is an exact product at little cost
 _NONE = 1e-12  # part of the fastest rate of a mode that is none
-_ROUNDS = 3  # periods with thousands of events after which a motion must have come back
-_BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle
-_NEARER = 0.5  # their largest multiplier: rounding, or a faint damping, does not bring them so near within a period
 _TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
@@ -60,9 +56,7 @@ def watched(motion: Motion) -> Watched | None:
     return Watched(key, motion.after[seen], size, np.diff(motion.time[seen]).max(initial=0.0))
 
 
-def recurrence(
-    automaton: Automaton, motion: Motion, budget: Budget | None = None, apart: float = math.inf
-) -> SteadyState | None:
+def recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = None) -> SteadyState | None:
     """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = watched(motion)
     if seen is None:
@@ -73,8 +67,6 @@ def recurrence(
     if len(points) < FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
-    if changes[nearest - 1].max() > apart:
-        return None
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         found = section.repeated()
@@ -155,55 +147,6 @@ def _natural(automaton: Automaton, seen: Watched) -> np.ndarray:
             speed = int(np.argmax(row))
             size[speed] = max(size[speed], slow * seen.size[place])
     return size
-
-
-def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
-    """Return the cycle that a motion with more than two states repeats, if a period has thousands of events.
-
-    Where a contact rattles, every kind of event is frequent; but two of them in a row may be rare. After the rarest two
-    the motion has come back to one state, to rounding, and the multipliers of motions on both sides of it are far below
-    one. None if it has not, or if they are not.
-    """
-    if motion.time.size < 2:
-        return None
-    seen = watched(motion)
-    if seen is None:
-        return None
-    rows = _in_a_row(motion)
-    found, often = np.unique(rows[rows.size // 2 :], return_counts=True)
-    at = np.flatnonzero(rows == found[np.argmin(often)]) + 1
-    states, late = motion.after[at], np.abs(motion.after[rows.size // 2 :]).max(axis=0)
-    late[late == 0] = 1.0
-    for apart in range(1, min(SOLVED, (at.size - 1) // _ROUNDS) + 1):
-        rounds = states[-1] - states[-1 - apart * _ROUNDS : -1 : apart]
-        if (np.abs(rounds) <= REPEATS[1] * late).all():
-            break
-    else:
-        return None
-    key, length = (int(motion.kind[at[-1]]), int(motion.mode[at[-1]])), int(at[-1] - at[-1 - apart])
-    same = (motion.kind == key[0]) & (motion.mode == key[1])
-    returns = int(same[at[-1 - apart] + 1 : at[-1] + 1].sum())
-    section = ReturnSection(motion.automaton, key, states[-1], seen.size, returns, seen.longest, budget)
-    most, multipliers = length + length // 2, []
-    for side in (_BESIDE, -_BESIDE):
-        columns = []
-        for direction in section.directions.T:
-            start = section.origin + side * direction
-            later = follow_patiently(motion.automaton, start, math.inf, mode=key[1], max_events=most, budget=budget)
-            back = np.flatnonzero(_in_a_row(later) == rows[at[-1] - 1]) + 1
-            if back.size < apart:
-                return None
-            columns.append(section.place(later.after[back[apart - 1]]) / side)
-        multipliers.append(largest(np.reshape(columns, (-1, section.dimension)).T))
-    slowest = max(multipliers, key=abs)
-    return cycle_through(section, FixedPoint(section.origin, slowest, math.nan)) if abs(slowest) < _NEARER else None
-
-
-def _in_a_row(motion: Motion) -> np.ndarray:
-    """Return a number for each two events in a row (k − 1), by their kinds and modes."""
-    many = len(motion.automaton.codes)
-    events = motion.kind * np.int64(many) + motion.mode
-    return events[:-1] * np.int64(many << 8) + events[1:]
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:

@@ -12,9 +12,7 @@ from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.motion import Motion
 from lsvib.errors import (
     AccumulationError,
-    BeatError,
     DivergenceError,
-    EndlessSearchError,
     EngineError,
     UndecidedError,
     WorkSpentError,
@@ -34,16 +32,14 @@ class Attractor(IntEnum):
     UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
     REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
-    RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
 
 
 class Doubt(StrEnum):
     """Why the attractor of a motion is unresolved, as the end of a sentence."""
 
-    EVENTS = "events go on beyond the work that is allowed, and come to no attractor that can be told"
-    SEARCH = "its next event lies beyond the work that is allowed"
-    BEAT = "undamped oscillations beat, so that its next event lies beyond the work that is allowed"
-    UNDECIDED = "the search for its next event does not end"
+    EVENTS = "event budget exhausted"
+    RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
+    SEARCH = "work budget exhausted by the search for the next event"
     ACCUMULATION = "events accumulate, and the model does not say what follows"
     FORK = "it drifts to a place from which motions side by side end differently"
     RANGE = "it leaves the range of numbers"
@@ -59,9 +55,7 @@ class Doubt(StrEnum):
 _MEANT = {
     DivergenceError: Doubt.RANGE,
     AccumulationError: Doubt.ACCUMULATION,
-    UndecidedError: Doubt.UNDECIDED,
-    BeatError: Doubt.BEAT,
-    EndlessSearchError: Doubt.SEARCH,
+    UndecidedError: Doubt.SEARCH,
     WorkSpentError: Doubt.EVENTS,
 }
 
