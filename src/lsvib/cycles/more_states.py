@@ -62,5 +62,3 @@ def _hardly_changes(motion: Motion | None) -> bool:
         return False
     first, last = (np.abs(half).max(axis=0) for half in np.array_split(motion.after, 2))
     return bool((np.abs(last - first) <= _SAME * np.maximum(first, last)).all())
-
-
