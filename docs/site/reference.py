@@ -53,7 +53,6 @@ MODULES = {
     "Regions of attraction": [
         "lsvib.basins.exact_basin",
         "lsvib.basins.resilience",
-        "lsvib.basins.sampling",
         "lsvib.basins.grid",
         "lsvib.basins.clipping",
         "lsvib.data.resilience",
@@ -123,7 +122,7 @@ def module_pages(source: Path) -> str:
     """Return the page that lists the documented modules, and write a page for each."""
     folder = source / "module"
     folder.mkdir()
-    lines = [_heading("Modules", "="), "What the pages of theory name. Rooms and their arrows: :doc:`design`.\n"]
+    lines = [_heading("Modules", "="), "What the pages of theory name; :doc:`design` says which layer holds what.\n"]
     for room, names in MODULES.items():
         lines += [_heading(room, "-"), ".. toctree::\n"]
         lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
