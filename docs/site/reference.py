@@ -26,7 +26,7 @@ _GROUPS = {
     "Errors": ["LsvibError", "InputError", "NoThreshold", "EngineError", "DivergenceError"],
 }
 _OTHER = "Others"
-# Modules that the other pages name, by room; the rooms themselves are in docs/design.md.
+# Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
     "Drives": ["lsvib.drives.parameters", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.registry"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
@@ -123,8 +123,8 @@ def module_pages(source: Path) -> str:
     folder = source / "module"
     folder.mkdir()
     lines = [_heading("Modules", "="), "What the pages of theory name; :doc:`design` says which layer holds what.\n"]
-    for room, names in MODULES.items():
-        lines += [_heading(room, "-"), ".. toctree::\n"]
+    for subject, names in MODULES.items():
+        lines += [_heading(subject, "-"), ".. toctree::\n"]
         lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
         lines.append("")
         for name in names:
