@@ -43,7 +43,7 @@ def test_motions_end_where_their_labels_say(model):
             found = steady_state(automaton, start)
             if found.label == Attractor.UNRESOLVED:
                 unresolved += 1
-                assert found.doubt in (Doubt.EVENTS, Doubt.RECURRENT, Doubt.SEARCH)
+                assert found.doubt in (Doubt.EVENT_BUDGET, Doubt.RECURRENT, Doubt.WORK_BUDGET)
                 continue
             assert found.label in (Attractor.STEADY_SLIDING, *CYCLES)
             if found.orbit is not None:

@@ -109,7 +109,7 @@ def _steady_state(
             return cycle
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
-    return faint or SteadyState.unresolved(state, Doubt.EVENTS)
+    return faint or SteadyState.unresolved(state, Doubt.EVENT_BUDGET)
 
 
 def _slow_end(
@@ -147,7 +147,7 @@ def _slow_end(
         between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, LONG, False)
         if twice and found.label != _steady_state(automaton, between, key[1], left, LONG, False).label:
-            return SteadyState.unresolved(place, Doubt.FORK), None
+            return SteadyState.unresolved(place, Doubt.ROUNDING), None
     found, faint = (one and replace(one, passages=(passage, *one.passages)) for one in (found, faint))
     return found, faint
 

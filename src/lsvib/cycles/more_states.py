@@ -39,7 +39,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
             if motion.status == Status.SETTLED:
                 return settled(automaton, motion)
             if motion.status == Status.WORK_SPENT:
-                return SteadyState.unresolved(motion.end_state, Doubt.SEARCH)
+                return SteadyState.unresolved(motion.end_state, Doubt.WORK_BUDGET)
             found = recurrence(automaton, motion, budget)
             if found is not None:
                 return found
@@ -51,7 +51,7 @@ def of_more_states(automaton: Automaton, state: np.ndarray, mode: int | None, bu
     except DivergenceError:
         return out_of_range(automaton, state)
     except WorkSpentError:
-        return SteadyState.unresolved(state, Doubt.RECURRENT if _hardly_changes(motion) else Doubt.EVENTS)
+        return SteadyState.unresolved(state, Doubt.RECURRENT if _hardly_changes(motion) else Doubt.EVENT_BUDGET)
     except EngineError as error:
         return SteadyState.unresolved(state, error)
 

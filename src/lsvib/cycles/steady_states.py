@@ -35,16 +35,15 @@ class Attractor(IntEnum):
 
 
 class Doubt(StrEnum):
-    """Why the attractor of a motion is unresolved, as the end of a sentence."""
+    """Why the attractor of a motion is unresolved; nothing else is ever the reason."""
 
-    EVENTS = "event budget exhausted"
+    EVENT_BUDGET = "event budget exhausted"
     RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
-    SEARCH = "work budget exhausted by the search for the next event"
+    WORK_BUDGET = "work budget exhausted by the search for one event"
+    ROUNDING = "start or motion on a boundary to rounding"
     ACCUMULATION = "events accumulate, and the model does not say what follows"
-    FORK = "it drifts to a place from which motions side by side end differently"
-    RANGE = "it leaves the range of numbers"
-    ENGINE = "the engine has no answer"
-    BOUNDARY = "the start lies on a boundary to rounding"
+    RANGE = "motion leaves the range of numbers"
+    ENGINE = "no answer of the engine"
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":
@@ -55,8 +54,8 @@ class Doubt(StrEnum):
 _MEANT = {
     DivergenceError: Doubt.RANGE,
     AccumulationError: Doubt.ACCUMULATION,
-    UndecidedError: Doubt.SEARCH,
-    WorkSpentError: Doubt.EVENTS,
+    UndecidedError: Doubt.WORK_BUDGET,
+    WorkSpentError: Doubt.EVENT_BUDGET,
 }
 
 
