@@ -22,7 +22,7 @@ DOCS, SITE = ROOT / "docs", ROOT / "docs" / "site"
 sys.path.insert(0, str(SITE))
 
 import gallery  # noqa: E402
-import references  # noqa: E402
+import reference  # noqa: E402
 
 HOME = "index.rst"  # of the site, in place of the README
 # Pages of the repository that lie outside of docs, and their names on the site.
@@ -62,7 +62,6 @@ def assemble(source: Path, pictures: Path | None) -> None:
         if name != HOME:
             text = (ROOT / path).read_text(encoding="utf-8")
             (source / name).write_text(on_site(text, path, source, {**pages, **ELSEWHERE}), encoding="utf-8")
-    _add_terms(source)
     gallery.write_scripts(source, pictures)
     reference.write_pages(source)
     _list_the_rest(source)
@@ -90,15 +89,6 @@ def on_site(text: str, path: str, source: Path, pages: dict[str, str]) -> str:
         if not (ROOT / os.path.dirname(path) / picture).is_file():
             sys.exit(f"docs: {path} shows {picture}, which is not there.")
     return _LINK.sub(replaced, text)
-
-
-def _add_terms(source: Path) -> None:
-    """Let the glossary of the site end with the table of terms, which stands in the page about the design."""
-    terms = re.search(r"^## Terms\n(.*?)^## ", (source / "design.md").read_text("utf-8"), re.DOTALL | re.MULTILINE)
-    if terms is None:
-        sys.exit("docs: docs/design.md has no section Terms, which the glossary shows.")
-    page = source / "glossary.md"
-    page.write_text(page.read_text(encoding="utf-8") + terms[1], encoding="utf-8")
 
 
 def _list_the_rest(source: Path) -> None:

@@ -5,6 +5,7 @@ modal engine for any number of states, rest with all that belongs to it. That of
 friction of the slide as well, so small (1e-18 N) that no digit of the motion feels it.
 """
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +18,7 @@ from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.support import MODEL as SUPPORT
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.flow_choice import flow_of, linear_mode
+from lsvib.engine.exact.linear_mode import flow_of, linear_mode
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
 
@@ -91,7 +92,7 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
         acceleration = (-row[columns.A0], -row[columns.A1], 0, 0, row[columns.B])
         held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
         field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
-        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held))
+        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, math.inf, "the drive"))
     resets = np.zeros((len(tables.resets), 4, 5))
     resets[:, :2] = _wider(tables.resets)
     tables = tables._replace(

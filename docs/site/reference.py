@@ -26,7 +26,7 @@ _GROUPS = {
     "Errors": ["LsvibError", "InputError", "NoThreshold", "EngineError", "DivergenceError"],
 }
 _OTHER = "Others"
-# Modules that the other pages name, by room; the rooms themselves are in docs/design.md.
+# Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
     "Drives": ["lsvib.drives.parameters", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.registry"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
@@ -53,7 +53,6 @@ MODULES = {
     "Regions of attraction": [
         "lsvib.basins.exact_basin",
         "lsvib.basins.resilience",
-        "lsvib.basins.sampling",
         "lsvib.basins.grid",
         "lsvib.basins.clipping",
         "lsvib.data.resilience",
@@ -123,9 +122,9 @@ def module_pages(source: Path) -> str:
     """Return the page that lists the documented modules, and write a page for each."""
     folder = source / "module"
     folder.mkdir()
-    lines = [_heading("Modules", "="), "What the pages of theory name. Rooms and their arrows: :doc:`design`.\n"]
-    for room, names in MODULES.items():
-        lines += [_heading(room, "-"), ".. toctree::\n"]
+    lines = [_heading("Modules", "="), "What the pages of theory name; :doc:`design` says which layer holds what.\n"]
+    for subject, names in MODULES.items():
+        lines += [_heading(subject, "-"), ".. toctree::\n"]
         lines += [f"   module/{name.removeprefix('lsvib.')}" for name in names]
         lines.append("")
         for name in names:

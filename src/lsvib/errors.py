@@ -21,14 +21,6 @@ class WorkSpentError(EngineError):
     """A run needs more work than its caller allows."""
 
 
-class EndlessSearchError(WorkSpentError):
-    """The search for the next event needs more work than its caller allows."""
-
-
-class BeatError(EndlessSearchError):
-    """Undamped oscillations beat, and in time meet a surface unless their frequencies are commensurate."""
-
-
 class UndecidedError(EngineError):
     """The search for the next event does not end."""
 

@@ -32,7 +32,7 @@ def test_fold_is_the_threshold_of_global_stability(damping):
     assert back.folds == [pytest.approx(branch.folds[0], rel=1e-14)]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_amplitude_over_force_has_the_thresholds_of_figure_8_6():
     """From onset, where the cycle vanishes, over the first rest to the last contact reversal."""
     (cycle,) = SLIP.cycles().cycles

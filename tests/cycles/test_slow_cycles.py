@@ -6,20 +6,13 @@ its power where others still count, and a complex pair makes it oscillate.
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from references.wide_drives import wide_drive
-from references.wide_scenes import scene
 
-from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.family_edges import _beyond
-from lsvib.cycles.recurrences import recurrence
-from lsvib.cycles.return_map import conserves
 from lsvib.drives.registry import find_model
-from lsvib.engine.motion import Budget, follow
+from lsvib.engine.motion import follow
 
 SUPPORT = {
     "mass": 1.6, "friction_coefficient": 0.304, "axial_force": -156.0, "input_speed": -56.5,
@@ -111,38 +104,6 @@ def test_chaos_is_unresolved():
     assert steady_state(automaton, state, max_events=5000).label == Attractor.UNRESOLVED
 
 
-def test_a_motion_that_nothing_damps_recurs():
-    """N changes its sign for ever, and two frequencies leave no period; the motion comes back near to where it was."""
-    wide = wide_drive("nut", 72, 17, 4)
-    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
-    assert conserves(automaton)
-    found = steady_state(automaton, wide.starts[0], max_events=700_000)
-    assert found.label == Attractor.RECURRENT
-    later = follow(automaton, found.state, math.inf, max_events=4000).after
-    distances = np.abs((later[500:] - later[0]) / np.abs(later).max(axis=0)).max(axis=1)
-    assert distances.min() < 0.05
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("start", [0, 1])
-def test_leaps_by_returns_that_lead_nowhere_give_way_to_amplitudes(start):
-    """N changes its sign until the motion is as small as the axial force, in turns that hardly damp."""
-    wide = wide_drive("nut", 74, 11, 4)
-    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
-    found = steady_state(automaton, wide.starts[start], max_events=700_000)
-    assert found.label == Attractor.STEADY_SLIDING
-
-
-def test_a_slow_cycle_is_found_from_the_start_where_its_end_shows_no_size():
-    """The coupling angle on this cycle is 10⁻¹¹ of what it was before, and attracts by 8·10⁻⁶ in a turn."""
-    wide = wide_drive("nut", 73, 38, 4)
-    mapped = mapper(wide.drive, wide.model, wide.physics)
-    assert mapped.destiny(wide.starts[2]).label == Attractor.STICK_SLIP_CYCLE
-    cycle = steady_state(mapped.automaton, wide.starts[2])
-    later = follow(mapped.automaton, cycle.state, math.inf, mode=int(cycle.orbit.mode[-1]), max_events=200)
-    assert later.after[1::2] == pytest.approx(np.tile(cycle.state, (100, 1)), rel=1e-6)
-
-
 def test_undamped_oscillation_that_settles_is_not_steady_sliding():
     undamped = {"mass": 5.0, "axial_force": 100.0, "screw_mass": 5.0, "support_damping": 0.0}
     automaton, state = build("support", undamped, 1e-4, 0.0)
@@ -162,56 +123,3 @@ def test_amplitude_is_half_the_width_of_the_cycle_in_every_model():
             near = np.clip(times[place] + np.linspace(-step, step, 20_001), 0, cycle.period)
             ends.append(cycle.orbit.at(near)[0][:, 0])
         assert cycle.amplitude == pytest.approx(0.5 * (ends[1].max() - ends[0].min()), rel=1e-6)
-
-
-@pytest.mark.parametrize(("model", "index", "start"), [("support", 43, 0), ("nut", 13, 0)])
-def test_a_motion_comes_to_the_edge_of_a_neutral_family(model, index, start):
-    """Nothing damps: the second body stops for ever shorter times, after ever longer waits, each time less beyond."""
-    wide = wide_drive(model, 83, index, 4)
-    automaton = find_model(model).build(wide.drive, wide.physics, "contact_sign")
-    found = steady_state(automaton, wide.starts[start], max_events=700_000)
-    assert found.label == Attractor.NEUTRAL_FAMILY
-    later = follow(automaton, found.state, math.inf, max_events=4, budget=Budget(5_000_000))
-    modes, starts, _, durations = later.arcs()
-    home = modes[np.argmax(durations)]
-    beyond = [_beyond(automaton, home, start) for start in starts[modes == home]]
-    assert len(beyond) >= 2
-    assert all(one > other > 0 for one, other in pairwise(beyond))
-
-
-def test_a_cycle_that_attracts_by_some_billionths_is_told_by_exact_multipliers():
-    """Seizures beside a slow swing, which takes 8·10⁶ of them to turn; the speed of the nut vanishes on the cycle."""
-    wide = wide_drive("nut", 83, 75, 8)
-    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
-    found, other = (steady_state(automaton, wide.starts[k], max_events=100_000) for k in (5, 2))
-    assert found.label == other.label == Attractor.SPRAG_SLIP_CYCLE
-    assert found.period == pytest.approx(other.period, rel=1e-6, abs=0)
-    assert 1 - found.multiplier == pytest.approx(3.62857e-9, rel=1e-4, abs=0)
-    swinging = follow(automaton, wide.starts[5], math.inf, max_events=2000)  # not there yet
-    assert recurrence(automaton, swinging, Budget(1e5)) is None
-
-
-def test_amplitudes_that_come_back_after_a_leap_have_no_trend():
-    """A swing as large as its touches of rest allow: its turns went into two windows alike, and seemed a trend."""
-    wide = wide_drive("nut", 83, 7, 4)
-    automaton = find_model("nut").build(wide.drive, wide.physics, "contact_sign")
-    motion = follow(automaton, wide.starts[2], math.inf, max_events=40_000)
-    sizes = [np.abs(part).max(axis=0) for part in np.array_split(motion.after[10_000:], 3)]
-    assert sizes[2] == pytest.approx(sizes[0], rel=1e-6, abs=0)
-    assert steady_state(automaton, wide.starts[2], max_events=700_000).label == Attractor.RECURRENT
-
-
-def test_a_creep_that_carries_an_amplitude_with_it_is_leapt_along():
-    """The nut creeps to where its spring carries the friction, in 1700 s, and chatters eleven times in 28 ms.
-
-    The amplitude of the chatter follows the creep; leaps along the amplitude alone led nowhere. The cycle attracts as
-    slowly as the nut creeps.
-    """
-    automaton, state = scene("nut", 85, 37, 3)
-    found = steady_state(automaton, state)
-    assert found.label == Attractor.SPRAG_SLIP_CYCLE
-    assert found.residual < 1e-12
-    creep = automaton.tables.flow.rates[0, 0]
-    assert math.log(found.multiplier) == pytest.approx(creep * found.period, rel=0.1)
-    late = follow(automaton, found.orbit.end_state, 100 * found.period, mode=found.orbit.end_mode)
-    assert late.end_state == pytest.approx(found.orbit.end_state, rel=1e-9)

@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
-from references.wide_drives import wide_drive
 
-from lsvib.basins.mapper import mapper
-from lsvib.cycles.steady_states import Attractor
-from lsvib.cycles.variational import derivative, eigenvalues, rounding
+from lsvib.cycles.variational import derivative
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import seated_state, threads_automaton
@@ -84,10 +81,7 @@ def rigid_motion(seed):
     raise AssertionError("no motion has events")
 
 
-SEEDS = [*range(6), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(6, 60))]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", range(6))
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
     reference = differences(
@@ -102,30 +96,10 @@ def test_rigid_drives(seed):
     assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
 
 
-@pytest.mark.parametrize("number", [15, 36, 54, *(pytest.param(k, marks=pytest.mark.long) for k in range(80))])
-def test_the_rounding_of_a_motion_is_bounded(number):
-    """States after a dozen events of any drive are off by twice the bound and a digit at most; cycles allow eight."""
-    wide = wide_drive("rigid", 77, number, 2)
-    for start in wide.starts:
-        motion = follow(rigid_automaton(wide.drive), start, np.inf, max_events=12)
-        bound = rounding(motion)
-        if not qualified(motion) or not np.isfinite(bound).all():
-            continue
-        last, end = float(motion.time[-1]), motion.after[-1]
-        events = rigid_digits.simulate(numbers(wide.drive), *start.tolist(), last * (1 + 1e-6), dps=40).events
-        exact = [event for event in events if abs(event.time - last) <= 1e-9 * last]
-        away = np.array([[abs(float(x - y)) for x, y in zip(_after(event), end, strict=True)] for event in exact])
-        assert (away <= 2 * bound + np.finfo(float).eps * np.abs(motion.after).max(axis=0)).all(axis=1).any()
-
-
-THREADS_SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 12))]
-
-
-@pytest.mark.parametrize("seed", THREADS_SEEDS)
-def test_compliant_threads(seed):
+def test_compliant_threads():
     for attempt in range(50):
-        rng = np.random.default_rng(1000 * seed + attempt)
-        rigid, (u, w) = random_rigid(1000 * seed + attempt)
+        rng = np.random.default_rng(attempt)
+        rigid, (u, w) = random_rigid(attempt)
         stiffness = float(10 ** rng.uniform(5, 8))
         contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
         drive = ThreadsParameters.of(**numbers(rigid), **contact)
@@ -145,18 +119,3 @@ def test_compliant_threads(seed):
     exact = derivative(motion)
     found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
     assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
-
-
-def test_a_surface_that_is_hardly_crossed_is_no_warning():
-    """Its product is finite with a rounding beyond all numbers, which tells nothing: differences are taken instead."""
-    wide = wide_drive("threads", 83, 47, 4)
-    found = mapper(wide.drive, wide.model, wide.physics).destiny(wide.starts[2])
-    assert found.label is Attractor.UNBOUNDED
-
-
-@pytest.mark.parametrize("gap", [1e-160, 1e-200])
-def test_eigenvectors_that_are_nearly_parallel_have_a_condition(gap):
-    """One of support 93/10 had entries beyond 10¹⁵⁴, whose squares are no numbers."""
-    values, condition = eigenvalues(np.array([[0.0, 1.0], [0.0, gap]]))
-    assert sorted(values.real) == [0.0, gap]
-    assert condition == pytest.approx(1 / gap)

@@ -80,27 +80,9 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert len(told) == 2
     say = compilation_notice.sentence
     assert "mapper of two-state models" in say("lsvib.basins.kernels.labelling", "Tables(array(float64, 2d, C))")
-    assert "in blocks" in say("lsvib.engine.kernels.event_loop", "Tables(BlockFlow(...))")
     assert "many drives at once" in say("lsvib.cycles.kernels.endings_at_once", "Tables(array(float64, 2d, C))")
-    assert say("lsvib.cycles.kernels.quiet_walk", "array(float64, 1d, C)") is None
     assert say("lsvib.engine.kernels.affine", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None
-
-
-@pytest.mark.long
-def test_the_command_says_that_it_compiles_and_is_silent_when_the_cache_is_warm(tmp_path):
-    program = (
-        "import sys; sys.argv = 'lsvib simulate --start u=0.1 w=0 --duration 0.1 --out motion.nc'.split()\n"
-        "from lsvib.command.app import main; main()\n"
-    )
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    runs = [
-        subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)
-        for _ in range(2)
-    ]
-    assert runs[0].stderr == "lsvib: compiling the engine for two-state models, once, about 10 s\n"
-    assert runs[1].stderr == ""
-    assert runs[0].stdout == runs[1].stdout
 
 
 @pytest.mark.slow

@@ -173,9 +173,7 @@ def test_no_event_is_missed_near_tangencies():
     assert faults(near_tangencies(2000, seed=3)) == []
 
 
-@pytest.mark.parametrize(
-    "count", [pytest.param(20_000, marks=pytest.mark.slow), pytest.param(100_000, marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("count", [pytest.param(20_000, marks=pytest.mark.slow)])
 def test_no_event_is_missed_in_many_motions(count):
     assert faults(random_motions(count, seed=2)) == []
     assert faults(near_tangencies(count // 5, seed=4)) == []

@@ -65,7 +65,7 @@ def rounding_of(row, factors, k):
     return 8 * EPS * rate**k * (factors[2] + factors[3] / rate)
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(st.lists(FACTORS, min_size=1, max_size=3), st.lists(PARTS, min_size=12, max_size=12), st.floats(0, 5))
 def test_bounds_bound_the_derivatives(factors, numbers, angle):
     flow, n = drawn(factors)
@@ -117,7 +117,7 @@ def search(flow, state, guard, on_surface=False, limit=10.0):
     return Found(found), index, t
 
 
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(st.lists(FACTORS, min_size=1, max_size=3), st.lists(PARTS, min_size=12, max_size=12), st.floats(1, 60))
 def test_first_crossing_against_dense_evaluation(factors, numbers, angle):
     """Positive on a dense grid up to the time found, and zero there; or positive all the way."""

@@ -26,7 +26,6 @@ _ENDS = {  # of motions without a frequency, by the names of lsvib.assess.words.
     "steady sliding": "does not vibrate",
     "rest": "stands still",
     "neutral family": "swings, neither more nor less",
-    "recurrent": "vibrates, but never repeats itself",
     "unbounded": "grows without limit",
     "unresolved": "not known",
     "unknown": "not known beyond its onset",

@@ -71,8 +71,8 @@ class Vibration:
 
     @property
     def vibrates(self) -> bool:
-        """Whether the motion ends in a cycle, shown or not, or in a vibration that never repeats itself."""
-        return self.attractor.endswith("cycle") or self.attractor == _word(Attractor.RECURRENT)
+        """Whether the motion ends in a cycle, shown or not."""
+        return self.attractor.endswith("cycle")
 
     @property
     def audible(self) -> bool:
@@ -113,8 +113,6 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
-        if end.label == Attractor.RECURRENT:  # of which there is no period: the swing is that of the time shown
-            samples["amplitude"] = 0.5 * float(np.ptp(samples["deviation"][times > 0.5 * span]))
         return Vibration(model, words, **samples)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **samples)
 

@@ -72,7 +72,6 @@ ATTRACTORS = {
     "sprag slip cycle": "sprag-slip: the screw is stopped by an impact of the threads in every cycle",
     "other cycle": "a swing of the speed about its mean, without standstill",
     "neutral family": "a swing that neither grows nor dies away, as nothing damps it",
-    "recurrent": "a vibration that goes on for ever without repeating itself",
     "unbounded": "a motion that grows without limit",
     "rest": "standstill",
     "unresolved": "a motion that does not settle into a pattern within the events that were computed",

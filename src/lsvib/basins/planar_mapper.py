@@ -42,7 +42,8 @@ class PlanarMapper(Mapper):
         self.sections = Sections(self.automaton, rounding)
         self.attractors = self.sections.courses.attractors
         self._events = _EVENTS if self.sections.complete else _FEWER
-        self.doubt = Doubt.BOUNDARY if self.sections.complete else Doubt.EVENTS  # why a start is unresolved, if it is
+        # Why a start is unresolved, if it is.
+        self.doubt = Doubt.ROUNDING if self.sections.complete else Doubt.EVENT_BUDGET
         self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)
 
     def fill(

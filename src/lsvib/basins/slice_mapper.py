@@ -12,7 +12,7 @@ A cell's motion is followed on the exact engine until one of the following holds
   work as ``_EVENTS`` events; what that leaves open is unresolved.
 
 Known cycles are those that a few fixed starts reach, with less work; so the result does not depend on the grid, tiles
-or threads. Modes in blocks, whose rates lie so far apart that an event takes many times as long, have fewer events.
+or threads.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,21 +23,16 @@ import numpy as np
 from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid, coordinates
 from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
-from lsvib.cycles.patience import FEW, follow_patiently
-from lsvib.cycles.return_map import conserves
 from lsvib.cycles.settling import settled
 from lsvib.cycles.steady_states import out_of_range
 from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import BlockFlow
-from lsvib.engine.motion import Budget, Motion
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 
 _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
 _EVENTS = 700_000  # units of work beyond the rounds, each some microseconds
-_BLOCK_ROUNDS = 4  # of modes in blocks, whose events take long
-_AGAIN = 4  # The search from the start, where that from the last round tells nothing, has a quarter of that work.
 _PART = 10  # before a map begins, each start that looks for a cycle has a tenth of that work, and so has steady sliding
 _SAME = 1e-3  # distance in sizes of the cycle that extrapolation from four points may leave; a label needs no more
 _NEAR = 0.1  # distance in sizes of the cycle; from farther the motion may meet other events on its way
@@ -72,16 +67,13 @@ class StateMapper(Mapper):
         super().__init__(drive, model, physics, resume)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
-        in_blocks = isinstance(self.automaton.tables.flow, BlockFlow)
-        self._rounds, self._chunk = (_BLOCK_ROUNDS, FEW) if in_blocks else (_ROUNDS, _CHUNK)
-        self._events = _EVENTS
         self._sprag_mode = np.isin(self.automaton.codes, self.automaton.sprag_codes)
         self._sprag_kind = np.isin(np.arange(_KINDS), self.automaton.sprag_kinds)
         speed = abs(drive.input_speed)
         reach = speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
             start = self.definition.initial_state(drive, {"u": u, "w": w})
-            found = self._end(start, work=self._events // _PART, further=False)  # further finds no cycle with that
+            found = self._end(start, work=_EVENTS // _PART)
             known = any(other.same_period(found) for other in self.attractors)
             if found.orbit is not None and found.orbit.time.size and not known:
                 self.attractors.append(found)
@@ -118,21 +110,17 @@ class StateMapper(Mapper):
 
     def destiny(self, state: np.ndarray) -> Destiny:
         """Return what becomes of the motion from a state (n)."""
-        start, mode, time, sprags, first, budget = state, None, 0.0, 0, None, Budget(self._events)
+        mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(_EVENTS)
         if not state.any():
-            end = self._end(state, work=self._events // _PART, further=False)
+            end = self._end(state, work=_EVENTS // _PART)
             if end.label == Attractor.STEADY_SLIDING:
                 return Destiny(Attractor.STEADY_SLIDING, 0.0, 0, -1)
-        for _ in range(self._rounds):
+        for _ in range(_ROUNDS):
             try:
-                motion = follow_patiently(
-                    self.automaton, state, np.inf, mode=mode, max_events=self._chunk, budget=budget
-                )
+                motion = follow(self.automaton, state, np.inf, mode=mode, max_events=_CHUNK, budget=budget)
             except EngineError as error:
                 if isinstance(error, DivergenceError):
                     end = out_of_range(self.automaton, state)
-                elif conserves(self.automaton):  # its events may become rare as it comes to the edge of a family
-                    end = self._end(start)
                 else:
                     end = SteadyState.unresolved(state, error)
                 return Destiny(end.label, np.inf, sprags, -1 if first is None else first, end.doubt)
@@ -148,20 +136,17 @@ class StateMapper(Mapper):
                     return Destiny(cycle.label, time + float(motion.time[last]), sprags, first)
             time, sprags = time + motion.end_time, sprags + self._sprags(motion, motion.time.size)
             state, mode = motion.end_state, motion.end_mode
+            if motion.status == Status.WORK_SPENT:
+                break
         end = self._end(state, mode)
-        if end.doubt == Doubt.EVENTS:  # what has come near to a slow cycle shows the size of the motion no more
-            again = self._end(start, work=self._events // _AGAIN, further=False)
-            end = end if again.doubt is not None else again
         return Destiny(
             end.label, time if end.doubt is None else np.inf, sprags, -1 if first is None else first, end.doubt
         )
 
-    def _end(
-        self, state: np.ndarray, mode: int | None = None, work: int | None = None, further: bool = True
-    ) -> SteadyState:
+    def _end(self, state: np.ndarray, mode: int | None = None, work: int = _EVENTS) -> SteadyState:
         """Return the attractor of a motion; unresolved if the engine does not decide or the work does not suffice."""
         try:
-            return steady_state(self.automaton, state, mode=mode, max_events=work or self._events, further=further)
+            return steady_state(self.automaton, state, mode=mode, max_events=work)
         except EngineError as error:
             return SteadyState.unresolved(state, error)
 

@@ -45,14 +45,12 @@ def steady_state(
     mode: int | None = None,
     max_events: int = 300_000,
     patience: int = LONG,
-    further: bool = True,
 ) -> SteadyState:
     """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
 
     ``max_events`` bounds the work: it is a number of events with two states, and with more the budget in units of one
-    ordinary event (:class:`lsvib.engine.motion.Budget`), which may be spent twice. ``patience`` is the number of events
-    after which returns that hardly move are leapt over, with two states. With more, a motion that leaps do not tell is
-    followed ``further``.
+    ordinary event (:class:`lsvib.engine.motion.Budget`). ``patience`` is the number of events after which returns that
+    hardly move are leapt over, with two states.
 
     The search ends in one of the following ways.
 
@@ -69,9 +67,6 @@ def steady_state(
     * ``max_events`` are spent, or the engine cannot decide the next event: unresolved. This happens to motions that
       move by less than their last digits from turn to turn, and to motions whose cycle attracts slowly and has more
       than 8 returns, or a return map without a derivative.
-    * Before that, with more than two states: the motion shrinks turn by turn alike to steady sliding
-      (:mod:`lsvib.cycles.cones`), or it repeats a cycle of thousands of events, or its amplitudes have no trend: then
-      it is recurrent, quasi-periodic or chaotic (:mod:`lsvib.cycles.drift_more_states`).
     * Before that, with two states: the motion has drifted towards a place on a line from both sides of which returns
       come nearer, beyond doubt, although P(y) = y is lost in rounding there. Then there is a cycle, and its numbers are
       known to ``enclosure`` only.
@@ -80,7 +75,7 @@ def steady_state(
     if mode is None and at_equilibrium(automaton, start):
         return SteadyState(Attractor.STEADY_SLIDING, start)
     if start.size > 2:
-        return of_more_states(automaton, start, mode, Budget(max_events), further)
+        return of_more_states(automaton, start, mode, Budget(max_events))
     return _steady_state(automaton, start, mode, max_events, patience, True)
 
 
@@ -114,7 +109,7 @@ def _steady_state(
             return cycle
         chunk = min(2 * chunk, max(max_events - used, 1))
         state, mode = motion.end_state, motion.end_mode
-    return faint or SteadyState.unresolved(state, Doubt.EVENTS)
+    return faint or SteadyState.unresolved(state, Doubt.EVENT_BUDGET)
 
 
 def _slow_end(
@@ -152,7 +147,7 @@ def _slow_end(
         between = section.state(np.array([end.place + 0.5 * section.return_from(end.place).excess]))
         found = _steady_state(automaton, place, key[1], left, LONG, False)
         if twice and found.label != _steady_state(automaton, between, key[1], left, LONG, False).label:
-            return SteadyState.unresolved(place, Doubt.FORK), None
+            return SteadyState.unresolved(place, Doubt.ROUNDING), None
     found, faint = (one and replace(one, passages=(passage, *one.passages)) for one in (found, faint))
     return found, faint
 

@@ -47,7 +47,7 @@ def edge_cycles(drive: DriveParameters, automaton: Automaton, endings: Sequence[
     """
     groups: list[list[StateEnding]] = []
     for state, steady in endings:
-        if steady.label in (Attractor.UNRESOLVED, Attractor.RECURRENT):
+        if steady.label == Attractor.UNRESOLVED:
             continue
         group = next((group for group in groups if alike(steady, group[0][1])), None)
         if group is None:

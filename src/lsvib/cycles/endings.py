@@ -31,7 +31,7 @@ from lsvib.errors import EngineError
 
 _SHARE = 1024  # most drives whose tables are made at once: arrays pay, and a process has some seconds of work
 _LEAST = 64  # drives that a process takes at a time where there are few
-_WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED, Attractor.RECURRENT)
+_WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 
 Done = TypeVar("Done")
 

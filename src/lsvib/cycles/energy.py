@@ -21,7 +21,6 @@ from lsvib.drives.powers import product
 from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
 _SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
@@ -81,8 +80,6 @@ def quadratic_integrals(
 def _fastest(automaton: Automaton, mode: int) -> float:
     """Size of the fastest rate [1/s] of a mode."""
     flow = automaton.tables.flow
-    if isinstance(flow, BlockFlow):
-        return float(flow.rate[mode].max())
     if isinstance(flow, np.ndarray):
         rows, singles = flow[mode][None], np.zeros(0)
     else:

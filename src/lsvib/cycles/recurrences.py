@@ -1,16 +1,13 @@
 """The cycle that the events of a motion lie on or approach, by the return map of the section of its rarest events."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.cycles import drift_two_states
-from lsvib.cycles.patience import follow_patiently
-from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves, largest
+from lsvib.cycles.return_map import FixedPoint, ReturnSection, conserves
 from lsvib.cycles.return_section import MARGIN, section_key
 from lsvib.cycles.steady_states import Attractor, SteadyState, cycle_label
-from lsvib.cycles.variational import derivative, eigenvalues
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import Budget, Motion
@@ -26,13 +23,6 @@ _STEPS = 8  # returns in a row that tell a drift from rounding
 # for two states, the second for more, where Newton's method leaves 1e-9 over the distance of a multiplier from one.
 CORNERS = (1e-9, 1e-5)
 _ON_IT = 1e-6  # distance to a cycle, in its own sizes, within which a motion is on it: rounding over 1 − multiplier
-_ATTRACTS = 1e-11  # least distance of the multipliers of a faint cycle from one, as after leaps by returns
-_LEFT = 1e-3  # most that may be left of the way to it, in sizes of the motion
-_FEW = 64  # events of a return whose derivative is an exact product at little cost
-_NONE = 1e-12  # part of the fastest rate of a mode that is none
-_ROUNDS = 3  # periods with thousands of events after which a motion must have come back
-_BESIDE = 1e-6  # distance, in sizes of the motion, of motions beside such a cycle
-_NEARER = 0.5  # their largest multiplier: rounding, or a faint damping, does not bring them so near within a period
 _TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
 
 
@@ -60,9 +50,7 @@ def watched(motion: Motion) -> Watched | None:
     return Watched(key, motion.after[seen], size, np.diff(motion.time[seen]).max(initial=0.0))
 
 
-def recurrence(
-    automaton: Automaton, motion: Motion, budget: Budget | None = None, apart: float = math.inf
-) -> SteadyState | None:
+def recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = None) -> SteadyState | None:
     """Return the attractor that the last events of a motion lie on or approach; None if they do not show it."""
     seen = watched(motion)
     if seen is None:
@@ -73,8 +61,6 @@ def recurrence(
     if len(points) < FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
-    if changes[nearest - 1].max() > apart:
-        return None
     section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         found = section.repeated()
@@ -101,109 +87,11 @@ def recurrence(
             if again is not None and (np.abs(again.state - found.state) <= CORNERS[0] * size).all():
                 return cycle_through(there, again)
         return cycle_through(section, found)
-    if size.size > 2:
-        faint = _faintly(automaton, Watched(key, points, size, longest), budget)
-        if faint is not None:
-            return faint
     if not repeats.size or _drifts(points[::-nearest]):
         return None
     found = section.repeated()
     attracts = abs(found.multiplier) < 1 - MARGIN  # no comparison holds with a multiplier that is not known
     return cycle_through(section, found) if found.neutral or (attracts and _on_its_cycle(section)) else None
-
-
-def _faintly(automaton: Automaton, seen: Watched, budget: Budget | None) -> SteadyState | None:
-    """Return the cycle that a motion with more than two states repeats if it attracts, however faintly; else None.
-
-    Its exact multipliers tell, in the sizes of :func:`_natural`, which leave them all their digits. The steps of
-    returns are rounding then, and may seem to drift: what they add up to must be a small way.
-    """
-    key, points, size = seen.key, seen.points, _natural(automaton, seen)
-    changes = (np.abs(points[-1] - points[-2 : -2 - SOLVED : -1]) / size).max(axis=1)
-    if not changes.size or changes.min() > REPEATS[1]:
-        return None
-    section = ReturnSection(automaton, key, points[-1], size, int(np.argmin(changes)) + 1, seen.longest, budget)
-    orbit = section.come_back(section.origin) if section.dimension else None
-    if orbit is None or orbit.time.size > _FEW:
-        return None
-    basis = np.linalg.qr(section.directions / size[:, None])[0]
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # it may be next to what it only touches
-        exact = derivative(orbit)
-        slopes = basis.T @ (exact.matrix / size[:, None] * size) @ basis
-        lost = np.abs(basis.T) @ (exact.rounding / size[:, None] * size) @ np.abs(basis) * automaton.condition
-    if not (np.isfinite(slopes).all() and np.isfinite(lost).all()):
-        return None
-    with np.errstate(over="ignore"):  # a rounding beyond all numbers leaves nothing to tell
-        multiplier, margin = largest(slopes), eigenvalues(slopes)[1] * float(np.linalg.norm(lost))
-    if not abs(multiplier) < 1 - max(margin, _ATTRACTS):
-        return None
-    gap = basis.T @ ((orbit.end_state - section.origin) / size)
-    way = size * (basis @ np.linalg.lstsq(np.eye(len(gap)) - slopes, gap, rcond=None)[0])
-    found = FixedPoint(section.origin + way, multiplier, math.nan)
-    near = (np.abs(way) <= _LEFT * size).all() and (np.abs(section.origin) > CORNERS[1] * size).any()
-    near &= np.abs(gap).max() <= REPEATS[1] * (_swing(orbit) / size).max()
-    return cycle_through(section, found) if near and _by_the_same_events(section, found) else None
-
-
-def _natural(automaton: Automaton, seen: Watched) -> np.ndarray:
-    """Return the sizes (n) of a motion; a speed has at least that of its coordinate times the slowest rate."""
-    matrix, size = automaton.tables.flow.field[seen.key[1]][:, :-1], seen.size.copy()
-    rates = np.abs(np.linalg.eigvals(matrix))
-    slow = rates[rates > _NONE * rates.max()].min(initial=math.inf)
-    for place, row in enumerate(matrix):
-        if slow < math.inf and row.max() == row.sum() == np.abs(row).sum() == 1:  # the rate of one is the other
-            speed = int(np.argmax(row))
-            size[speed] = max(size[speed], slow * seen.size[place])
-    return size
-
-
-def long_cycle(motion: Motion, budget: Budget) -> SteadyState | None:
-    """Return the cycle that a motion with more than two states repeats, if a period has thousands of events.
-
-    Where a contact rattles, every kind of event is frequent; but two of them in a row may be rare. After the rarest two
-    the motion has come back to one state, to rounding, and the multipliers of motions on both sides of it are far below
-    one. None if it has not, or if they are not.
-    """
-    if motion.time.size < 2:
-        return None
-    seen = watched(motion)
-    if seen is None:
-        return None
-    rows = _in_a_row(motion)
-    found, often = np.unique(rows[rows.size // 2 :], return_counts=True)
-    at = np.flatnonzero(rows == found[np.argmin(often)]) + 1
-    states, late = motion.after[at], np.abs(motion.after[rows.size // 2 :]).max(axis=0)
-    late[late == 0] = 1.0
-    for apart in range(1, min(SOLVED, (at.size - 1) // _ROUNDS) + 1):
-        rounds = states[-1] - states[-1 - apart * _ROUNDS : -1 : apart]
-        if (np.abs(rounds) <= REPEATS[1] * late).all():
-            break
-    else:
-        return None
-    key, length = (int(motion.kind[at[-1]]), int(motion.mode[at[-1]])), int(at[-1] - at[-1 - apart])
-    same = (motion.kind == key[0]) & (motion.mode == key[1])
-    returns = int(same[at[-1 - apart] + 1 : at[-1] + 1].sum())
-    section = ReturnSection(motion.automaton, key, states[-1], seen.size, returns, seen.longest, budget)
-    most, multipliers = length + length // 2, []
-    for side in (_BESIDE, -_BESIDE):
-        columns = []
-        for direction in section.directions.T:
-            start = section.origin + side * direction
-            later = follow_patiently(motion.automaton, start, math.inf, mode=key[1], max_events=most, budget=budget)
-            back = np.flatnonzero(_in_a_row(later) == rows[at[-1] - 1]) + 1
-            if back.size < apart:
-                return None
-            columns.append(section.place(later.after[back[apart - 1]]) / side)
-        multipliers.append(largest(np.reshape(columns, (-1, section.dimension)).T))
-    slowest = max(multipliers, key=abs)
-    return cycle_through(section, FixedPoint(section.origin, slowest, math.nan)) if abs(slowest) < _NEARER else None
-
-
-def _in_a_row(motion: Motion) -> np.ndarray:
-    """Return a number for each two events in a row (k − 1), by their kinds and modes."""
-    many = len(motion.automaton.codes)
-    events = motion.kind * np.int64(many) + motion.mode
-    return events[:-1] * np.int64(many << 8) + events[1:]
 
 
 def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:

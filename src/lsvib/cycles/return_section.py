@@ -5,7 +5,6 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from lsvib.cycles.patience import follow_patiently
 from lsvib.cycles.variational import derivative, eigenvalues, field, rounding
 from lsvib.drives.rigid import EventKind
 from lsvib.engine.automaton import Automaton
@@ -257,10 +256,8 @@ class Section:
         return motion
 
     def _follow(self, state: np.ndarray, t_end: float, events: int, stop: tuple[int, int] = (-1, -1)) -> Motion:
-        if self.budget is None:
-            return follow(self.automaton, state, t_end, mode=self.key[1], stop=stop, max_events=events)
         mode, budget = self.key[1], self.budget
-        return follow_patiently(self.automaton, state, t_end, mode=mode, stop=stop, max_events=events, budget=budget)
+        return follow(self.automaton, state, t_end, mode=mode, stop=stop, max_events=events, budget=budget)
 
     def grain(self, place: np.ndarray) -> float:
         """Return the rounding of y in a return from y = ``place`` on a line, in roundings of one.

@@ -8,7 +8,6 @@ from lsvib.cycles.return_section import ROUNDING
 from lsvib.cycles.steady_states import Attractor, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion, follow
 
 # Damping over frequency that is zero: modes of two states are rounded once, others are made from 60 digits, which leave
@@ -28,8 +27,6 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     flow, mode, state = automaton.tables.flow, motion.end_mode, motion.end_state
     if automaton.codes[mode] in automaton.rest_codes:
         return SteadyState(Attractor.REST, state)
-    if isinstance(flow, BlockFlow):  # such a mode settles only if everything that moves dies away
-        return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(flow.field[mode]))
     if isinstance(flow, np.ndarray):
         rows, equilibrium = flow[mode][None], np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])

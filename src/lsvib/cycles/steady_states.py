@@ -12,9 +12,7 @@ from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.motion import Motion
 from lsvib.errors import (
     AccumulationError,
-    BeatError,
     DivergenceError,
-    EndlessSearchError,
     EngineError,
     UndecidedError,
     WorkSpentError,
@@ -34,21 +32,18 @@ class Attractor(IntEnum):
     UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
     REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
     NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
-    RECURRENT = 7  # events for ever without a period or a trend: quasi-periodic or chaotic
 
 
 class Doubt(StrEnum):
-    """Why the attractor of a motion is unresolved, as the end of a sentence."""
+    """Why the attractor of a motion is unresolved; nothing else is ever the reason."""
 
-    EVENTS = "events go on beyond the work that is allowed, and come to no attractor that can be told"
-    SEARCH = "its next event lies beyond the work that is allowed"
-    BEAT = "undamped oscillations beat, so that its next event lies beyond the work that is allowed"
-    UNDECIDED = "the search for its next event does not end"
+    EVENT_BUDGET = "event budget exhausted"
+    RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
+    WORK_BUDGET = "work budget exhausted by the search for one event"
+    ROUNDING = "start or motion on a boundary to rounding"
     ACCUMULATION = "events accumulate, and the model does not say what follows"
-    FORK = "it drifts to a place from which motions side by side end differently"
-    RANGE = "it leaves the range of numbers"
-    ENGINE = "the engine has no answer"
-    BOUNDARY = "the start lies on a boundary to rounding"
+    RANGE = "motion leaves the range of numbers"
+    ENGINE = "no answer of the engine"
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":
@@ -59,10 +54,8 @@ class Doubt(StrEnum):
 _MEANT = {
     DivergenceError: Doubt.RANGE,
     AccumulationError: Doubt.ACCUMULATION,
-    UndecidedError: Doubt.UNDECIDED,
-    BeatError: Doubt.BEAT,
-    EndlessSearchError: Doubt.SEARCH,
-    WorkSpentError: Doubt.EVENTS,
+    UndecidedError: Doubt.WORK_BUDGET,
+    WorkSpentError: Doubt.EVENT_BUDGET,
 }
 
 

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, flow_blocks, flow_planar
+from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.engine.motion import Motion
 
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
@@ -38,11 +37,10 @@ def inner_coordinates(automaton: Automaton, mode: int) -> tuple[np.ndarray, np.n
     flow, n = automaton.tables.flow, len(automaton.states)
     if isinstance(flow, np.ndarray):
         return np.eye(n + 1), np.eye(n + 1)
-    into, out = (flow.to_blocks, flow.from_blocks) if isinstance(flow, BlockFlow) else (flow.to_modal, flow.from_modal)
-    q = into.shape[1] if isinstance(flow, BlockFlow) else int(2 * flow.pairs[mode] + flow.singles[mode])
+    q = int(2 * flow.pairs[mode] + flow.singles[mode])
     unit = np.eye(max(n, q) + 1)
-    columns = np.concatenate([out[mode][:, :q], out[mode][:, -1:]], axis=1)
-    return np.vstack([into[mode, :q], unit[n, : n + 1]]), np.vstack([columns, unit[q, : q + 1]])
+    columns = np.concatenate([flow.from_modal[mode][:, :q], flow.from_modal[mode][:, -1:]], axis=1)
+    return np.vstack([flow.to_modal[mode, :q], unit[n, : n + 1]]), np.vstack([columns, unit[q, : q + 1]])
 
 
 def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
@@ -55,14 +53,6 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
         a0, b = row[columns.A0], row[columns.B]
         pushed = b * moved if b else 0.0  # in a rest so long that t² is beyond all numbers as well
         return np.array([[c, s, pushed], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
-    if isinstance(flow, BlockFlow):
-        q = flow.matrix.shape[1]
-        found, work = np.eye(q + 1), np.empty((2, q, q))
-        for j in range(q):
-            column = np.empty(q)
-            flow_blocks.carry(flow, mode, np.eye(q)[j], time, column, work)
-            found[:q, j] = column
-        return found
     pairs, singles = int(flow.pairs[mode]), int(flow.singles[mode])
     found = np.eye(2 * pairs + singles + 1)
     for pair in range(pairs):

@@ -37,8 +37,9 @@ from lsvib.drives.powers import Powers, product
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.drives.second_body.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
-from lsvib.engine.exact.flow_choice import LinearMode, flow_of, guard_forms_of, linear_mode
+from lsvib.engine.exact.linear_mode import flow_of, guard_forms_of, linear_mode
 from lsvib.engine.exact.modal_arrays import ManyModes
+from lsvib.engine.exact.modal_form import ModalMode
 from lsvib.engine.exact.pair_arrays import double, for_all, squared
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.exact.reach import SWINGS
@@ -144,9 +145,9 @@ class _ThreadsBuild:
         self.sizes = (0.1, abs(double(d.input_speed)), mismatch, rate)
         self.horizon = SWINGS * swing
 
-    def slip(self, law: int) -> LinearMode | ManyModes:
+    def slip(self, law: int) -> ModalMode | ManyModes:
         """Field of slip under law s."""
-        return linear_mode(self._slip_rows(law), self.sizes, horizon=self.horizon)
+        return linear_mode(self._slip_rows(law), self.sizes, None, self.horizon, ThreadsParameters.own_damping)
 
     def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
@@ -155,10 +156,12 @@ class _ThreadsBuild:
         acceleration = scaled(plus(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
         return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
 
-    def rest(self) -> LinearMode | ManyModes:
+    def rest(self) -> ModalMode | ManyModes:
         """Field of rest: w stays −Ω, the nut moves on."""
         axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
-        return linear_mode(self._rows((0, 0, 0, 0, 0), axial), self.sizes, {1: -self.d.input_speed}, self.horizon)
+        held = {1: -self.d.input_speed}
+        rows = self._rows((0, 0, 0, 0, 0), axial)
+        return linear_mode(rows, self.sizes, held, self.horizon, ThreadsParameters.own_damping)
 
     def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d

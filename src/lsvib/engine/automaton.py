@@ -7,7 +7,6 @@ drives; then all tables of doubles have one more axis, the first, for the drives
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,14 +15,13 @@ from lsvib.engine.exact.pair_arrays import Pairs, double, doubles, exactly
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Test
-from lsvib.engine.kernels.tables import BlockFlow, Tables
+from lsvib.engine.kernels.tables import Tables
 from lsvib.errors import EngineError
 
 Row = Sequence[Decimal | Pairs | np.ndarray | float | int]
 
 # Part of a drive's shortest time scale below which a stay counts as short: some hundred roundings of a time.
 SHORT_STAY = 1e-13
-_PRODUCTS = 17  # multiplications in a product of matrices of two blocks of two places and one of one: 8 + 8 + 1
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states) or a ``LinearMode`` (more); ``exact`` is the
+    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more); ``exact`` is the
     :func:`eigenform` of the oscillator, where it has one.
     """
 
@@ -98,18 +96,6 @@ class Automaton:
     sprag_kinds: tuple[int, ...] = ()
     passive: bool = False
     contracts: bool = False
-
-    @cached_property
-    def effort(self) -> float:
-        """Time that a step of a search takes in blocks, of that in two blocks of two places and one of one.
-
-        Half of it goes into the exponentials of blocks, products of matrices, in the mean over all modes.
-        """
-        flow = self.tables.flow
-        if not isinstance(flow, BlockFlow):
-            return 1.0
-        products = float((np.diff(flow.edges, axis=1) ** 3).sum(axis=1).mean())
-        return max(1.0, 0.5 + 0.5 * products / _PRODUCTS)
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""

@@ -10,7 +10,6 @@ from lsvib import numbers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.status import Status
-from lsvib.engine.kernels.tables import BlockFlow
 from lsvib.errors import (
     AccumulationError,
     DivergenceError,
@@ -24,10 +23,9 @@ _FIRST_CAPACITY = 256  # events that the first list holds; each further list hol
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL, Status.WORK_SPENT)
 
-# Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured; in blocks that
-# of small ones, of which larger ones take a multiple (``Automaton.effort``).
+# Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
 CALL = 10.0  # of a call of the engine from Python
-_COSTS = ((1.0, 0.1), (4.0, 0.8))  # of an event, and of a step of the search for it: modal flows; flows in blocks
+_STEP = 0.1  # of a step of the search for an event
 
 _BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
 _MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
@@ -140,10 +138,9 @@ def follow(
     else:
         state = np.array(state, dtype=float)
     start_mode, start_state = mode, state.copy()
-    an_event, a_step = (cost * automaton.effort for cost in _COSTS[isinstance(automaton.tables.flow, BlockFlow)])
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
-    scale, clock = np.abs(state), _clock(automaton, budget.left / a_step)
+    scale, clock = np.abs(state), _clock(automaton, budget.left / _STEP)
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
@@ -155,7 +152,7 @@ def follow(
         if status == Status.WORK_SPENT:
             budget.left = 0.0
         elif budget.left < math.inf:
-            budget.spend(an_event * count + a_step * (steps - clock[3]))
+            budget.spend(count + _STEP * (steps - clock[3]))
         if status == Status.ACCUMULATED:
             undone, count = _undo(undone, events, count, state, scale, clock)
             if undone.times:

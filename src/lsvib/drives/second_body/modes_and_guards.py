@@ -33,7 +33,7 @@ from lsvib.engine.automaton import (
     assemble,
     scaled,
 )
-from lsvib.engine.exact.flow_choice import flow_of, guard_forms_of, linear_mode
+from lsvib.engine.exact.linear_mode import flow_of, guard_forms_of, linear_mode
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
 
@@ -110,7 +110,7 @@ class _Layout:
 
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
-        flow = linear_mode(solution.field, self.b.sizes, solution.frozen, self.b.horizon)
+        flow = linear_mode(solution.field, self.b.sizes, solution.frozen, self.b.horizon, self.b.movable)
         return Mode(self.b.modes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, sign: int, transition: str, snap: int | None = None) -> Guard:

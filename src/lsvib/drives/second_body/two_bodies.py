@@ -18,8 +18,8 @@ class TwoBodies(ABC):
 
     In steady sliding the threads carry the force ``force`` = R − r_m tan λ c_x Ω − F_0 sgn Ω [N] with the torque
     ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law; ``turned``: ξ₊ tan λ r_m²;
-    ``turning``: sgn Ω; ``horizon`` [s]: that of :func:`lsvib.engine.exact.reach.reached`; ``speed``: row of θ′;
-    ``deflection``: row of z.
+    ``turning``: sgn Ω; ``horizon`` [s]: that of :func:`lsvib.engine.exact.reach.reached`; ``movable``: the
+    parameter to change where rates coincide; ``speed``: row of θ′; ``deflection``: row of z.
 
     A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
     moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only declared here: the
@@ -43,7 +43,8 @@ class TwoBodies(ABC):
     turns_over: bool
 
     def __init__(self, drive: SupportParameters | NutParameters, slide: bool, bearing: bool) -> None:
-        self.d = d = drive.exact()
+        self.d, self.movable = drive.exact(), drive.own_damping
+        d = self.d
         self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
         self.reach = d.pitch_radius * d.tan_lead
         self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}

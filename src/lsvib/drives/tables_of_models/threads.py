@@ -2,7 +2,7 @@
 
 They are those of each one alone, to rounding: the two oscillators of a mode may stand in another order, and guards have
 the digits of the tables, where those of one drive have forms of their own (:func:`guard_forms_of
-<lsvib.engine.exact.flow_choice.guard_forms_of>`).
+<lsvib.engine.exact.linear_mode.guard_forms_of>`).
 """
 
 from collections.abc import Sequence

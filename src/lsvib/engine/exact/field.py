@@ -8,7 +8,7 @@ from decimal import Decimal
 import mpmath
 import numpy as np
 
-DIGITS = 60  # ten more than the coefficients have (PLACES); ``flow_choice`` tries 120 where these do not suffice
+DIGITS = 60  # ten more than the coefficients have (PLACES); ``linear_mode`` tries 120 where these do not suffice
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 
 

@@ -20,15 +20,15 @@ time, beside the sizes that are reached then: at the horizon, and at the time of
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import mpmath
 import numpy as np
 
-from lsvib.engine.exact.block_form import block_of
 from lsvib.engine.exact.field import Field, homogeneous
 
 _DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
-SWINGS = 100  # swings of the coupling in a horizon; in blocks a size that takes longer to reach does not count
+SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
 _SAME = mpmath.mpf(10) ** -35  # relative size of a rate that is zero but for the rounding of the coefficients
 _GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
 
@@ -64,13 +64,49 @@ def _reached_states(matrix, horizon: float):
         slow, group, fast = rates[:first], rates[first:last], rates[last:]
         try:
             if fast:
-                block = block_of(matrix, slow + group, fast)
-                yield block.out * block.into
+                part = _part_of(matrix, slow + group, fast)
+                yield part.out * part.into
             if abs(group[-1]) > least:
-                block = block_of(matrix, group, slow + fast)
-                yield block.out * block.matrix * block.into / abs(group[-1])
+                part = _part_of(matrix, group, slow + fast)
+                yield part.out * part.matrix * part.into / abs(group[-1])
             elif horizon < math.inf:
-                block = block_of(matrix, group, slow + fast)
-                yield block.out * mpmath.expm(block.matrix * horizon) * block.into
+                part = _part_of(matrix, group, slow + fast)
+                yield part.out * mpmath.expm(part.matrix * horizon) * part.into
         except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
             continue
+
+
+class _Part(NamedTuple):
+    """The part of a matrix that belongs to a group of rates: rows that lead into it, columns that lead back."""
+
+    matrix: mpmath.matrix  # (d, d)
+    into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
+    out: mpmath.matrix  # (p + 1, d)
+
+
+def _part_of(matrix, group, others) -> _Part:
+    """Return the part of a group of rates of a matrix (p + 1, p + 1), in the digits of the context.
+
+    The product of the factors of all other rates spans the invariant subspaces of the group, whatever chains it has.
+    Raises ``ZeroDivisionError`` if the digits leave none of it.
+    """
+    product = mpmath.eye(matrix.rows)
+    for rate in others:
+        factor = matrix - rate * mpmath.eye(matrix.rows)
+        product = product * (factor / mpmath.mnorm(factor, mpmath.inf))
+    product = product.apply(mpmath.re)
+    columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
+    rows = (rows * columns) ** -1 * rows
+    return _Part(rows * matrix * columns, rows, columns)
+
+
+def _basis(matrix, count: int) -> mpmath.matrix:
+    """Orthonormal basis of the space that the columns of a matrix of rank ``count`` span, the longest ones first."""
+    left = [matrix[:, j] for j in range(matrix.cols)]
+    found = mpmath.zeros(matrix.rows, count)
+    for k in range(count):
+        longest = max(left, key=mpmath.norm)
+        unit = longest / mpmath.norm(longest)
+        found[:, k] = unit
+        left = [column - unit * (unit.T * column)[0] for column in left]
+    return found

@@ -8,10 +8,9 @@ import logging
 
 from numba.core import event
 
-# What is compiled, by a word in the types of its arguments, with the processor time that was measured (7, 33 and 6 s).
+# What is compiled, by a word in the types of its arguments, with the processor time that was measured (33 and 6 s).
 # Kernels without any of these words are small and are compiled for one of the others.
 _PARTS = (
-    ("BlockFlow", "the engine for models whose field is taken in blocks, once, half a minute or so"),
     ("ModalFlow", "the engine for models with three or four states, once, about 30 s"),
     ("Tables", "the engine for two-state models, once, about 10 s"),
 )
@@ -24,7 +23,7 @@ def sentence(module: str, types: str) -> str | None:
     """Return the sentence for a kernel of ``module`` and the names of its arguments' types; None if it has none."""
     if not module.startswith(_ROOMS):
         return None
-    if module.startswith("lsvib.basins.") and "ModalFlow" not in types and "BlockFlow" not in types:
+    if module.startswith("lsvib.basins.") and "ModalFlow" not in types:
         return f"compiling {_MAPPER}"
     if module.startswith("lsvib.cycles.") and "Tables" in types:
         return f"compiling {_SEARCH}"

@@ -1,6 +1,6 @@
 """Compile what runs of the engine need, so that parallel jobs find a filled cache.
 
-The flow in blocks, which few models need, and the kernels of maps are compiled when they are first used.
+The kernels of maps are compiled when they are first used.
 """
 
 import numpy as np

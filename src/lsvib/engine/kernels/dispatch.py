@@ -7,16 +7,7 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import (
-    carried,
-    flow_blocks,
-    flow_modal,
-    flow_planar,
-    guard_blocks,
-    guard_sums,
-    search_planar,
-    search_steps,
-)
+from lsvib.engine.kernels import carried, flow_modal, flow_planar, guard_sums, search_planar, search_steps
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
@@ -89,27 +80,22 @@ def _modal_travel(flow, mode, state, stay, scale, work):
     flow_modal.travel(flow, mode, state, stay, scale, work.states)
 
 
-@allocating_kernel
-def _block_travel(flow, mode, state, stay, scale, work):
-    flow_blocks.travel(flow, mode, state, stay, scale)
-
-
-advance = by_kind(flow_planar.advance, flow_modal.advance, flow_blocks.advance)
-travel = by_kind(_planar_travel, _modal_travel, _block_travel)
-workspace = by_kind(_no_workspace, guard_sums.room_for, guard_blocks.room_for)
-allow = by_kind(_planar_allow, _allow, _allow)
-steps_left = by_kind(_planar_steps_left, _steps_left, _steps_left)
-slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_modal.slopes_at)
-is_still = by_kind(_planar_is_still, flow_modal.is_still, flow_modal.is_still)
-search = by_kind(_planar_search, search_steps.search, search_steps.search)
-note = by_kind(_nothing, carried.note, _nothing)
-note_at_once = by_kind(_nothing, carried.note_at_once, _nothing)
-forget = by_kind(_nothing, carried.forget, _nothing)
-put_as_noted = by_kind(_nothing, carried.put_as_noted, _nothing)
-recalled = by_kind(_as_the_state_says, carried.recalled, _as_the_state_says)
-begin = by_kind(_nothing, carried.begin, _nothing)
-take_up = by_kind(_nothing, carried.take_up, _nothing)
-leave_behind = by_kind(_nothing, carried.leave_behind, _nothing)
+advance = by_kind(flow_planar.advance, flow_modal.advance)
+travel = by_kind(_planar_travel, _modal_travel)
+workspace = by_kind(_no_workspace, guard_sums.room_for)
+allow = by_kind(_planar_allow, _allow)
+steps_left = by_kind(_planar_steps_left, _steps_left)
+slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
+is_still = by_kind(_planar_is_still, flow_modal.is_still)
+search = by_kind(_planar_search, search_steps.search)
+note = by_kind(_nothing, carried.note)
+note_at_once = by_kind(_nothing, carried.note_at_once)
+forget = by_kind(_nothing, carried.forget)
+put_as_noted = by_kind(_nothing, carried.put_as_noted)
+recalled = by_kind(_as_the_state_says, carried.recalled)
+begin = by_kind(_nothing, carried.begin)
+take_up = by_kind(_nothing, carried.take_up)
+leave_behind = by_kind(_nothing, carried.leave_behind)
 
 
 @allocating_entry
@@ -162,7 +148,7 @@ def _searched_extremes(flow, mode, state, functional, duration):
     return min(low, value), max(high, value)
 
 
-extremes = by_kind(search_planar.extremes, _searched_extremes, _searched_extremes)
+extremes = by_kind(search_planar.extremes, _searched_extremes)
 
 
 @allocating_entry

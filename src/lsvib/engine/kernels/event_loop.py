@@ -253,8 +253,7 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
 
 # With two states it is compiled into ``run``: handing on the tables takes as long as an event. With more an event takes
 # so long that this does not show, but compiling the loop once more would take a quarter of the whole time.
-_called = kernel(_loop)
-_follow = by_kind(inlined_kernel(_loop), _called, _called)
+_follow = by_kind(inlined_kernel(_loop), kernel(_loop))
 
 
 @allocating_entry

@@ -316,21 +316,3 @@ def changed(flow, mode, sums, index, guard, t):
         value += form[j] * moves[j]
         total += abs(form[j]) * sizes[j]
     return value, max(8.0 * EPS * total, _LEAST)
-
-
-@inlined_kernel
-def rounding_at_start(flow, sums, guard):
-    """Return the size of a guard at time zero below which it is rounding only."""
-    return sums.rounding[guard]
-
-
-@inlined_kernel
-def looseness(flow):
-    """Return how many times the rounding of its sum a guard may be wrong: once, as its parts have their digits."""
-    return 1.0
-
-
-@inlined_kernel
-def stand(flow, mode, sums, node, t):
-    """Make ready what bounds on a step from the node at t [s] need: nothing. True: no coordinate overflows."""
-    return True

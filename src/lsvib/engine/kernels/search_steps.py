@@ -1,38 +1,22 @@
 """The certain search for the first guard that fires in a mode with many states.
 
 The search walks from time zero in steps [a, b] on which every guard is *decided*: proved to have no root, or one
-(:mod:`lsvib.engine.kernels.step_sums` for flows in modal form, :mod:`lsvib.engine.kernels.step_blocks` for those in
-blocks). If a guard is undecided, the step is shortened, so no root is passed over. If the step has become so short that
-the guard changes by less than its rounding on it, the guard grazes. With infinite time the walk ends when, for every
-guard, the bounds of all parts together are below the guard's constant.
+(:mod:`lsvib.engine.kernels.step_sums`). If a guard is undecided, the step is shortened, so no root is passed over. If
+the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
+time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
 
-``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` or the
-:class:`lsvib.engine.kernels.guard_blocks.BlockSums` of the search. A *node* is one of three places in it for what is
-known at a time.
+``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the search. A *node* is one of three places in it for
+what is known at a time.
 """
 
 import math
 
-from lsvib.engine.kernels import guard_blocks, guard_sums, step_blocks, step_sums
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.choice import by_kind
+from lsvib.engine.kernels.guard_sums import changed, evaluate, go_to, lowest_from, prepare, rounding_at
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Decision, Found
-
-prepare = by_kind(None, guard_sums.prepare, guard_blocks.prepare)
-stand = by_kind(None, guard_sums.stand, guard_blocks.stand)
-go_to = by_kind(None, guard_sums.go_to, guard_blocks.go_to)
-evaluate = by_kind(None, guard_sums.evaluate, guard_blocks.evaluate)
-changed = by_kind(None, guard_sums.changed, guard_blocks.changed)
-lowest_from = by_kind(None, guard_sums.lowest_from, guard_blocks.lowest_from)
-rounding_at = by_kind(None, guard_sums.rounding_at, guard_blocks.rounding_at)
-rounding_at_start = by_kind(None, guard_sums.rounding_at_start, guard_blocks.rounding_at_start)
-looseness = by_kind(None, guard_sums.looseness, guard_blocks.looseness)
-fastest = by_kind(None, step_sums.fastest, step_blocks.fastest)
-fastest_growth = by_kind(None, step_sums.fastest_growth, step_blocks.fastest_growth)
-first_step = by_kind(None, step_sums.first_step, step_blocks.first_step)
-decide = by_kind(None, step_sums.decide, step_blocks.decide)
+from lsvib.engine.kernels.step_sums import decide, fastest, fastest_growth, first_step
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -75,8 +59,6 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
-    if not stand(flow, mode, work, 0, 0.0):
-        return _LOST, -1, limit
     growing, rate, step = fastest_growth(flow, mode), fastest(flow, mode), first_step(flow, mode, work, count)
     longest = _GROWTH / growing if growing > 0.0 else math.inf
     if not 0.0 < step < math.inf:
@@ -140,8 +122,6 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         steps += 1
-        if not stand(flow, mode, work, there, b):
-            return _LOST, -1, limit
     return _LOST, -1, limit
 
 
@@ -260,9 +240,8 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
         evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
     value, noise = changed(flow, mode, work, index, guard, t)
-    rounding = rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / rounding_at_start(flow, work, index))
-    more = looseness(flow)
-    return t if value >= -more * noise and work.values[_SPARE, index, 0] >= -more * rounding else -1.0
+    rounding = rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / work.rounding[index])
+    return t if value >= -noise and work.values[_SPARE, index, 0] >= -rounding else -1.0
 
 
 @kernel

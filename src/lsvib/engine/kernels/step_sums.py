@@ -17,13 +17,13 @@ step stays within its amplitude.
 import math
 
 from lsvib.engine.kernels import guard_sums
-from lsvib.engine.kernels.chord import decide_by_chord
 from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.flow_planar import own_rate
 from lsvib.engine.kernels.jit import inlined_kernel
 from lsvib.engine.kernels.status import Decision
 
 _POSITIVE = int(Decision.POSITIVE)
+_TOUCHES = int(Decision.TOUCHES)
 _ROOT = int(Decision.ROOT)
 _UNDECIDED = int(Decision.UNDECIDED)
 _BEYOND_ROUNDING = 128.0  # factor where the guard changes by less than its rounding: the next step is 8 times as long
@@ -112,6 +112,21 @@ def _left_of_rounding(flow, mode, work, guard, here, there):
 
 
 @inlined_kernel
+def _decide_by_chord(first, last, rounding, starts_on_surface):
+    """Decide whether a guard with these values and derivatives at the ends of a step rests on zero, or touches it.
+
+    ``rounding``: size of the guard below which it is rounding only; zero where nothing is left of the guard.
+    """
+    if min(first[0], last[0]) > rounding:
+        return _POSITIVE
+    if last[0] <= -rounding and not (starts_on_surface and last[0] == 0.0):
+        return _ROOT
+    # While it still falls it has not touched zero: it may die away without ever coming there.
+    falls = last[0] >= 0.0 and last[1] <= 0.0
+    return _POSITIVE if starts_on_surface or falls else _TOUCHES
+
+
+@inlined_kernel
 def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
     """Decide what a guard does on one step, by the tests of the module docstring.
 
@@ -147,5 +162,5 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
     if least - low <= work.rounding[guard]:
         rounding = _left_of_rounding(flow, mode, work, guard, here, there)
         if least - low <= rounding:
-            return decide_by_chord(first, last, rounding, starts_on_surface), _BEYOND_ROUNDING
+            return _decide_by_chord(first, last, rounding, starts_on_surface), _BEYOND_ROUNDING
     return _UNDECIDED, slack

@@ -48,17 +48,3 @@ class ModalFlow(NamedTuple):
     to_modal: np.ndarray  # (m, q, n + 1)
     from_modal: np.ndarray  # (m, n, q + 1)
     field: np.ndarray  # (m, n, n + 1), A and b
-
-
-class BlockFlow(NamedTuple):
-    """Flow tables of m modes with n states, in q ≤ n + 1 block coordinates."""
-
-    matrix: np.ndarray  # (m, q, q), block-diagonal
-    norm: np.ndarray  # (m, q, q) R, block-diagonal, upper triangular
-    row_norm: np.ndarray  # (m, q, q) transpose of R⁻¹, lower triangular: the norm of a row g is |R⁻ᵀ gᵀ|
-    rate: np.ndarray  # (m, q) size of R B R⁻¹ of each block [1/s]
-    edges: np.ndarray  # (m, q + 1) where the blocks begin; q from the last one on
-    growth: np.ndarray  # (m, q) σ of each block [1/s]
-    to_blocks: np.ndarray  # (m, q, n + 1)
-    from_blocks: np.ndarray  # (m, n, q + 1)
-    field: np.ndarray  # (m, n, n + 1), A and b

@@ -15,7 +15,6 @@ COLOURS = {
     "sprag slip cycle": style.ORANGE,
     "other cycle": style.PURPLE,
     "neutral family": style.BLUE,
-    "recurrent": style.VERMILION,
     "unbounded": style.GREY,
     "rest": style.YELLOW,
     "unresolved": style.BLACK,
