@@ -23,8 +23,9 @@ _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
 
 def contact(rng) -> Case:
-    """k_c and c_c from 1e3 to 1e14."""
-    stiffness, damping = power(rng, 3, 14), power(rng, 3, 14)
+    """k_c and c_c from 1e3 to 1e14, with c_c / k_c up to 3 h: the engine refuses a contact that creeps more slowly."""
+    stiffness = power(rng, 3, 14)
+    damping = power(rng, 3, min(14, math.log10(stiffness) + 4))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
     drive = ThreadsParameters.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.

@@ -13,7 +13,7 @@ from lsvib.figures.folders import accuracy_figures, dataset_module, picture_modu
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {
-    "ablation": {"duration": 0.3, "repeats": 5, "compile": ["planar"]},
+    "ablation": {"duration": 0.3, "repeats": 2, "compile": ["planar"]},
     "map_precision": {
         "boxes": {
             "near": {

@@ -13,8 +13,6 @@ from benchmarks.ablation.cost_of_starting import compilation, imports
 from benchmarks.figures.ablation.settings import MODULES
 from lsvib.data.attributes import named_index, variable, yes_no
 from lsvib.data.checks import Check
-from lsvib.data.simulation import simulate
-from lsvib.drives.registry import find_model
 
 _SOURCE = "docs/validation.md"
 _ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
@@ -51,13 +49,12 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         "same_events": yes_no("scene", [same for same, _ in compared], "both models have the same events"),
         "difference": variable("scene", [gap for _, gap in compared], "1", apart),
     }
-    variables |= _data(settings) | _imports(settings) | _compilation(kinds)
+    variables |= _imports(settings) | _compilation(kinds)
     return xr.Dataset(
         variables,
         coords={
             "scene": named_index("scene", "scene", list(scenes)),
             "model": named_index("model", "extent of the model", _MODELS),
-            "outputs": named_index("outputs", "outputs of the dataset", ("needed", "all")),
             "imported_for": named_index("imported_for", "what is imported", list(MODULES)),
             "package": named_index("package", "package", _PACKAGES),
             "compiled": named_index("compiled", "kinds of flow that are compiled", kinds),
@@ -105,18 +102,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             ),
         ),
     ]
-
-
-def _data(settings: Mapping[str, Any]) -> dict[str, tuple]:
-    """The dataset of the stick–slip scene with no outputs beyond the state, and with all."""
-    scene = {"drive": {"translation_damping": 1e3, "axial_force": 40.0}, "start": {"u": 1e-3, "w": 0.0},
-             "duration": settings["duration"]}  # fmt: skip
-    of = "of the dataset of a motion"
-    sets = [simulate({**scene, "outputs": outputs}) for outputs in ((), find_model("rigid").outputs)]
-    return {
-        "variables": variable("outputs", [len(x.variables) for x in sets], "1", f"number of variables {of}"),
-        "data_bytes": variable("outputs", [x.nbytes for x in sets], "byte", f"size {of}"),
-    }
 
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:

@@ -1,8 +1,6 @@
 """Maps of the region of attraction by this engine and by other methods: speed and wrong labels."""
 
-import json
 from collections.abc import Mapping
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -52,7 +50,6 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "timing": "processor time of one thread for a grid, methods in turn, least of the repeats; without "
             "compilation and the engine's table of intervals",
             **machine(),
-            "rival_versions": json.dumps({"scipy": version("scipy")} if "lsoda" in cells else {}),
         },
     )
 

@@ -12,7 +12,6 @@ _STYLES = {  # colour, dashes
     "engine": (style.BLACK, "-"),
     "rk4_coarse": (style.BLUE, "-"),
     "rk4_fine": (style.SKY, "-"),
-    "lsoda": (style.GREEN, "-"),
 }
 _MARKERS = {"o": "circles", "s": "squares", "D": "diamonds", "^": "triangles", "v": "wedges", "P": "crosses"}  # boxes
 

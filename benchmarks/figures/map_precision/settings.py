@@ -34,7 +34,6 @@ class CellsOfMethods(SettingsSection):
     engine: Some
     rk4_coarse: Some
     rk4_fine: SomeOrNone = 0
-    lsoda: int = Field(default=0, ge=0, le=1000)
 
 
 class Settings(FigureSettings):

@@ -5,41 +5,18 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from benchmarks.rivals.methods import MODULES
-from lsvib.figures.common.settings import FigureSettings, SettingsSection, Tolerances, Unique
+from lsvib.figures.common.settings import FigureSettings, Unique
 
 SCENES = (
     "stick_slip", "graze_above", "graze_below", "sprag_slip", "sprag_graze", "stiff_contact", "near_critical",
     "long_run",
 )  # fmt: skip
-Nothing = Annotated[list[Literal[0]], Field(max_length=1)]  # of a method that has nothing to set
-
-
-class Methods(SettingsSection):
-    """Settings of each method, coarse to fine.
-
-    They are relative tolerances [1], time steps [s] of rk4 and rk4_refined, widths [rad/s] of smoothed; [0] where there
-    is nothing to set, [] to leave a method out.
-    """
-
-    exact: Annotated[Nothing, Field(min_length=1)]
-    rk45: Tolerances = Field(default=[])
-    dop853: Tolerances = Field(default=[])
-    dop853_capped: Tolerances = Field(default=[])
-    radau: Tolerances = Field(default=[])
-    bdf: Tolerances = Field(default=[])
-    lsoda: Tolerances = Field(default=[])
-    lsoda_capped: Tolerances = Field(default=[])
-    cvode_adams: Tolerances = Field(default=[])
-    cvode_bdf: Tolerances = Field(default=[])
-    cvode_bdf_capped: Tolerances = Field(default=[])
-    diffrax_tsit5: Tolerances = Field(default=[])
-    diffrax_dopri8: Tolerances = Field(default=[])
-    diffrax_dopri8_capped: Tolerances = Field(default=[])
-    diffrax_kvaerno5: Tolerances = Field(default=[])
-    heyoka: Tolerances = Field(default=[])
-    smoothed: Tolerances = Field(default=[])
-    rk4: Tolerances = Field(default=[])
-    rk4_refined: Tolerances = Field(default=[])
+METHODS = (
+    "exact", "rk45", "dop853", "dop853_capped", "radau", "bdf", "lsoda", "lsoda_capped", "cvode_adams", "cvode_bdf",
+    "cvode_bdf_capped", "diffrax_tsit5", "diffrax_dopri8", "diffrax_dopri8_capped", "diffrax_kvaerno5", "heyoka",
+    "smoothed", "rk4", "rk4_refined",
+)  # fmt: skip
+Controls = Annotated[list[Annotated[float, Field(ge=0, le=10)]], *Unique, Field(max_length=20)]
 
 
 class Settings(FigureSettings):
@@ -50,7 +27,10 @@ class Settings(FigureSettings):
 
     scenes: Annotated[list[Literal[*SCENES]], *Unique] = Field(min_length=1, description="Scenes to run.")
     shorten: float = Field(gt=0, le=1, description="Part of each scene's duration that is run [1].")
-    methods: Methods
+    methods: dict[Literal[*METHODS], Controls] = Field(
+        description="Settings of each method, coarse to fine: relative tolerances [1], time steps [s] of rk4 and "
+        "rk4_refined, widths [rad/s] of smoothed; [0] where there is nothing to set, [] to leave a method out."
+    )
     repeats: int = Field(ge=1, le=1000, description="Rounds in which every method runs.")
     seconds: float = Field(ge=0, description="Run time after which a method is left out of further rounds [s].")
     limit: float = Field(gt=0, description="Run time after which a run is given up [s].")

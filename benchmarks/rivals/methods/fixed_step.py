@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.jit import allocating_kernel, kernel
 from benchmarks.record import Record
-from benchmarks.rivals.hybrid import Clock, Hybrid
+from benchmarks.rivals.hybrid import Clock, Hybrid, Recorder
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
 from lsvib.engine.motion import enter
 from lsvib.errors import InputError
@@ -33,19 +33,21 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refin
     def run() -> Callable[[], Record]:
         """March to the end of the scene with steps of one length."""
         mode, state = enter(automaton, scene.state)
+        record = Recorder(hybrid, mode, state.copy())
         times, kinds = np.empty(max_events), np.empty(max_events, dtype=np.int8)
-        extremes = np.array([np.inf, -np.inf])
+        modes, starts = np.empty(max_events, dtype=np.int64), np.empty((max_events, state.size))
         status, count = _march(
-            automaton.tables, hybrid.fields, mode, state, setting, scene.duration, scene.steady_from,
-            _REFINEMENTS if refined else 0, times, kinds, extremes,
+            automaton.tables, hybrid.fields, mode, state, setting, scene.duration, _REFINEMENTS if refined else 0,
+            times, kinds, modes, starts,
         )  # fmt: skip
-        return lambda: Record(
-            end=state,
-            times=times[:count],
-            kinds=[hybrid.names[int(kind)] for kind in kinds[:count]],
-            extremes=(float(extremes[0]), float(extremes[1])),
-            failure=("", "too many events", "the motion is lost")[status],
-        )
+
+        def result() -> Record:
+            """What is compared."""
+            for k in range(count):
+                record.add(times[k], kinds[k], modes[k], starts[k])
+            return record.close(scene.duration, state, ("", "too many events", "the motion is lost")[status])()
+
+        return result
 
     return run
 
@@ -107,7 +109,7 @@ def _cut(tables, field, guard, state, h, refinements, rates, trial, out):
 
 
 @allocating_kernel
-def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, times, kinds, extremes):
+def _march(tables, fields, mode, state, step, t_end, refinements, times, kinds, modes, starts):
     """Follow the motion; ``state`` (n) becomes the final one. Returns (status, number of events)."""
     n = state.size
     rates, trial, ahead, scratch = np.empty((4, n)), np.empty(n), np.empty(n), np.empty(n)
@@ -129,8 +131,6 @@ def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, t
             fraction = _cut(tables, field, fired, state, h, refinements, rates, trial, ahead)
             h, last = fraction * h, False
             _step(field, state, h, rates, trial, ahead)
-        if now + h >= steady_from:
-            _widen(extremes, state, ahead, h)
         for i in range(n):
             state[i] = ahead[i]
             if not abs(state[i]) < 1e30:
@@ -149,17 +149,6 @@ def _march(tables, fields, mode, state, step, t_end, steady_from, refinements, t
             if branch < 0:
                 return _LOST, event
             mode = tables.branch_mode[branch]
-            times[event], kinds[event] = origin, tables.branch_kind[branch]
+            times[event], kinds[event], modes[event] = origin, tables.branch_kind[branch], mode
+            starts[event] = state
             event += 1
-
-
-@kernel
-def _widen(extremes, state, ahead, h):
-    """Extremes of u over a step: its ends, and the turning point of the cubic through both where w changes sign."""
-    u0, u1, w0, w1 = state[0], ahead[0], state[1], ahead[1]
-    extremes[0], extremes[1] = min(extremes[0], u0, u1), max(extremes[1], u0, u1)
-    if (w0 < 0.0) != (w1 < 0.0) and h > 0.0:
-        x = w0 / (w0 - w1)
-        y = 1.0 - x
-        u = u0 * (1.0 + 2.0 * x) * y * y + u1 * (3.0 - 2.0 * x) * x * x + h * x * y * (w0 * y - w1 * x)
-        extremes[0], extremes[1] = min(extremes[0], u), max(extremes[1], u)

@@ -30,12 +30,12 @@ def _record(scene: RaceScene, width: float, found) -> Record:
     times, states = np.asarray(found.t), np.asarray(found.y)
     if not found.success:
         return Record(end=states[-1], failure=str(found.message))
-    first = max(int(np.searchsorted(times, scene.steady_from)) - 1, 0)  # the step in which it lies
+    late = states[times >= scene.steady_from, 0]
     standing = np.abs(states[:, 1] + scene.drive.input_speed) < _STANDS * width
     return Record(
         end=states[-1],
         stops=int(np.count_nonzero(standing[1:] & ~standing[:-1]) + standing[0]),
-        extremes=_extremes(times[first:], states[first:, 0], states[first:, 1], scene.steady_from),
+        extremes=(float(late.min()), float(late.max())),  # of the steps, of which there are hundreds in a cycle
     )
 
 
@@ -110,20 +110,3 @@ def _threads_rate(numbers, width, state, out):
     acceleration = (-k * (z0 + u) - c * turning - r * (friction * cos - normal * sin)) / inertia
     nut = (force - cx * (v + r * tan * turning) - normal * cos - friction * sin) / m
     out[0], out[1], out[2], out[3] = w, acceleration, v, nut - r * tan * acceleration
-
-
-def _extremes(times: np.ndarray, u: np.ndarray, w: np.ndarray, steady_from: float) -> tuple[float, float]:
-    """Extremes from ``steady_from`` [s] on, of the steps and of the cubic between two of them where w changes sign."""
-    found = [*u[1:], _cubic(times, u, w, 0, (steady_from - times[0]) / (times[1] - times[0]))]
-    for i in np.flatnonzero((w[1:] < 0) != (w[:-1] < 0)):
-        share = w[i] / (w[i] - w[i + 1])
-        if times[i] + share * (times[i + 1] - times[i]) >= steady_from:
-            found.append(_cubic(times, u, w, i, share))
-    return float(min(found)), float(max(found))
-
-
-def _cubic(times, u, w, i: int, x: float) -> float:
-    """Value of the cubic through two steps a share x after the first."""
-    h, y = times[i + 1] - times[i], 1 - x
-    rise = u[i] * (1 + 2 * x) * y * y + u[i + 1] * (3 - 2 * x) * x * x
-    return float(rise + h * x * y * (w[i] * y - w[i + 1] * x))
