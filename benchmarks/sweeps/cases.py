@@ -2,24 +2,34 @@
 
 import math
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from references.wide_drives import power, rigid_values, sign
 
 from benchmarks.sweeps import cases_four_states
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
 from lsvib.steady_sliding import thresholds
 from lsvib.steady_sliding.conditions import critical_mass
 
 _MOST_TURNS = 50  # of the fastest oscillation
+THRESHOLDS: tuple[tuple[Callable[[RigidParameters], float], RigidParameters], ...] = (
+    (thresholds.onset_force, RigidParameters.of(translation_damping=1e3)),
+    (thresholds.stick_force, RigidParameters.of(translation_damping=1e3)),
+    (thresholds.detach_force, RigidParameters.of(translation_damping=1e3)),
+    (thresholds.global_stability_force, RigidParameters.of(mass=11.0, support_damping=1e-3)),
+)
 
 
 def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[Case]:
     """Yield ``count`` cases of a family."""
     for _ in range(count):
-        yield _FAMILIES[family](rng)
+        if family in _FOUR_STATES:
+            yield _FOUR_STATES[family](rng)
+        else:
+            yield _case(rng, family, *_RIGID[family](rng))
 
 
 def _some_drive(rng, **fixed) -> RigidParameters:
@@ -42,13 +52,15 @@ def _scales(drive: RigidParameters) -> tuple[float, float]:
     return time, abs(drive.input_speed) * time
 
 
-def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive: RigidParameters, start=None) -> Case:
+def _case(rng, family: CaseFamily, level: float, drive: RigidParameters, start=None) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
         start = (size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5))
-    duration = 2 * math.pi * time * rng.uniform(0.3, 4.0)
-    return Case(family, group, level, drive, tuple(map(float, start)), min(duration, _MOST_TURNS / _fastest(drive)))
+    duration = min(2 * math.pi * time * rng.uniform(0.3, 4.0), _MOST_TURNS / _fastest(drive))
+    if family == CaseFamily.TIME_SPAN:
+        duration = 10.0**level
+    return Case(family, level, drive, tuple(map(float, start)), duration)
 
 
 def _fastest(drive: RigidParameters) -> float:
@@ -59,101 +71,82 @@ def _fastest(drive: RigidParameters) -> float:
     return math.sqrt(max([*squares, 0.0])) / (2 * math.pi) or 1e-300
 
 
-def _critical_mass(rng) -> Case:
+# A family: its level, a drive, and perhaps a start.
+
+
+def _critical_mass(rng):
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
-    mass = critical_mass(drive) * (1 + sign(rng) * 10.0**level)
-    return _case(rng, CaseFamily.CRITICAL_MASS, CaseGroup.ONLY, level, drive.replace(mass=mass))
+    return level, drive.replace(mass=critical_mass(drive) * (1 + sign(rng) * 10.0**level))
 
 
-def _friction(rng) -> Case:
+def _friction(rng):
     drive = _some_drive(rng)
-    group = (CaseGroup.ZERO, CaseGroup.TAN_LEAD, CaseGroup.COT_LEAD)[rng.integers(3)]
+    edge = rng.integers(3)
     level = rng.uniform(-15, -1)
     tan = math.tan(drive.lead_angle)
-    if group == CaseGroup.ZERO:
+    if edge == 0:
         level = level if rng.random() < 0.9 else -math.inf
         value = 10.0**level
-    elif group == CaseGroup.TAN_LEAD:
+    elif edge == 1:
         value = tan * (1 + sign(rng) * 10.0**level)
     else:
         # Closer, Γ₋ is so large that slip changes θ′ by less than the last digit of w = θ′ − Ω.
         level = max(level, -13.0)
         value = (1 - 10.0**level) / tan
-    return _case(rng, CaseFamily.FRICTION, group, level, drive.replace(friction_coefficient=value))
+    return level, drive.replace(friction_coefficient=value)
 
 
-def _input_speed(rng) -> Case:
+def _input_speed(rng):
     level = rng.uniform(-9, 6)
-    drive = _some_drive(rng, input_speed=sign(rng) * 10.0**level)
-    return _case(rng, CaseFamily.INPUT_SPEED, CaseGroup.ONLY, level, drive)
+    return level, _some_drive(rng, input_speed=sign(rng) * 10.0**level)
 
 
-THRESHOLDS: dict[CaseGroup, tuple[Callable[[RigidParameters], float], dict[str, float]]] = {
-    CaseGroup.ONSET_FORCE: (thresholds.onset_force, {"translation_damping": 1e3}),
-    CaseGroup.STICK_FORCE: (thresholds.stick_force, {"translation_damping": 1e3}),
-    CaseGroup.DETACH_FORCE: (thresholds.detach_force, {"translation_damping": 1e3}),
-    CaseGroup.GLOBAL_STABILITY_FORCE: (thresholds.global_stability_force, {"mass": 11.0, "support_damping": 1e-3}),
-}
-
-
-def threshold(group: CaseGroup) -> tuple[float, RigidParameters]:
-    """Return a threshold of the axial force [N] and the drive of the chapter that has it."""
-    compute, changes = THRESHOLDS[group]
-    drive = RigidParameters.of(changes)
-    return compute(drive), drive
-
-
-def _axial_force(rng) -> Case:
-    group = (CaseGroup.ZERO, *THRESHOLDS)[rng.integers(1 + len(THRESHOLDS))]
-    if group == CaseGroup.ZERO:
+def _axial_force(rng):
+    edge = rng.integers(1 + len(THRESHOLDS))
+    if edge == 0:
         level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
-        drive = _some_drive(rng, axial_force=sign(rng) * 10.0**level)
-    else:
-        level = rng.uniform(-10, -1)
-        force, drive = threshold(group)
-        drive = drive.replace(axial_force=force * (1 + sign(rng) * 10.0**level))
-    return _case(rng, CaseFamily.AXIAL_FORCE, group, level, drive)
+        return level, _some_drive(rng, axial_force=sign(rng) * 10.0**level)
+    level = rng.uniform(-10, -1)
+    threshold, drive = THRESHOLDS[edge - 1]
+    return level, drive.replace(axial_force=threshold(drive) * (1 + sign(rng) * 10.0**level))
 
 
-def _support_damping(rng) -> Case:
+def _support_damping(rng):
     level = rng.uniform(-12, 15) if rng.random() < 0.9 else -math.inf
-    return _case(rng, CaseFamily.SUPPORT_DAMPING, CaseGroup.ONLY, level, _some_drive(rng, support_damping=10.0**level))
+    return level, _some_drive(rng, support_damping=10.0**level)
 
 
-def _translation_damping(rng) -> Case:
+def _translation_damping(rng):
     level = rng.uniform(-9, 15) if rng.random() < 0.9 else -math.inf
-    drive = _some_drive(rng, translation_damping=10.0**level)
-    return _case(rng, CaseFamily.TRANSLATION_DAMPING, CaseGroup.ONLY, level, drive)
+    return level, _some_drive(rng, translation_damping=10.0**level)
 
 
-def _time_span(rng) -> Case:
-    level = rng.uniform(-9, 0)
-    case = _case(rng, CaseFamily.TIME_SPAN, CaseGroup.ONLY, level, _some_drive(rng))
-    return case._replace(duration=10.0**level)
+def _time_span(rng):
+    return rng.uniform(-9, 0), _some_drive(rng)
 
 
-def _start(rng) -> Case:
+def _start(rng):
+    """On θ′ = 0, on N = 0, on both, on and next to the equilibrium, far away."""
     drive = _some_drive(rng)
     _, size = _scales(drive)
-    c = coefficients(drive)
-    q_u, q_w, q_0 = (float(x) for x in c.q_row)
+    q_u, q_w, q_0 = (float(x) for x in coefficients(drive).q_row)
     u, w = size * rng.uniform(-5, 5), drive.input_speed * rng.uniform(-5, 5)
     rest = -drive.input_speed
-    group = CaseGroup(rng.integers(CaseGroup.ON_SPEED_ZERO, CaseGroup.FAR_AWAY + 1))
+    place = rng.integers(6)
     small = 1e-8 * rng.uniform(0.5, 1)
-    start = {
-        CaseGroup.ON_SPEED_ZERO: (u, rest),
-        CaseGroup.ON_CONTACT_ZERO: (-(q_0 + q_w * w) / q_u, w),
-        CaseGroup.ON_CORNER: (-(q_0 + q_w * rest) / q_u, rest),
-        CaseGroup.ON_EQUILIBRIUM: (0.0, 0.0),
-        CaseGroup.NEAR_EQUILIBRIUM: (small * u, small * w),
-        CaseGroup.FAR_AWAY: (u / small, w / small),
-    }[group]
-    return _case(rng, CaseFamily.START, group, 0.0, drive, start)
+    starts = (
+        (u, rest),
+        (-(q_0 + q_w * w) / q_u, w),
+        (-(q_0 + q_w * rest) / q_u, rest),
+        (0.0, 0.0),
+        (small * u, small * w),
+        (u / small, w / small),
+    )
+    return 0.0, drive, starts[place]
 
 
-def _double_rate(rng) -> Case:
+def _double_rate(rng):
     """c at which C_s² = 4 Γ_s k, by the drive's own 50 digits rounded once, then moved by 10^level of itself."""
     while True:
         drive = _some_drive(rng, support_damping=0.0)
@@ -165,18 +158,15 @@ def _double_rate(rng) -> Case:
         if critical > 0:
             break
     level = rng.uniform(-17, -1)
-    group = CaseGroup.LAW_PLUS if law > 0 else CaseGroup.LAW_MINUS
-    damped = drive.replace(support_damping=critical * (1 + sign(rng) * 10.0**level))
-    return _case(rng, CaseFamily.DOUBLE_RATE, group, level, damped)
+    return level, drive.replace(support_damping=critical * (1 + sign(rng) * 10.0**level))
 
 
-def _random(rng) -> Case:
+def _random(rng):
     drive = RigidParameters.of(rigid_values(rng))
-    return _case(rng, CaseFamily.RANDOM, CaseGroup.ONLY, math.log10(drive.mass), drive)
+    return math.log10(drive.mass), drive
 
 
-_FAMILIES: dict[CaseFamily, Callable[[np.random.Generator], Case]] = {
-    CaseFamily.CONTACT: cases_four_states.contact,
+_RIGID: dict[CaseFamily, Callable[[Any], tuple]] = {
     CaseFamily.CRITICAL_MASS: _critical_mass,
     CaseFamily.FRICTION: _friction,
     CaseFamily.INPUT_SPEED: _input_speed,
@@ -187,6 +177,9 @@ _FAMILIES: dict[CaseFamily, Callable[[np.random.Generator], Case]] = {
     CaseFamily.START: _start,
     CaseFamily.DOUBLE_RATE: _double_rate,
     CaseFamily.RANDOM: _random,
+}
+_FOUR_STATES: dict[CaseFamily, Callable[[Any], Case]] = {
+    CaseFamily.CONTACT: cases_four_states.contact,
     CaseFamily.SUPPORT: cases_four_states.support,
     CaseFamily.NUT: cases_four_states.nut,
 }

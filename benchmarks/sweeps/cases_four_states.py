@@ -7,18 +7,13 @@ from mpmath import mp
 from references.four_states_digits import FourStatesDrive
 from references.wide_drives import heaviest, power, sign
 
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.steady_sliding.linearised import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 
-_FRICTIONS = {
-    CaseGroup.WITHOUT_FRICTION: (),
-    CaseGroup.WITH_SLIDE: ("slide_friction",),
-    CaseGroup.WITH_BEARING: ("bearing_friction",),
-    CaseGroup.WITH_BOTH: ("slide_friction", "bearing_friction"),
-}
+_FRICTIONS = ((), ("slide_friction",), ("bearing_friction",), ("slide_friction", "bearing_friction"))
 _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
 
@@ -33,12 +28,12 @@ def contact(rng) -> Case:
     vibrates = damping < 4.0 * stiffness / rate
     duration = min(0.01, rng.uniform(5, 40) / rate) if vibrates else 0.01
     start = (rng.uniform(-0.2, 0.2), rng.uniform(-120, 60), 0.0, 0.0)
-    return Case(CaseFamily.CONTACT, CaseGroup.ONLY, math.log10(stiffness), drive, start, duration)
+    return Case(CaseFamily.CONTACT, math.log10(stiffness), drive, start, duration)
 
 
 def support(rng) -> Case:
     """k_1 from 1e2 to 1e12, c_1 = 0 and to 1e8, m_1 from 1e-2 to 1e3."""
-    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
+    physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
     level = rng.uniform(2, 12)
     values |= {
         "screw_mass": power(rng, -2, 3),
@@ -46,17 +41,17 @@ def support(rng) -> Case:
         "axial_support_damping": rng.integers(2) * power(rng, -2, 8),
     }
     share = power(rng, -3, -0.01)
-    if "slide_friction" in _FRICTIONS[group]:  # only up to this mass is the motion determined
+    if "slide_friction" in physics:  # only up to this mass is the motion determined
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
     drive = SupportParameters.of(values)
     shift = drive.axial_force / drive.support_stiffness
     own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
-    return _case(rng, CaseFamily.SUPPORT, group, level, drive, own)
+    return _case(rng, CaseFamily.SUPPORT, physics, level, drive, own)
 
 
 def nut(rng) -> Case:
     """k_2 from 1e-3 to 1e5, c_2 = 0 and to 1, I_2 from 1e-8 to 1e-2."""
-    group, values = CaseGroup(rng.integers(CaseGroup.WITHOUT_FRICTION, CaseGroup.WITH_BOTH + 1)), _common(rng)
+    physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
     level = rng.uniform(-3, 5)
     values |= {
         "nut_inertia": power(rng, -8, -2),
@@ -64,12 +59,12 @@ def nut(rng) -> Case:
         "nut_damping": rng.integers(2) * power(rng, -8, 0),
     }
     share = power(rng, -3, -0.01)
-    if "bearing_friction" in _FRICTIONS[group]:
+    if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], share * heaviest(values, inertia))
     drive = NutParameters.of(values)
     own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
-    return _case(rng, CaseFamily.NUT, group, level, drive, own)
+    return _case(rng, CaseFamily.NUT, physics, level, drive, own)
 
 
 def _common(rng) -> dict[str, float]:
@@ -87,10 +82,9 @@ def _common(rng) -> dict[str, float]:
     }
 
 
-def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: tuple[float, float]) -> Case:
+def _case(rng, family: CaseFamily, physics: tuple[str, ...], level: float, drive, own: tuple[float, float]) -> Case:
     model = "support" if family == CaseFamily.SUPPORT else "nut"
     linear = support_model if model == "support" else nut_model
-    physics = _FRICTIONS[group]
     if not physics:
         drive = drive.replace(slide_friction=0.0, bearing_friction=0.0)
     rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
@@ -99,7 +93,7 @@ def _case(rng, family: CaseFamily, group: CaseGroup, level: float, drive, own: t
     duration = min(duration, _MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))
     state = [0.3 * rng.uniform(-1, 1), drive.input_speed * rng.uniform(-3, 3), *own]
     start = _on_a_guard(rng.choice(_STARTS), model, drive, physics, state, sign(rng))
-    return Case(family, group, level, drive, tuple(map(float, start)), float(duration), physics)
+    return Case(family, level, drive, tuple(map(float, start)), float(duration), physics)
 
 
 def _on_a_guard(where: str, model: str, drive, physics: tuple[str, ...], state: list[float], side: int) -> list[float]:

@@ -27,31 +27,6 @@ class CaseFamily(IntEnum):
 FamilyName = Literal[*(family.name.lower() for family in CaseFamily)]
 
 
-class CaseGroup(IntEnum):
-    """Which edge of a family a case is at; 0 where the family has only one."""
-
-    ONLY = 0
-    ZERO = 1
-    TAN_LEAD = 2
-    COT_LEAD = 3
-    ONSET_FORCE = 4
-    STICK_FORCE = 5
-    DETACH_FORCE = 6
-    GLOBAL_STABILITY_FORCE = 7
-    ON_SPEED_ZERO = 8
-    ON_CONTACT_ZERO = 9
-    ON_CORNER = 10
-    ON_EQUILIBRIUM = 11
-    NEAR_EQUILIBRIUM = 12
-    FAR_AWAY = 13
-    LAW_PLUS = 14
-    LAW_MINUS = 15
-    WITHOUT_FRICTION = 16
-    WITH_SLIDE = 17
-    WITH_BEARING = 18
-    WITH_BOTH = 19
-
-
 class Case(NamedTuple):
     """One motion: its drive and start, and where in its family it stands.
 
@@ -60,7 +35,6 @@ class Case(NamedTuple):
     """
 
     family: CaseFamily
-    group: CaseGroup
     level: float
     drive: DriveParameters
     start: tuple[float, ...]

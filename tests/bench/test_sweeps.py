@@ -7,7 +7,7 @@ from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.case_judge import TOLERANCE, judge
 from benchmarks.sweeps.cases import cases
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.worst_case import Tried, search
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
@@ -15,7 +15,7 @@ EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid dr
 
 
 def case(start, duration, **drive) -> Case:
-    return Case(CaseFamily.RANDOM, CaseGroup.ONLY, 0.0, RigidParameters.of(drive), start, duration)
+    return Case(CaseFamily.RANDOM, 0.0, RigidParameters.of(drive), start, duration)
 
 
 FAULTS = {  # what the sweeps found in the engine, now mended
@@ -53,7 +53,7 @@ def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
         mass=10.2, axial_force=10.0, contact_stiffness=33292493092958.695, contact_damping=1225.490850333786
     )
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)
-    outcome = judge(Case(CaseFamily.CONTACT, CaseGroup.ONLY, 13.5, drive, start, 1.01245e-05), np.random.default_rng(0))
+    outcome = judge(Case(CaseFamily.CONTACT, 13.5, drive, start, 1.01245e-05), np.random.default_rng(0))
     assert (outcome.verdict, outcome.events) == (Verdict.RIGHT, 10)
     assert outcome.error <= 2e-10
 

@@ -12,7 +12,7 @@ from references.wide_drives import MODELS, wide_drive
 
 from benchmarks.record import Verdict
 from benchmarks.sweeps.case_judge import judge
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
@@ -30,7 +30,7 @@ def case_of(model: str, index: int) -> Case | None:
     """
     wide = wide_drive(model, 32, index, 1)
     start = tuple(map(float, wide.starts[0]))
-    case = Case(CaseFamily.RANDOM, CaseGroup.ONLY, 0.0, wide.drive, start, math.inf, wide.physics)
+    case = Case(CaseFamily.RANDOM, 0.0, wide.drive, start, math.inf, wide.physics)
     try:
         engine = automaton(case)
     except InputError:

@@ -15,7 +15,7 @@ from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.on_sweeps import ask, pose
 from benchmarks.rivals.race import quiet
 from benchmarks.sweeps import case_judge
-from benchmarks.sweeps.cases import Case, CaseFamily, CaseGroup, cases
+from benchmarks.sweeps.cases import Case, CaseFamily, cases
 from lsvib.data.attributes import flagged, named_flags, named_index, variable
 from lsvib.data.checks import Check
 
@@ -73,12 +73,10 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "error": variable(("case", "method"), error, "1", _WORDS["error"]),
             "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
             "case_family": flagged("case", family, "family of the case", CaseFamily),
-            "group": flagged("case", [row.case.group for row in rows], "edge of the case", CaseGroup),
             "level": variable("case", level, "1", _WORDS["level"]),
             "decay": variable("case", stiffness, "1", _WORDS["decay"]),
             "count": variable(("edge_family", "method", "method_outcome"), count, "1", "number of cases"),
             "engine_count": variable(("edge_family", "engine_outcome"), ours, "1", _WORDS["engine_count"]),
-            **_shares(count),
             "relative_tolerance": variable("method", [x for _, x in entries], "1", "relative tolerance of the method"),
         },
         coords={
@@ -135,24 +133,3 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _versions(entries: list[tuple[str, float]]) -> dict[str, str]:
     packages = {METHODS[name].needs for name, _ in entries} - {None}
     return {package: import_module(package).__version__ for package in sorted(packages)}
-
-
-def _shares(count: np.ndarray) -> dict[str, tuple]:
-    """Share of wrong verdicts and the ends of its interval."""
-    wrong, asked = count[..., [VERDICTS.index(v) for v in WRONG]].sum(axis=-1), count.sum(axis=-1)
-    low, high = _wilson(wrong, asked)
-    dims, words, interval = ("edge_family", "method"), "share of wrong verdicts", "end of the interval of 95 % (Wilson)"
-    return {
-        "wrong_share": variable(dims, wrong / np.where(asked, asked, np.nan), "1", words),
-        "wrong_share_low": variable(dims, low, "1", f"{words}: lower {interval}"),
-        "wrong_share_high": variable(dims, high, "1", f"{words}: upper {interval}"),
-    }
-
-
-def _wilson(part: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both ends of the interval of 95 % of a share, ``part`` of ``total`` (Wilson 1927); nan where that is 0."""
-    n, z = np.where(total, total, np.nan), 1.959964
-    share = part / n
-    middle = (share + z**2 / (2 * n)) / (1 + z**2 / n)
-    half = z / (1 + z**2 / n) * np.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
-    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)

@@ -17,7 +17,7 @@ from benchmarks.sweeps.case_judge import (
     judge,
 )
 from benchmarks.sweeps.cases import cases
-from benchmarks.sweeps.families import Case, CaseFamily, CaseGroup
+from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.worst_case import Tried, search
 from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
@@ -180,7 +180,6 @@ def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
     level = np.array([case.level for case, _ in rows])
     return {
         "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
-        "group": flagged("case", [c.group for c, _ in rows], "edge of the case", CaseGroup),
         "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
         "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
         "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),

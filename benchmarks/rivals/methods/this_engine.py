@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.record import Record
-from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, arc_extremes, counted
+from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Recorder, counted
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
@@ -30,12 +30,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
 
 def _record(hybrid: Hybrid, motion: Motion) -> Record:
     """What is compared: events, final state, steady amplitude."""
-    ours = counted(motion.kind)
-    modes, starts, _, _ = motion.arcs()
-    times, steady_from = [0.0, *motion.time], hybrid.scene.steady_from
-    return Record(
-        end=motion.end_state,
-        times=motion.time[ours],
-        kinds=[hybrid.names[int(kind)] for kind in motion.kind[ours]],
-        extremes=arc_extremes(motion.automaton, modes, starts, times, motion.end_time, steady_from),
-    )
+    record = Recorder(hybrid, motion.start_mode, motion.start_state)
+    for k in np.flatnonzero(counted(motion.kind)):
+        record.add(motion.time[k], int(motion.kind[k]), int(motion.mode[k]), motion.after[k])
+    return record.close(motion.end_time, motion.end_state)()
