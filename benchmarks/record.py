@@ -25,11 +25,6 @@ class Verdict(IntEnum):
     OTHER_MOTION = 8  # another end or another steady amplitude, or motion where there is none
     GAVE_UP = 9  # too much time or effort, a step that cannot be made, an endless chain of events, overflow
 
-    @property
-    def words(self) -> str:
-        """The verdict in words."""
-        return self.name.lower().replace("_", " ")
-
 
 @dataclass(frozen=True)
 class Record:

@@ -66,11 +66,8 @@ def contest(
     Arguments: ``cells`` along an edge of each method's grid; ``repeats`` of each grid, methods in turn, after one run
     that compiles; ``distances`` (d) [widths of the box] from the boundary of ``count`` random starts on either side of
     it; ``seed`` of those. Returns the outcomes by method, and the length of the boundary in
-    the box [widths of the box]. Raises ``InputError`` if a method is unknown or needs a package that is missing.
+    the box [widths of the box].
     """
-    for name in cells:
-        if name not in METHODS:
-            raise InputError(f"method {name!r} is not one of {', '.join(METHODS)}.")
     maps, exact = mapper(box.drive), basin(box.drive)
     beside, length = beside_boundary(exact, box.window, distances, count, seed)
     starts = beside.reshape(-1, 2)

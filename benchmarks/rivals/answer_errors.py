@@ -20,11 +20,10 @@ VERDICTS = (Verdict.RIGHT, Verdict.INACCURATE, Verdict.OTHER_EVENTS, Verdict.OTH
 
 
 class Answer(NamedTuple):
-    """Verdict; largest relative error of final state and times, nan unless the events are right; why it gave up."""
+    """Verdict; largest relative error of final state and times, nan unless the events are right."""
 
     verdict: Verdict
     error: float = math.nan
-    failure: str = ""
 
 
 def compare(duration: float, truth: Record, run: Record, allowed: float) -> Answer:

@@ -96,10 +96,3 @@ METHODS = {
         "RK4, refined events", MethodFamily.FIXED_STEP, "fixed_step", "time_step", {"refined": True}, explicit=True
     ),
 }
-
-
-def find_method(name: str) -> Method:
-    """Return a method by name; ``InputError`` if there is none of that name."""
-    if name not in METHODS:
-        raise InputError(f"method = {name!r} is not one of {', '.join(METHODS)}.")
-    return METHODS[name]

@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.record import Record, Verdict
 from benchmarks.rivals.answer_errors import GENEROSITY, Answer, compare
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, counted
-from benchmarks.rivals.method_list import MethodFamily, find_method
+from benchmarks.rivals.method_list import METHODS, MethodFamily
 from benchmarks.rivals.race_scenes import RaceScene
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.cases import Case
@@ -30,7 +30,6 @@ _STEPS_PER_TURN = 1000  # steps in a turn of the fastest oscillation of the moti
 _FEWEST_STEPS = 100  # steps of a motion that is shorter than a turn
 _CAP = 50  # steps per turn where a solver is repeated with smaller steps
 _SPARE_EVENTS = 50  # A chain of events is endless if it has so many more than twice the true number.
-_STIFF = "too stiff"
 
 
 @dataclass(frozen=True)
@@ -81,11 +80,6 @@ class Question(NamedTuple):
     decay: float
     stiffness: float
 
-    @property
-    def scale(self) -> float:
-        """Time [s] in which the motion turns: its shortest oscillation, or all of it."""
-        return min(self.turn, self.case.duration)
-
 
 class Effort(Clock):
     """A limit on the evaluations, or on the compiled steps, of a run, the same on every machine."""
@@ -126,7 +120,7 @@ def pose(case: Case, rng: np.random.Generator) -> tuple[Verdict, Question | None
     hybrid = Hybrid(scene)
     motion = follow(hybrid.automaton, case.start, case.duration, max_events=case_judge.MOST_EVENTS)
     question = Question(case, _truth(hybrid, motion, size), hybrid, *_rates(hybrid, motion))
-    hybrid.scene = replace(scene, step_cap=question.scale / _CAP)
+    hybrid.scene = replace(scene, step_cap=min(question.turn, case.duration) / _CAP)
     return outcome.verdict, question
 
 
@@ -169,32 +163,25 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
     others. Raises ``InputError`` if there is no such method or its package is missing. Call it under
     :func:`benchmarks.rivals.race.quiet`: solvers print.
     """
-    method = find_method(method_name)
+    method = METHODS[method_name]
     setting = tolerance
     if method.family == MethodFamily.FIXED_STEP:
         setting = _step(question)
         if question.case.duration > MOST_STEPS * setting:
-            return Answer(Verdict.GAVE_UP, failure=_STIFF)
+            return Answer(Verdict.GAVE_UP)
     elif method.explicit and question.stiffness > MOST_EVALUATIONS:
         # No explicit method is stable with steps of more than 1/rate for each evaluation.
-        return Answer(Verdict.GAVE_UP, failure=_STIFF)
+        return Answer(Verdict.GAVE_UP)
     most = 2 * len(question.path.kinds) + _SPARE_EVENTS
     effort = Effort(MOST_STEPS if method.family == MethodFamily.TAYLOR else MOST_EVALUATIONS)
     function = method.prepare(question.hybrid, setting, effort, most)
     try:
         run = function()()
-    except GaveUp as reason:
-        return Answer(Verdict.GAVE_UP, failure=_in_words(str(reason)))
-    except (ArithmeticError, ValueError, RuntimeError) as fault:  # of the solver: not finite, no bracket
-        return Answer(Verdict.GAVE_UP, failure=str(fault))
+    except (GaveUp, ArithmeticError, ValueError, RuntimeError):  # the solver's own: not finite, no bracket
+        return Answer(Verdict.GAVE_UP)
     if run.failure or not np.isfinite(run.end).all():
-        return Answer(Verdict.GAVE_UP, failure=_in_words(run.failure) or "not finite")
+        return Answer(Verdict.GAVE_UP)
     return compare(question.case.duration, question.path, run, GENEROSITY * tolerance)
-
-
-def _in_words(failure: str) -> str:
-    """Why a method gave up, the same for any number of events."""
-    return "an endless chain of events" if failure.endswith("events") else failure
 
 
 def _step(question: Question) -> float:

@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.record import Errors, Record, errors
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
-from benchmarks.rivals.method_list import find_method
+from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.race_scenes import RaceScene, scene
 from benchmarks.rivals.truth import reference
 
@@ -78,7 +78,7 @@ def contest(
     entries: list[tuple[Entry, Callable]] = []
     with quiet():
         for method_name, values in settings.items():
-            method = find_method(method_name)
+            method = METHODS[method_name]
             if not values or (method.explicit and not this.explicit):
                 continue
             clock = Clock(budget.limit)

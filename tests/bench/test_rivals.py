@@ -86,19 +86,10 @@ def test_a_stiff_scene_has_no_explicit_method():
     assert [e.method for e in contest("stiff_contact", {"exact": [0], "rk4": [1e-5]}, ONCE, 0.02)[2]] == ["exact"]
 
 
-@pytest.mark.parametrize(
-    ("name", "settings", "words"),
-    [
-        ("stick_slip", {"heyoka": [1e-3]}, "The package heyoka, which heyoka needs, is not installed; run pip"),
-        ("stick_slop", {"exact": [0]}, "scene = 'stick_slop' is not one of"),
-        ("stick_slip", {"inexact": [0]}, "method = 'inexact' is not one of"),
-        ("stick_slip", {"rk4": [1e-12]}, "time step of 1e-12 s is outside the allowed range >= "),
-    ],
-)
-def test_what_cannot_run_is_one_sentence(monkeypatch, name, settings, words):
+def test_a_missing_package_is_one_sentence(monkeypatch):
     monkeypatch.setattr(method_list, "find_spec", lambda package: None)
-    with pytest.raises(InputError, match=words):
-        contest(name, settings, ONCE)
+    with pytest.raises(InputError, match="The package heyoka, which heyoka needs, is not installed; run pip"):
+        contest("stick_slip", {"heyoka": [1e-3]}, ONCE)
 
 
 @pytest.mark.parametrize(

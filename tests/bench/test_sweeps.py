@@ -1,14 +1,13 @@
-"""The sweeps to the edge of the domain: their judge, the search for worst cases, and faults that they once found."""
+"""The sweeps to the edge of the domain: their judge, and faults that they once found."""
 
 import numpy as np
 import pytest
 
 from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge
-from benchmarks.sweeps.case_judge import TOLERANCE, judge
+from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.families import Case, CaseFamily
-from benchmarks.sweeps.worst_case import Tried, search
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
@@ -105,12 +104,3 @@ def test_what_digits_beyond_the_input_decide_is_no_fault(monkeypatch):
     outcome = judge(STICKS, np.random.default_rng(0))
     assert outcome.verdict is Verdict.BEYOND_INPUT
     assert outcome.sensitivity > 1e-7
-
-
-def test_a_search_keeps_the_worst_case():
-    rng = np.random.default_rng(3)
-    begin = [Tried(c, judge(c, rng)) for c in cases(CaseFamily.TRANSLATION_DAMPING, 8, rng)]
-    found = search(begin, 12, rng)
-    assert max(tried.error for tried in begin) <= found.error <= TOLERANCE
-    wrong = begin[0]._replace(outcome=case_judge.CaseOutcome(Verdict.WRONG))
-    assert search([*begin, wrong], 3, rng) == wrong

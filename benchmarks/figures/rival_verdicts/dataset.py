@@ -25,17 +25,15 @@ _SOURCE = "docs/validation.md"
 _WORDS = {
     "error": "error of final state and event times, relative to the motion, where its events are right",
     "level": "decimal logarithm of the parameter or of its distance from the edge",
-    "decay": "fastest rate of decay, integrated over the motion",
     "engine_count": "number of cases by verdict on the engine",
 }
 
 
 class _Row(NamedTuple):
-    """A case, the verdict on the engine, how stiff the motion is, and the answers by method, None if not asked."""
+    """A case, the verdict on the engine, and the answers by method, None if not asked."""
 
     case: Case
     engine: Verdict
-    stiffness: float
     answers: list[Answer | None]
 
 
@@ -50,7 +48,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             engine, question = pose(case, rng)
             with quiet():
                 answers = [ask(question, *entry) if question else None for entry in entries]
-            rows.append(_Row(case, engine, question.stiffness if question else math.nan, answers))
+            rows.append(_Row(case, engine, answers))
     return _dataset(rows, entries, settings["seed"])
 
 
@@ -66,7 +64,6 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     count = count.transpose(0, 2, 1)
     ours = np.array([[((family == f) & (engine == v)).sum() for v in case_judge.VERDICTS] for f in families], np.int32)
     words = {NOT_ASKED: "not_asked", **{int(kind): kind.name.lower() for kind in VERDICTS}}
-    stiffness = np.array([row.stiffness for row in rows], dtype=np.float32)
     return xr.Dataset(
         {
             "method_verdict": named_flags(("case", "method"), verdict, "verdict on the method", words),
@@ -74,7 +71,6 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
             "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
             "case_family": flagged("case", family, "family of the case", CaseFamily),
             "level": variable("case", level, "1", _WORDS["level"]),
-            "decay": variable("case", stiffness, "1", _WORDS["decay"]),
             "count": variable(("edge_family", "method", "method_outcome"), count, "1", "number of cases"),
             "engine_count": variable(("edge_family", "engine_outcome"), ours, "1", _WORDS["engine_count"]),
             "relative_tolerance": variable("method", [x for _, x in entries], "1", "relative tolerance of the method"),

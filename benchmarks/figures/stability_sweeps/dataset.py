@@ -1,6 +1,5 @@
 """Stability on stiff and extreme cases: the engine judged at the edge of the domain, family by family."""
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,7 +17,6 @@ from benchmarks.sweeps.case_judge import (
 )
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.families import Case, CaseFamily
-from benchmarks.sweeps.worst_case import Tried, search
 from lsvib.data.attributes import flagged, variable
 from lsvib.data.checks import Check
 
@@ -35,13 +33,6 @@ _WORDS = {
     "level": "decimal logarithm of the parameter or of its distance from the edge",
     "damping_level": "decimal logarithm of the contact damping in N s/m",
     "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
-    "evaluations": "number of cases that the search for the worst one tried in each family",
-}
-_WORST = {  # variable of the worst case of each family: of its outcome, words
-    "worst_state_error": ("state_error", "error of the final state in the worst case of the family"),
-    "worst_time_error": ("time_error", "error of an event time in the worst case of the family"),
-    "worst_sensitivity": ("sensitivity", "change of the worst case when its input is moved in its last places"),
-    "worst_condition": ("condition", "condition number of the modal forms in the worst case"),
 }
 _WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.SUPPORT, CaseFamily.NUT)
 # Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/validation.md.
@@ -52,46 +43,35 @@ _BALANCED = 0.99  # share of the motions whose energy must be balanced
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the sweeps, and search on from the worst cases of each family; ``settings``: see ``Settings``."""
+    """Run the sweeps; ``settings``: see ``Settings``."""
     rows: list[tuple[Case, CaseOutcome]] = []
-    worst: dict[CaseFamily, Tried] = {}
     for name, count in settings["counts"].items():
         family = CaseFamily[name.upper()]
         rng = np.random.default_rng([settings["seed"], family])
-        tried = []
         for k, case in enumerate(cases(family, count, rng)):
             outcome = judge(case, rng, thorough=k < settings["thorough"])
             outcome.path = None  # of no further use, and most of the memory
-            tried.append(Tried(case, outcome))
-        rows += tried
-        found = search(tried, settings["evaluations"], rng)
-        worst[family] = Tried(found.case, judge(found.case, rng, thorough=True))
+            rows.append((case, outcome))
     families = sorted({case.family for case, _ in rows})
-    found = [worst[f].outcome.verdict for f in families]
     return xr.Dataset(
-        _cases(rows)
-        | _summary(rows, families)
-        | _each("edge_family", [worst[f].outcome for f in families], _WORST)
-        | {"worst_verdict": flagged("edge_family", found, "verdict on the worst case", VERDICTS)},
+        _cases(rows) | _summary(rows, families),
         coords={
             "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
             "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
             "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
             "passing_error": variable((), TOLERANCE, "1", "relative error that passes"),
             "energy_tolerance": variable((), ENERGY_TOLERANCE, "1", _WORDS["energy_tolerance"]),
-            "evaluations": variable((), settings["evaluations"], "1", _WORDS["evaluations"]),
         },
         attrs={
             "title": "The engine at the edge of the domain",
             "source": "lsvib, exact event-driven motion; judge: a reference with 40 digits",
             "references": "doi:10.1007/978-1-4419-1752-2_8; docs/validation.md",
-            "worst_cases": json.dumps({f.name.lower(): _again(worst[f].case) for f in families}),
         },
     )
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that no verdict is wrong and hardly one but passed, accuracy, energy and worst cases."""
+    """Check that no verdict is wrong and hardly one but passed, accuracy and energy."""
     total = dataset.sizes["case"]
     verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
     inaccurate = verdict == Verdict.INACCURATE
@@ -131,7 +111,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             bool(errors.size and (errors <= _TOLERANCE_WITH_FOUR_STATES).all()),
         ),
         _energy_check(dataset),
-        _search_check(dataset),
     ]
 
 
@@ -149,29 +128,6 @@ def _energy_check(dataset: xr.Dataset) -> Check:
         f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
         astray == 0 and bool(drawn[dataset.case_verdict.values != Verdict.REFUSED].mean() > _BALANCED),
     )
-
-
-def _search_check(dataset: xr.Dataset) -> Check:
-    state, time = dataset.worst_state_error.values, dataset.worst_time_error.values
-    errors = np.fmax(state, time)
-    names = [CaseFamily(int(f)).name.lower() for f in dataset.edge_family.values]
-    bad = np.isin(dataset.worst_verdict.values, (Verdict.WRONG, Verdict.UNBALANCED))
-    found = ", ".join(f"{name} {error:.0e}" for name, error in zip(names, errors, strict=True))
-    return Check.holds(
-        "A search for the worst case of each family finds no wrong one, and none of a rigid drive that is inaccurate",
-        _SOURCE,
-        f"{int(dataset.evaluations)} evaluations a family: {found}",
-        not bool(bad.any())
-        and not bool(
-            (errors[~np.isin(dataset.edge_family.values, _WITH_FOUR_STATES)] > float(dataset.passing_error)).any()
-        ),
-    )
-
-
-def _again(case: Case) -> dict[str, Any]:
-    """Return everything that is needed to run a case again."""
-    again = {"drive": dict(case.drive), "physics": list(case.physics)}
-    return {**again, "start": list(case.start), "duration": case.duration}
 
 
 def _cases(rows: list[tuple[Case, CaseOutcome]]) -> dict[str, tuple]:
@@ -204,8 +160,3 @@ def _log(value: float) -> float:
 def _summary(rows: list[tuple[Case, CaseOutcome]], families: list[CaseFamily]) -> dict[str, tuple]:
     count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
     return {"case_count": variable(("edge_family", "outcome"), count, "1", "number of cases")}
-
-
-def _each(dim: str, things: list, words: Mapping[str, tuple[str, str]]) -> dict[str, tuple]:
-    """Variables of what some things have; ``words``: the name of an attribute, and words, by variable."""
-    return {name: variable(dim, [getattr(x, key) for x in things], "1", text) for name, (key, text) in words.items()}

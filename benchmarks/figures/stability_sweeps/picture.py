@@ -20,8 +20,7 @@ _PASSED = ("right", "corner")
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Draw (a) the digits of every case, and of the worst one that a search found, (b, c) the contact, (d) digits near
-    the edges, (e) the energy balance."""
+    """Draw (a) the digits of every case, (b, c) the contact, (d) digits near the edges, (e) the energy balance."""
     figure = style.new_figure(style.DOUBLE, 7.0)
     axes = figure.subplot_mosaic([["a", "b"], ["a", "c"], ["d", "e"]], width_ratios=[1.5, 1],
                                  height_ratios=[1.1, 1.1, 0.9])  # fmt: skip
@@ -56,9 +55,6 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         limits = limits[np.isfinite(limits) & (limits > 0)]
         if limits.size:
             axes.plot(-np.log10(limits.max()), row, marker="|", markersize=13, color=style.BLACK, linestyle="none")
-        found = np.fmax(dataset.worst_state_error.values[row], dataset.worst_time_error.values[row])
-        axes.plot(-np.log10(max(found, 10.0**-_ALL)), row, marker="D", markersize=3.5, markerfacecolor="none",
-                  markeredgecolor=style.ORANGE, linestyle="none")  # fmt: skip
         counts = {outcomes[int(v)]: int(n) for v, n in zip(dataset.outcome.values, dataset.case_count.values[row],
                                                            strict=True) if n}  # fmt: skip
         rest = ", ".join(f"{n} {word}" for word, n in counts.items() if word not in _PASSED)
@@ -78,8 +74,6 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
                label="what 16 units in the\nlast place of the\ninput may change"),
-        Line2D([], [], markeredgecolor=style.ORANGE, markerfacecolor="none", marker="D", markersize=3.5,
-               linestyle="none", label="worst of a search"),
     )  # fmt: skip
     axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip

@@ -16,4 +16,3 @@ class Settings(FigureSettings):
         min_length=1, description="Number of cases of each family."
     )
     thorough: int = Field(ge=1, description="Cases of each family that the reference judges in any case.")
-    evaluations: int = Field(ge=0, description="Steps of the search for the worst case in each family.")

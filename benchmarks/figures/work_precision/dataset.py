@@ -2,7 +2,8 @@
 
 import json
 from collections.abc import Callable, Mapping
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
+from importlib.util import find_spec
 from operator import attrgetter
 from typing import Any
 
@@ -35,7 +36,7 @@ _RIVALS = (*_GENERAL, MethodFamily.FIXED_STEP, MethodFamily.SMOOTHED)
 _SOURCE = "docs/validation.md"
 _VERDICTS = (Verdict.NOT_RUN, Verdict.RIGHT, Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION, Verdict.GAVE_UP)
 _Row = dict[str, list[Entry]]  # of a scene, by method
-_PACKAGES = ("scipy", "scikit-sundae", "diffrax", "jax", "heyoka", "mpmath")
+_PACKAGES = [("scikit-sundae", "sksundae"), *((name, name) for name in ("scipy", "diffrax", "jax", "heyoka", "mpmath"))]
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -74,7 +75,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             "timing": "processor time of one process, methods interleaved, after a discarded run; "
             "the preparation of a method (tables, compilation) is not in it",
             **machine(),
-            "rival_versions": json.dumps(_versions()),
+            "rival_versions": json.dumps({name: version(name) for name, module in _PACKAGES if find_spec(module)}),
         },
     )
 
@@ -191,13 +192,3 @@ def _least_error(methods: xr.Dataset) -> float:
     """Smallest error of the final state of all runs of some methods that show the true motion; inf without one."""
     right = methods.motion_verdict.values == Verdict.RIGHT
     return float(methods.state_error.values[right].min(initial=np.inf))
-
-
-def _versions() -> dict[str, str]:
-    found = {}
-    for package in _PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found

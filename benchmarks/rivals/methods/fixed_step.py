@@ -14,21 +14,14 @@ from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid, Recorder
 from lsvib.engine.kernels.event_loop import apply_reset, choose_branch, put_on_surface
 from lsvib.engine.motion import enter
-from lsvib.errors import InputError
 
 _DONE, _FULL, _LOST = 0, 1, 2  # outcomes: the end; no room for more events; no mode fits the state
 _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
-_MOST_STEPS = 3e8  # of a run, a minute or so
 
 
 def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refined: bool = False) -> Callable:
     """Return a function that runs the scene with the step ``setting`` [s]."""
     scene, automaton = hybrid.scene, hybrid.automaton
-    if scene.duration / setting > _MOST_STEPS:
-        raise InputError(
-            f"a time step of {setting:g} s is outside the allowed range >= {scene.duration / _MOST_STEPS:.3g} s of a "
-            f"scene of {scene.duration:g} s."
-        )
 
     def run() -> Callable[[], Record]:
         """March to the end of the scene with steps of one length."""
