@@ -23,7 +23,6 @@ from lsvib.cycles.attractors import steady_state
 from lsvib.drives.parameters import RigidParameters
 
 ROOT = Path(__file__).parents[2]
-HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy"}
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
