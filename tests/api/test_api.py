@@ -44,43 +44,6 @@ def random_drives(count: int, seed: int = 1):
         yield kind(**changes)
 
 
-WITHOUT_ENGINE = [
-    "--help",
-    "simulate --help",
-    "config --scene scene.yaml",
-    *(f"{name} --model {kind}" for name in ("config", "stability") for kind in api.DRIVES),
-    *(f"thresholds --model {kind}" for kind in api.DRIVES if kind != "rigid"),  # global stability follows motions
-    "figure 8.3",
-    "figure 8.8",
-    "thresholds --set mass=-1",
-]
-COMMANDS = """
-import os, sys
-import cyclopts, mpmath, matplotlib, netCDF4, pydantic, xarray
-for line in LINES:
-    if not os.fork():
-        sys.argv = ["lsvib", *line.split()]
-        sys.stdout = sys.stderr = open(os.devnull, "w")
-        try:
-            from lsvib.command.app import main
-            main()
-        except SystemExit:
-            pass
-        os.write(1, f"{line}: {'numba' in sys.modules}\\n".encode())
-        os._exit(0)
-    os.wait()
-"""
-
-
-def test_commands_that_need_no_engine_load_none(tmp_path):
-    """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
-    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\nstart: {u: 0, w: 0}\nduration: 1\n", encoding="utf-8")
-    lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
-    program = f"LINES = {lines!r}\n{COMMANDS}"
-    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [*(f"{line}: False" for line in WITHOUT_ENGINE), f"{lines[-1]}: True"]
-
-
 def test_types_name_what_is_exported():
     """The stub for type checkers has the names that the package loads lazily, no other, from where they come."""
     stub = ast.parse(Path(find_spec("lsvib").origin).with_suffix(".pyi").read_text(encoding="utf-8"))

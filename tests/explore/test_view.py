@@ -1,4 +1,4 @@
-"""What the explorer computes and says without a browser: views, links, presets, exports, downloads."""
+"""What the explorer computes and says without a browser: views, links, presets, exports."""
 
 import math
 import random
