@@ -104,7 +104,7 @@ def random_sheet(seed: int, support: bool = False, contact: bool = False) -> She
 def test_fast_verdicts_agree_with_certain_ones(part):
     """Reserves in double precision against exact signs, for random drives; but where the reserve is rounding."""
     occurring = 0
-    for seed in range(30 if "and" in part else 100):
+    for seed in range(60):
         given = random_sheet(seed, support="support" in part, contact="contact" in part)
         values = values_of(given)
         for corner in corners(given, values):
@@ -113,13 +113,13 @@ def test_fast_verdicts_agree_with_certain_ones(part):
                 if abs(found[name]) > 1e-9:
                     assert occurs == (found[name] < 0), (seed, corner, name)
                     occurring += occurs
-    assert occurring > 3
+    assert occurring > 1
 
 
 def test_margins_of_a_supported_drive_are_the_certain_boundaries():
     """The margin in mass and damping of mode coupling against the isolated roots of :func:`stable_set`."""
     seen = 0
-    for seed in range(12):
+    for seed in range(6):
         given = slide(seed)
         values = values_of(given)
         corner = corners(given, values)[0]
@@ -136,7 +136,7 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
             ends = [float(x) for pair in stable_set(drive, key).intervals for x in pair]
             assert min(abs(value / end - 1) for end in ends if end > 0) < 1e-9, (seed, quantity)
             seen += 1
-    assert seen > 8
+    assert seen > 4
 
 
 def slide(seed: int) -> Sheet:
@@ -171,7 +171,7 @@ def slide(seed: int) -> Sheet:
 def test_no_point_of_the_window_is_worse_than_its_corners(more):
     """Against random points of the window, for random masses and dampings."""
     rng = np.random.default_rng(4)
-    for _ in range(15):
+    for _ in range(8):
         given = sheet(
             load={
                 "mass": f"{rng.uniform(0.5, 14)} kg",

@@ -40,13 +40,13 @@ def test_crossings_are_the_first_zeros_in_40_digits(case):
     random = np.random.default_rng(1)
     flows, found = FLOWS[case], 0
     unit = abs(flows[-1].equilibrium)
-    for _ in range(60):
+    for _ in range(10):
         for flow in flows.values():
             start = flow.side * unit * random.exponential(3.0), unit * random.normal(0, 3.0)
             time = flow.crossing(start)
             with mpmath.workdps(40):
                 place, rate = exact_path(flow, start)
-                dense = np.linspace(0, 12.0 if time is None else time * (1 - 1e-9), 400)
+                dense = np.linspace(0, 12.0 if time is None else time * (1 - 1e-9), 100)
                 assert all(flow.side * place(mpmath.mpf(t)) > 0 for t in dense)
                 if time is None:
                     continue
@@ -57,7 +57,7 @@ def test_crossings_are_the_first_zeros_in_40_digits(case):
                 assert abs(step) < 1e-13 * max(time, size)
                 after = flow.at(start, time)
                 assert abs(after[1] - float(rate(mpmath.mpf(time)))) < 1e-12 * unit * (1 + abs(after[1]) / unit)
-    assert found > 20
+    assert found > 3
 
 
 def test_crossing_times_without_damping_have_a_closed_form():

@@ -81,7 +81,7 @@ def edges(axis: ChartAxis) -> np.ndarray:
 def test_labels_agree_with_the_exact_curves(name):
     """In every cell that no curve cuts: one of whose four corners and middle the thresholds say the same."""
     x, y, changes = PAIRS[name]
-    count = 9 if name == "mass and friction" else 16
+    count = 12 if name == "mass and friction" else 16
     plane = Plane.of(lsvib.RigidDrive(**changes), (*x, count), (*y, count))
     labels, names = plane.labels(workers=2), (plane.x.name, plane.y.name)
     nodes, middles = (

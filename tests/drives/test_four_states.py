@@ -63,7 +63,7 @@ SCENES = {
     "soft": ("threads", contact(15.0, 100.0, 1e4, 1e4), False, UNLOADED, 0.02),
     "soft, light damping": ("threads", contact(11.0, -50.0, 1e4, 10.0), False, BACKWARD, 0.02),
     "soft, elastic": ("threads", contact(11.0, 100.0, 1e4, 0.0), False, WOUND_UP, 0.02),
-    "soft, heavy damping": ("threads", contact(11.0, 100.0, 1e4, 1e10), False, UNLOADED, 0.01),
+    "soft, heavy damping": ("threads", contact(11.0, 100.0, 1e4, 1e8), False, UNLOADED, 0.01),
     "firm, elastic": ("threads", contact(15.0, 100.0, 1e6, 0.0), False, BACKWARD, 0.005),
     "hard, light damping": ("threads", contact(5.0, 100.0, 1e8, 1e4), False, WOUND_UP, 0.002),
     "very hard": ("threads", contact(11.0, 100.0, 1e10, 1e10), False, UNLOADED, 0.02),

@@ -147,7 +147,7 @@ def found(tmp_path_factory):
     (folder / "lsvib" / "drives" / "slope.py").write_text(SLOPE, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-c", CODE, str(PACKAGE), json.dumps(COMMANDS)],
-        env={**os.environ, "PYTHONPATH": str(folder)},
+        env={**os.environ, "PYTHONPATH": f"{folder}:{PACKAGE.parents[1]}"},
         cwd=folder,
         capture_output=True,
         text=True,
@@ -198,8 +198,6 @@ def test_its_sweep_takes_no_tables_of_another_model(found):
     assert found["slope_sweep"][0] == found["sweep"][0] == [int(lsvib.Attractor.SPRAG_SLIP_CYCLE)] * 2
     for mine, theirs in zip(found["slope_sweep"][1:], found["sweep"][1:], strict=True):
         assert mine == pytest.approx(theirs, rel=1e-9)
-
-
 
 
 def test_schema_grids_and_drives_know_it(found):

@@ -20,7 +20,7 @@ from lsvib.figures.folders import accuracy_figures, default_figures
 
 pytestmark = pytest.mark.workflow
 
-CAPTIONS = sorted((ROOT / "src" / "lsvib").glob("**/figures/*/caption.rst"))
+CAPTIONS = sorted(path for room in ("src/lsvib", "benchmarks") for path in (ROOT / room).glob("figures/*/caption.rst"))
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 FIGURES = ("fig8_03", "fig8_08")
 NEW_FIGURE = {  # file of its folder: what is in it
