@@ -93,8 +93,8 @@ def browser():
 def test_the_site_opens_from_disk_and_needs_nothing_from_elsewhere(site, browser, width):
     """The front page, a page of theory by its link, an anchor on another page, and the search."""
     with chromium.opened(browser, (site / "index.html").as_uri(), width) as page:
-        page.get_by_role("link", name="trust", exact=True).click()
-        page.get_by_role("heading", name="Why the numbers can be trusted").wait_for()
+        page.get_by_role("link", name="validation", exact=True).click()
+        page.get_by_role("heading", name="Validation: what was compared with what, and what was found").wait_for()
         assert chromium.wider_than_the_screen(page) <= 0
         page.goto((site / "command.html").as_uri())
         page.locator("a[href='lemmas.html#boundaries-of-stability-of-a-damped-drive']").first.click()

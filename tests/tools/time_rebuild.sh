@@ -32,7 +32,7 @@ for ((round = 1; round <= rounds; round++)); do
         mkdir "$work/copy"
         # Without .git, results and all that a run leaves.
         tar -C "${!name}" -cf - --exclude=./.git --exclude=./.venv --exclude=./.snakemake --exclude=./results \
-            --exclude=./logs --exclude=./benchmarks --exclude=__pycache__ . | tar -C "$work/copy" -xf -
+            --exclude=./logs --exclude=__pycache__ . | tar -C "$work/copy" -xf -
         build "$name" cold
         # The markers of the compiled engine stay, as they do for somebody who changes a setting of every figure.
         find "$work/copy/results" -mindepth 1 -maxdepth 1 ! -name 'engine*' -exec rm -rf {} +
