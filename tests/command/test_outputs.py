@@ -23,7 +23,7 @@ from lsvib.files import Outputs, target_of
 ROOT = Path(__file__).parents[2]
 SETTINGS = read_yaml(DEFAULT)
 SLOW = {
-    "fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "attraction_limit", "contact_stability",
+    "fig8_01", "fig8_02", "fig8_10", "fig8_13", "limit_process", "basin_sweep", "contact_stability",
     "nut_stability",
 }  # fmt: skip
 
