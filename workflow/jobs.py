@@ -223,20 +223,11 @@ def overview(figure: str, cells: str, png: str, pdf: str) -> None:
     save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
 
 
-def sample(sheet: str, marker: str, samples: int, share: str) -> None:
-    """Compute one share of the samples of a drive ahead."""
-    from lsvib.assess.run import sample_share
-    from lsvib.files import write_text
-
-    done = sample_share(Path(sheet), Path(marker).parent, samples, 1, share)
-    write_text(f"{done} blocks of samples\n", marker)
-
-
-def assess(sheet: str, page: str, samples: int, workers: int) -> None:
+def assess(sheet: str, page: str, samples: int) -> None:
     """Assess one drive from its data sheet."""
     from lsvib.assess.run import assess_file
 
-    assess_file(Path(sheet), Path(page).parent, samples=samples, workers=workers, progress=_tell("blocks of samples"))
+    assess_file(Path(sheet), Path(page).parent, samples=samples)
 
 
 def compare(verdicts: Texts, page: str, table: str) -> None:

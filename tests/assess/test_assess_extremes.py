@@ -87,7 +87,7 @@ def assessed(values):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            found = assess(Sheet.of(values), 64, 1, 1)
+            found = assess(Sheet.of(values), 64, 1)
             operating = charts(found.sheet, found.values)
             written = json.dumps(as_json(found), allow_nan=False)
             return report(found, operating), dataset(found, operating), written

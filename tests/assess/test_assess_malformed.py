@@ -232,9 +232,6 @@ def test_a_file_that_is_no_sheet_is_refused(text, word, tmp_path, monkeypatch, c
         (["--samples", "32"], "samples"),
         (["--samples", "many"], "samples"),
         (["--seed", "-1"], "seed"),
-        (["--workers", "0"], "workers"),
-        (["--share", "3"], "share"),
-        (["--share", "9/8"], "share"),
     ],
 )
 def test_a_bad_option_is_refused(options, word, tmp_path, monkeypatch, capsys):

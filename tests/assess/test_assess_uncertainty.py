@@ -75,22 +75,6 @@ def test_probabilities_against_a_hundred_thousand_simulated_drives(changes, name
     assert low <= share <= high
 
 
-def test_samples_do_not_depend_on_workers_and_are_taken_up_again(tmp_path):
-    """The same counts by one worker, by two, and from blocks that were kept."""
-    given = sheet(**KINEMATIC)
-    plain = study(given, 16384, 5)
-    kept = study(given, 16384, 5, workers=2, folder=tmp_path)
-    blocks = sorted(tmp_path.glob("*.json"))
-    assert len(blocks) == 4
-    blocks[1].write_text("{", encoding="utf-8")  # cut off
-    again = study(given, 16384, 5, folder=tmp_path)
-    for name, one in plain.probability.items():
-        for other in (kept, again):
-            assert one.value == other.probability[name].value
-            assert (one.counts == other.probability[name].counts).all()
-    assert plain.total == kept.total == again.total
-
-
 def test_sobol_indices_of_a_reserve_that_two_entries_share():
     """Only mass and friction vary, nearly without interaction: first orders sum to about one."""
     found = study(sheet(**KINEMATIC), 4096, 2)

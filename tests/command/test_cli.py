@@ -103,25 +103,6 @@ def test_simulate_from_a_scene_file(run, tmp_path):
     )
 
 
-def test_the_older_names_of_start_and_duration_are_read(run, tmp_path):
-    """They are shown nowhere; both at once are refused, and a file with the one is changed by the other."""
-    direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
-    older = [{"--start": "--initial", "--duration": "--t-end"}.get(word, word) for word in MOTION]
-    assert json.loads(run("simulate", *older, "--out", "b.nc", "--json")[1]) == direct
-    drive = "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\n"
-    (tmp_path / "scene.yaml").write_text(f"{drive}initial: {{u: 0.1, w: 0}}\nt_end: 9\n")
-    changed = run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "c.nc", "--json")[1]
-    assert json.loads(changed) == direct
-    given = {"mass": 11, "support_damping": 1e-3, "axial_force": -10, "initial": {"u": 0.1, "w": 0}, "t_end": 0.1}
-    assert lsvib.simulate(**given).sizes["event"] == sum(direct["events"].values())
-    (tmp_path / "both.yaml").write_text(f"{drive}start: {{u: 0, w: 0}}\nduration: 1\nt_end: 1\n")
-    assert "duration is given twice, also by its older name t_end" in refused(
-        run, "simulate", "--scene", "both.yaml", "--out", "d.nc"
-    )
-    assert "--initial" not in run("simulate", "--help")[1]
-    assert "workers = 0" in refused(run, "attraction", *DRIVE, *GRID, "--out", "m.nc", "--threads", "0")
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -62,9 +62,8 @@ class Assessments(Selection):
         min_length=1, description="Data sheets of the target `assessments`, YAML files."
     )
     assessment_samples: int = Field(
-        ge=64, le=2**30, description="Drives drawn from the uncertainties of each sheet, a power of two."
+        ge=64, le=2**24, description="Drives drawn from the uncertainties of each sheet, a power of two."
     )
-    assessment_shares: int = Field(ge=1, le=4096, description="Jobs among which the samples of a drive are divided.")
 
 
 def check(configuration: Mapping[str, Any]) -> None:
