@@ -33,8 +33,7 @@ class Blocks(NamedTuple):
 
 def count(labels: np.ndarray) -> dict[Attractor, int]:
     """Return the number of cells of each attractor."""
-    counts = np.bincount(labels.ravel().astype(np.int64) + 1, minlength=len(Attractor))
-    return {kind: int(counts[kind + 1]) for kind in Attractor}
+    return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
 
 
 @dataclass(frozen=True)
