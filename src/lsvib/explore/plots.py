@@ -1,7 +1,7 @@
 """The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
 
-What a redraw changes is in few sources, filled together by a packet (:mod:`lsvib.explore.packet`), and is painted on
-the upper one of the two canvases of each drawing: title, axes, grid and legend below stay as they are.
+What a redraw changes is in few sources, since each is a message to the browser, and is painted on the upper one of the
+two canvases of each drawing: title, axes, grid and legend below stay as they are.
 """
 
 import math
@@ -26,7 +26,6 @@ from lsvib.basins.clipping import Window
 from lsvib.drives.parameters import DriveParameters, described
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, Followed
-from lsvib.explore.packet import Packet
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.figures.drawing import style
@@ -75,17 +74,13 @@ for (const plot of plots)
 
 
 class Plots:
-    """The drawings and their sources; every method replaces what a drawing shows.
-
-    What a redraw changes is sent by :meth:`Packet.send` of ``packet``.
-    """
+    """The drawings and their sources; every method replaces what a drawing shows."""
 
     def __init__(self) -> None:
         self.sources = {
             name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _PLAIN.items()
         }
         self.drawn = {name: ColumnDataSource(looks) for name, looks in _LOOKS.items()}
-        self.packet = Packet(self.drawn)
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
@@ -171,9 +166,12 @@ class Plots:
         self.plane.x_range.update(start=window.left, end=window.right)
         self.plane.y_range.update(start=window.bottom, end=window.top)
 
+    def _fill(self, name: str, columns: Mapping[str, Sequence[Any]]) -> None:
+        self.drawn[name].data = {**_LOOKS[name], **columns}
+
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
-        self.packet.fill(
+        self._fill(
             "map",
             {
                 "image": [answers.rgba(labels)],
@@ -188,7 +186,7 @@ class Plots:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
-        self.packet.fill(
+        self._fill(
             "lines",
             {
                 "x": [u, np.array([window.left, window.right]), closed[:, 0], shown.u],
@@ -218,12 +216,12 @@ class Plots:
         tip = side * (0.25 - 0.42 * abs(force) / most)
         least, most = self.force.y_range.start, self.force.y_range.end
         ends = [least - _BEYOND * (most - least), most + _BEYOND * (most - least)]
-        self.packet.fill(
+        self._fill(
             "points",
             {"x": [0.0, float(shown.u[0]), float(shown.u[k])], "y": [0.0, float(shown.w[0]), float(shown.w[k])]},
         )
-        self.packet.fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
-        self.packet.fill(
+        self._fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
+        self._fill(
             "screw",
             {
                 "x": [np.stack([at, at, gap], axis=1).ravel(), [0.0, 0.0]],
@@ -231,7 +229,7 @@ class Plots:
             },
         )
         height = SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])
-        self.packet.fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
+        self._fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
