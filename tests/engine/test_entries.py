@@ -1,4 +1,4 @@
-"""Kernels that Python calls are entries; any other kernel is compiled once more where Python calls it."""
+"""Kernels that Python calls are entries; any other kernel is called by a function that is compiled for it."""
 
 import ast
 import importlib
@@ -50,15 +50,11 @@ def test_python_calls_entries_only():
     assert not [place for place, thing in found.items() if isinstance(thing, jit.Inner)]
 
 
-def test_a_kernel_of_kernels_is_compiled_once_more_for_python():
+def test_a_kernel_of_kernels_can_be_called_from_python():
     row = tables_of("planar").flow[0]
     assert isinstance(flow_planar.own_rate, jit.Inner)
     assert flow_planar.own_rate(row) == flow_planar.own_rate.py_func(row) == 0.0
-    once_more = flow_planar.own_rate.from_python
-    assert once_more.signatures
-    assert not isinstance(once_more, jit.Inner)
-    inner, other = flow_planar.own_rate._cache.cache_path, once_more._cache.cache_path
-    assert Path(other) == Path(inner).parent / "from_python" / Path(inner).name
+    assert not isinstance(flow_planar.own_rate.caller, jit.Inner)
     assert not isinstance(event_loop.run, jit.Inner)
 
 
