@@ -64,12 +64,15 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the b
     "nut": {"x": [], "y": [], "tip": [], "words": []},
 }
 _PLAIN = {"curve": "x y colour", "near": "x y colour", "marks": "x name", "bar": "x"}  # columns of the other sources
-_LEVEL = "overlay"  # painted without title, axes, grid and legend, which take longer than all that a redraw changes
+# Painted without title, axes, grid and legend, which take longer than all that a redraw changes; seen once clipped.
+_ABOVE = {"level": "overlay", "visible": False}
 # Bokeh clips overlays to the whole drawing; these belong into its frame, as what lies below them.
 _CLIP = """
 for (const plot of plots)
-  for (const renderer of plot.renderers)
+  for (const renderer of plot.renderers) {
     Object.defineProperty(Bokeh.index.find_one(renderer), "needs_clip", {get: () => true});
+    renderer.visible = true;
+  }
 """
 
 
@@ -94,13 +97,13 @@ class Plots:
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
         )  # fmt: skip
-        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], level=_LEVEL)
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], **_ABOVE)
         made.multi_line(
-            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", level=_LEVEL
+            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", **_ABOVE
         )
         made.scatter(
             "x", "y", source=self.drawn["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
-            level=_LEVEL,
+            **_ABOVE,
         )  # fmt: skip
         looks = _LOOKS["lines"]
         for label, colour, dash, width in zip(
@@ -140,7 +143,7 @@ class Plots:
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
-        made.multi_line("x", "y", source=self.drawn["history"], color="colour", level=_LEVEL)
+        made.multi_line("x", "y", source=self.drawn["history"], color="colour", **_ABOVE)
         return made
 
     def _contact(self) -> figure:
@@ -155,10 +158,10 @@ class Plots:
             heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
             made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
         nut = self.drawn["nut"]
-        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, level=_LEVEL)
-        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", level=_LEVEL)
-        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, level=_LEVEL)
-        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", level=_LEVEL)
+        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, **_ABOVE)
+        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", **_ABOVE)
+        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, **_ABOVE)
+        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", **_ABOVE)
         return made
 
     def set_window(self, window: Window) -> None:
