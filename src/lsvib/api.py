@@ -278,7 +278,6 @@ class _Drive(DriveParameters):
         quantities: Sequence[str] = ("label",),
         resume: str = "contact_sign",
         workers: int = 1,
-        refine: bool = False,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
         """Return the map of the attractors that motions reach from every cell of a grid.
@@ -286,8 +285,7 @@ class _Drive(DriveParameters):
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
         ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
         seizures, first_event, doubt (why a label is unresolved; the label is always there); ``resume`` as of
-        :meth:`automaton`; number of ``workers``, which changes no number; ``refine``, compute only what lies near
-        boundaries (labels of the rigid drive; the dataset then holds blocks); ``progress``, called with the numbers of
+        :meth:`automaton`; number of ``workers``, which changes no number; ``progress``, called with the numbers of
         rows done and in all. Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
@@ -298,7 +296,7 @@ class _Drive(DriveParameters):
         """
         from lsvib.data.attraction_map import map_attraction
 
-        return map_attraction(self, grid, quantities, resume, workers, refine, progress).dataset
+        return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene

@@ -11,7 +11,6 @@ from references import many_starts
 from lsvib.basins.cells import QUANTITIES
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.basins.refinement import refine
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
@@ -183,71 +182,6 @@ def test_labels_do_not_depend_on_what_else_is_asked(mappers, drive, quantities):
     assert np.array_equal(
         mappers(drive).cells(grid, quantities=quantities)["label"], mappers(drive).cells(grid)["label"]
     )
-
-
-@pytest.mark.parametrize("size", [512, pytest.param(2048, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("box", [(0.3, 150.0), (0.05, 15.0)])
-def test_refined_map_is_the_full_map(mappers, size, box):
-    mapped = mappers(PARADOX)
-    grid = Grid.parse([f"u={-box[0]}:{box[0]}:{size}", f"w={-box[1]}:{box[1]}:{size + 3}"])
-    refined = refine(mapped, grid)
-    full = mapped.cells(grid, quantities=("label",))["label"]
-    assert np.array_equal(refined.expand(), full)
-    assert np.array_equal(refined.expand(slice(7, 300)), full[7:300])
-    assert refined.corrected == 0
-    assert refined.computed < 0.45 * full.size
-
-
-class Painted:
-    """Stands in for a mapper: the labels of a grid's cells are those of a picture; counts the cells asked for."""
-
-    def __init__(self, picture):
-        self.picture, self.asked = picture.astype(np.int8), 0
-
-    def labels_at(self, grid, row, column):
-        assert self.picture.shape == (grid.y.count, grid.x.count)
-        self.asked += row.size
-        return self.picture[row, column]
-
-
-def test_regions_between_the_computed_cells_are_found_by_the_sample():
-    """Two strips three cells high, which no middle of the coarsest blocks of 8 × 8 hits, crossed by a third one."""
-    picture = np.zeros((1030, 2051), dtype=np.int8)
-    picture[17:20, 40:2000] = 2
-    picture[801:804, 5:2051] = 3
-    picture[:, 1001:1004] = 1
-    assert (picture[4::8, 4::8] == 0).all()
-    painted = Painted(picture)
-    refined = refine(painted, Grid.parse(["u=-1:1:2051", "w=-1:1:1030"]))
-    assert 0 < refined.corrected < 500  # 17 000 of 2.1 million cells, 20 000 of which are looked at
-    assert np.array_equal(refined.expand(), picture)
-    assert refined.counts()[Attractor(3)] == np.sum(picture == 3)
-    assert painted.asked < 0.1 * picture.size
-
-
-def test_no_cell_is_computed_twice_for_the_sample():
-    """A map of 36 cells was computed some hundred times over: a minute, where motions have very many events."""
-    painted = Painted(np.zeros((6, 7)))
-    refine(painted, Grid.parse(["u=-1:1:7", "w=-1:1:6"]))
-    assert painted.asked == 42
-
-
-def test_a_region_that_neither_blocks_nor_sample_hit_is_missed():
-    """What the documentation says of refined maps: a single cell among two million."""
-    picture = np.zeros((1030, 2051), dtype=np.int8)
-    picture[17, 41] = 2
-    refined = refine(Painted(picture), Grid.parse(["u=-1:1:2051", "w=-1:1:1030"]))
-    assert refined.corrected == 0
-    assert not refined.expand().any()
-
-
-def test_cost_of_a_refined_map_is_that_of_its_boundary(mappers):
-    """A map of four times the cells on a side costs about four times the cells, not sixteen times."""
-    cells = []
-    for size in (2048, 8192):
-        refined = refine(mappers(PARADOX), Grid.parse([f"u=-0.05:0.05:{size}", f"w=-15:15:{size}"]))
-        cells.append(refined.computed - refined.levels[-1].key.size)
-    assert 3.5 < cells[1] / cells[0] < 5.5
 
 
 def test_start_on_a_boundary_is_unresolved_only_to_rounding(mappers):

@@ -9,8 +9,7 @@ import xarray as xr
 from lsvib.basins.cells import Mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.basins.refinement import count
-from lsvib.data.attraction_map import cells, dimensions, frame, parameters, surroundings
+from lsvib.data.attraction_map import cells, count, dimensions, frame, parameters, surroundings
 from lsvib.data.attributes import fractions
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.drives.registry import find_model
