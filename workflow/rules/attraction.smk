@@ -62,7 +62,7 @@ rule gather_map:
     log:
         "logs/gather_map.log",
     resources:
-        mem_mb=4000,
+        mem_mb=2000,
     params:
         code=code(jobs.whole_map),
         settings=MAP,
