@@ -232,7 +232,6 @@ SCENES = [
     ("drive: {mass: 11, weight: 2}\n", UNKNOWN),
     ("drive: {mass: 1, mass: 2}\n", "mass is given twice"),
     ("duration: 1\nduration: 2\n", "duration is given twice"),
-    ("duration: 1\nt_end: 2\n", "duration is given twice, also by its older name t_end"),
     ("1: 2\n", UNKNOWN),
     ("model: [rigid]\n", "model = ['rigid']"),
     ("model: 5\n", "model = 5"),
