@@ -72,8 +72,6 @@ def _fastest(drive: RigidParameters) -> float:
 
 
 # A family: its level, a drive, and perhaps a start.
-
-
 def _critical_mass(rng):
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
