@@ -85,10 +85,6 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
         write_text(f"s\tcpu_time\tmax_rss [MB]\n{seconds:.2f}\t{cpu:.2f}\t{memory:.0f}\n", benchmark)
 
 
-def _tell(what: str) -> Callable[[int, int], None]:
-    return lambda done, total: print(f"{done} of {total} {what}", file=sys.stderr)
-
-
 # Each of them imports what it needs when it runs, and nothing else.
 
 
@@ -188,7 +184,7 @@ def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the region of attraction together."""
     from lsvib.data.tiles import gather_map
 
-    gather_map(settings, tiles, file, progress=_tell("tiles"))
+    gather_map(settings, tiles, file)
 
 
 def chart_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
@@ -202,32 +198,23 @@ def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the chart together."""
     from lsvib.data.chart_tiles import gather_chart
 
-    gather_chart(settings, tiles, file, progress=_tell("tiles"))
+    gather_chart(settings, tiles, file)
 
 
 def overview(figure: str, cells: str, png: str, pdf: str) -> None:
     """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
-    from lsvib.data.assembly import overview
+    from lsvib.figures.drawing.overview import overview
     from lsvib.figures.drawing.style import save
     from lsvib.figures.folders import picture_module
 
     save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
 
 
-def sample(sheet: str, marker: str, samples: int, share: str) -> None:
-    """Compute one share of the samples of a drive ahead."""
-    from lsvib.assess.run import sample_share
-    from lsvib.files import write_text
-
-    done = sample_share(Path(sheet), Path(marker).parent, samples, 1, share)
-    write_text(f"{done} blocks of samples\n", marker)
-
-
-def assess(sheet: str, page: str, samples: int, workers: int) -> None:
+def assess(sheet: str, page: str, samples: int) -> None:
     """Assess one drive from its data sheet."""
     from lsvib.assess.run import assess_file
 
-    assess_file(Path(sheet), Path(page).parent, samples=samples, workers=workers, progress=_tell("blocks of samples"))
+    assess_file(Path(sheet), Path(page).parent, samples=samples)
 
 
 def compare(verdicts: Texts, page: str, table: str) -> None:

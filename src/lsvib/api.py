@@ -278,7 +278,6 @@ class _Drive(DriveParameters):
         quantities: Sequence[str] = ("label",),
         resume: str = "contact_sign",
         workers: int = 1,
-        refine: bool = False,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
         """Return the map of the attractors that motions reach from every cell of a grid.
@@ -286,8 +285,7 @@ class _Drive(DriveParameters):
         Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
         ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
         seizures, first_event, doubt (why a label is unresolved; the label is always there); ``resume`` as of
-        :meth:`automaton`; number of ``workers``, which changes no number; ``refine``, compute only what lies near
-        boundaries (labels of the rigid drive; the dataset then holds blocks); ``progress``, called with the numbers of
+        :meth:`automaton`; number of ``workers``, which changes no number; ``progress``, called with the numbers of
         rows done and in all. Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
@@ -298,7 +296,7 @@ class _Drive(DriveParameters):
         """
         from lsvib.data.attraction_map import map_attraction
 
-        return map_attraction(self, grid, quantities, resume, workers, refine, progress).dataset
+        return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
         from lsvib.drives.scene import Scene
@@ -324,13 +322,10 @@ class RigidDrive(_Drive, parameters.RigidParameters):
 
         return basin(self)
 
-    def resilience(
-        self, window: "Window | Mapping[str, tuple[float, float]] | None" = None, *, samples: int = 0, seed: int = 0
-    ) -> "Resilience":
+    def resilience(self, window: "Window | Mapping[str, tuple[float, float]] | None" = None) -> "Resilience":
         """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
 
-        All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s];
-        ``samples``: number of random starts in it, drawn with a ``seed``, for an estimate of the share to compare with.
+        All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s].
         The pushes are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where every push is survived,
         zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
 
@@ -340,18 +335,15 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
         """
-        from lsvib.basins.sampling import resilience_beside_samples
-        from lsvib.data.resilience import samples_of, window_of
+        from lsvib.basins.resilience import resilience
+        from lsvib.data.resilience import window_of
 
-        part = window_of(window)
-        return resilience_beside_samples(self, part, *samples_of(samples, seed, part))
+        return resilience(self, window_of(window))
 
     def resilience_sweep(
         self,
         window: "Window | Mapping[str, tuple[float, float]] | None" = None,
         *,
-        samples: int = 0,
-        seed: int = 0,
         progress: Progress | None = None,
         **over: Sequence[float],
     ) -> "xr.Dataset":
@@ -359,8 +351,8 @@ class RigidDrive(_Drive, parameters.RigidParameters):
 
         Arguments: as of :meth:`resilience`; ``over``, values [SI units] of each parameter by its name, all combinations
         of them; ``progress``, called with the numbers of points done and in all. Variables: fatal_angle [rad],
-        fatal_speed [rad/s], fatal_energy [J], with a window basin_fraction [1], with samples sampled_fraction [1] and
-        the ends of its interval; nan where the basin is not covered. Raises ``InputError``.
+        fatal_speed [rad/s], fatal_energy [J], with a window basin_fraction [1]; nan where the basin
+        is not covered. Raises ``InputError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
@@ -368,10 +360,9 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
         """
-        from lsvib.data.resilience import resilience_sweep, samples_of, window_of
+        from lsvib.data.resilience import resilience_sweep, window_of
 
-        part = window_of(window)
-        return resilience_sweep(self, over, part, *samples_of(samples, seed, part), progress)
+        return resilience_sweep(self, over, window_of(window), progress)
 
 
 class ThreadsDrive(_Drive, parameters.ThreadsParameters):

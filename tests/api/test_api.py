@@ -20,16 +20,9 @@ from references.command_line import DRIVE, GRID, MOTION
 import lsvib
 from lsvib import api
 from lsvib.cycles.attractors import steady_state
-from lsvib.drives import rigid
-from lsvib.drives.once import forget
 from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.scene import read_yaml
-from lsvib.figures.configuration import DEFAULT
-from lsvib.figures.fig8_09 import dataset as fig8_09
 
 ROOT = Path(__file__).parents[2]
-HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4", "numpy"}
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
@@ -49,68 +42,6 @@ def random_drives(count: int, seed: int = 1):
         changes["pitch_radius"] = 10 ** rng.uniform(-3, -1.3)
         changes["axial_force"] = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-3, 6)
         yield kind(**changes)
-
-
-@pytest.mark.parametrize("statement", ["import lsvib", "from lsvib import LsvibError, RigidDrive as D\ndel D"])
-def test_importing_loads_neither_engine_nor_pictures(statement):
-    heavy = HEAVY if statement == "import lsvib" else {"numba", "matplotlib", "xarray", "netCDF4"}
-    assert not loaded(statement) & heavy
-
-
-@pytest.mark.parametrize("kind", list(api.DRIVES))
-def test_stability_loads_no_engine(kind):
-    names = loaded(f"import lsvib.api\nlsvib.api.drive_class({kind!r})(mass=9).stability()")
-    assert "pydantic" in names
-    assert not names & {"numba", "matplotlib", "xarray"}
-
-
-WITHOUT_ENGINE = [
-    "--help",
-    "simulate --help",
-    "config --scene scene.yaml",
-    *(f"{name} --model {kind}" for name in ("config", "stability") for kind in api.DRIVES),
-    *(f"thresholds --model {kind}" for kind in api.DRIVES if kind != "rigid"),  # global stability follows motions
-    "figure 8.3",
-    "figure 8.8",
-    "thresholds --set mass=-1",
-]
-COMMANDS = """
-import os, sys
-import cyclopts, mpmath, matplotlib, netCDF4, pydantic, xarray
-for line in LINES:
-    if not os.fork():
-        sys.argv = ["lsvib", *line.split()]
-        sys.stdout = sys.stderr = open(os.devnull, "w")
-        try:
-            from lsvib.command.app import main
-            main()
-        except SystemExit:
-            pass
-        os.write(1, f"{line}: {'numba' in sys.modules}\\n".encode())
-        os._exit(0)
-    os.wait()
-"""
-
-
-def test_commands_that_need_no_engine_load_none(tmp_path):
-    """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
-    (tmp_path / "scene.yaml").write_text("drive: {mass: 11}\nstart: {u: 0, w: 0}\nduration: 1\n", encoding="utf-8")
-    lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
-    program = f"LINES = {lines!r}\n{COMMANDS}"
-    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [*(f"{line}: False" for line in WITHOUT_ENGINE), f"{lines[-1]}: True"]
-
-
-def test_config_loads_nothing_heavy():
-    names = loaded("import sys\nsys.argv = ['lsvib', 'config']\nfrom lsvib.command.app import main\nmain()")
-    assert not names & {"numba", "matplotlib", "xarray"}
-
-
-def loaded(statements: str) -> set[str]:
-    """Names of the modules that a fresh Python has loaded after some statements."""
-    program = f"{statements}\nimport sys\nprint()\nprint(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    return set(done.stdout.splitlines()[-1].split())
 
 
 def test_types_name_what_is_exported():
@@ -170,15 +101,6 @@ def test_a_drive_is_its_model_and_its_values():
         lsvib.RigidDrive(lead_angle_deg=4, lead_angle=0.1)
     with pytest.raises(ValueError, match="frozen"):
         lsvib.RigidDrive().mass = 2.0
-
-
-def test_pickles_are_small():
-    """What was built from a drive does not travel with it."""
-    drive = lsvib.RigidDrive(**PARADOX)
-    size = len(pickle.dumps(drive))
-    assert drive.automaton() is drive.automaton()
-    drive.simulate(START, 0.1)
-    assert len(pickle.dumps(drive)) == size
 
 
 def test_stability_is_that_of_the_function():
@@ -266,8 +188,6 @@ def test_attraction_is_that_of_the_command(run, tmp_path):
     np.testing.assert_array_equal(drive.attraction(WINDOW, workers=2).label, found.label)
     grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80.0, 80.0, 30))
     xr.testing.assert_identical(drive.attraction(grid, quantities=["time"]), found)
-    blocks = drive.attraction(WINDOW, refine=True)
-    np.testing.assert_allclose(blocks.fraction, found.fraction)
 
 
 def test_basin_is_handed_the_drive_itself():
@@ -275,24 +195,6 @@ def test_basin_is_handed_the_drive_itself():
     basin = drive.basin()
     assert basin.drive is drive
     assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
-
-
-def test_figure_8_9_builds_each_automaton_once(monkeypatch):
-    """Twelve builds of four automata became three: below the critical mass both rules have one automaton."""
-    made = []
-    assemble = rigid.assemble
-    monkeypatch.setattr(rigid, "assemble", lambda *rows, **more: made.append(1) or assemble(*rows, **more))
-    settings = read_yaml(DEFAULT)["fig8_09"]
-    settings["axial_force"]["count"] = 2
-    forget()
-    fig8_09.build(settings)
-    assert len(made) == 5  # and one for each of the two other forces
-    fig8_09.build(settings)
-    assert len(made) == 5
-    light, heavy = RigidParameters(), RigidParameters(mass=11.0)
-    assert rigid_automaton(light) is rigid_automaton(light, resume="at_once")
-    assert rigid_automaton(heavy) is not rigid_automaton(heavy, resume="at_once")
-    assert rigid_automaton(heavy) is rigid_automaton(lsvib.RigidDrive(mass=11.0), resume="contact_sign")
 
 
 def test_examples_of_docstrings_and_documentation():

@@ -64,16 +64,6 @@ def test_friction_follows_from_published_efficiencies(table, low, high):
         assert round(100 * lifting_efficiency(found, angle)) == eta
 
 
-def test_published_efficiencies_follow_from_friction():
-    """One coefficient for each coating gives each row of the three screws within the spread of the table's friction."""
-    for table, low, high in ((COATED, 0.069, 0.085), (UNCOATED, 0.092, 0.123)):
-        for lead, diameter in ((2, 10), (1, 16), (10, 6)):
-            eta = dict(((lead, d), e) for lead, d, e in rows(table))[lead, diameter]
-            angle = math.atan(lead / (math.pi * diameter))
-            best, least = (100 * lifting_efficiency(mu, angle) for mu in (low, high))
-            assert least - 0.5 <= eta <= best + 0.5
-
-
 @pytest.mark.parametrize(("name", "angle", "at_01", "at_02"), TRAPEZOIDAL)
 def test_trapezoidal_threads_have_the_published_lead_angle_and_efficiency(name, angle, at_01, at_02):
     """The published efficiencies leave the flank angle out; the lead angle is printed to a minute."""

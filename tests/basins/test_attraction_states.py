@@ -1,18 +1,12 @@
-"""Planar slices of models with more states: against the return map, and in the limit of a stiff contact."""
+"""Planar slices of models with more states, against the return map."""
 
 import numpy as np
 import pytest
-from references.figure_checks import assert_drawn_from_file, assert_each_check_fails_on_some, set_to
 
-from lsvib.basins import slice_mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.data import attraction_map
 from lsvib.drives.parameters import NutParameters, SupportParameters, ThreadsParameters
-from lsvib.engine.motion import follow
-from lsvib.errors import InputError
-from lsvib.figures.attraction_limit import dataset as attraction_limit
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 GRID = ["u=-0.05:0.05:6", "w=-15:15:5"]
@@ -35,58 +29,3 @@ def test_labels_against_the_return_map(kind, model):
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()
     columns = np.tile(grid.x.centres(), 5)
     assert (mapped.labels_of(columns, np.repeat(grid.y.centres(), 6)) == found["label"].ravel()).all()
-
-
-def test_what_is_open_after_many_events_is_asked_of_the_return_map_in_the_mode_reached(monkeypatch):
-    """On a surface the state alone does not say in which mode the motion is."""
-    mapped = mapper(ThreadsParameters.of(DRIVE), "threads")
-    mapped.attractors = []
-    state = mapped.definition.initial_state(mapped.drive, {"u": 0.05, "w": 15.0})
-    asked = []
-
-    def remember(automaton, state, *, mode, **how):
-        asked.append((state, mode))
-        return steady_state(automaton, state, mode=mode, **how)
-
-    mapped._rounds = 1
-    monkeypatch.setattr(slice_mapper, "steady_state", remember)
-    mapped.destiny(state)
-    motion = follow(mapped.automaton, state, np.inf, max_events=slice_mapper._CHUNK)
-    assert asked[0][1] == motion.end_mode
-    assert asked[0][0].tobytes() == motion.end_state.tobytes()
-
-
-def test_a_cycle_of_many_arcs_is_sampled_for_the_picture(monkeypatch):
-    monkeypatch.setattr(attraction_map, "_CYCLE_SAMPLES", 3)
-    mapped = mapper(ThreadsParameters.of(DRIVE), "threads")
-    found = attraction_map.surroundings(mapped, Grid.parse(GRID))
-    assert len(found["cycle_angle"][1][0]) == 2 * (mapped.attractors[0].orbit.time.size + 1) > 3
-
-
-def test_a_box_within_the_basin_is_refused():
-    settings = {"drive": DRIVE, "stiffnesses": [1e7, 1e8, 1e9], "rays": 3}
-    box = {key: {"start": -x, "stop": x, "count": 2} for key, x in (("u", 1e-5), ("w", 1e-3))}
-    with pytest.raises(InputError, match="grid: 3 of 3 rays end within the basin"):
-        attraction_limit.build(settings | {"grid": box})
-
-
-def test_slice_tends_to_the_rigid_map(tmp_path):
-    """First order in 1 / k_c: the contact that follows at once is left out in the limit."""
-    dataset = attraction_limit.build(
-        {
-            "drive": DRIVE,
-            "grid": {key: {"start": -x, "stop": x, "count": 20} for key, x in (("u", 0.05), ("w", 15))},
-            "stiffnesses": [1e7, 1e8, 1e9],
-            "rays": 5,
-        }
-    )
-    spoilers = [
-        set_to("typical_displacement", 1.0, -1),
-        set_to("order", 0.5),
-        set_to("on_exact_boundary", 0, 2),
-        set_to("attractor", Attractor.UNRESOLVED, 0, 0, 0),
-    ]
-    assert_each_check_fails_on_some("attraction_limit", dataset, spoilers)
-    assert_drawn_from_file("attraction_limit", dataset, tmp_path / "a.nc")
-    assert dataset.different[-1] == 0
-    assert float(dataset.order) == pytest.approx(1.0, abs=0.05)

@@ -7,21 +7,20 @@ from the parameters; 1e-13 is asked, since arcs end at roots that are known to r
 """
 
 import math
+from itertools import count
 
 import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
-
-from lsvib.basins import backward_motions
-from lsvib.basins.clipping import Window
-from lsvib.basins.curves import Arc, Segment, area, state_on
-from lsvib.basins.exact_basin import Boundary, basin
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from references.wide_drives import wide_drive
+
+from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Arc, state_on
+from lsvib.basins.exact_basin import Boundary, basin
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
-from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
 
 DIGITS = 40
@@ -76,13 +75,13 @@ def drive_of(scene: str) -> RigidParameters:
     return RigidParameters.of({**SCENES, **MORE}[scene][1])
 
 
-def starts(found, count: int, seed: int) -> list[np.ndarray]:
+def starts(found, number: int, seed: int) -> list[np.ndarray]:
     """Random states of the window, and as many 1e-6 of the window off the boundary in random directions."""
     generator = np.random.default_rng(seed)
     size = np.array([WINDOW.right - WINDOW.left, WINDOW.top - WINDOW.bottom])
-    states = [np.array([WINDOW.left, WINDOW.bottom]) + size * generator.random(2) for _ in range(count)]
+    states = [np.array([WINDOW.left, WINDOW.bottom]) + size * generator.random(2) for _ in range(number)]
     pieces = [piece for curve in found.clipped(WINDOW) for piece in curve]
-    for _ in range(count if found.curves else 0):
+    for _ in range(number if found.curves else 0):
         piece, angle = pieces[generator.integers(len(pieces))], 2 * math.pi * generator.random()
         share = generator.random()
         if isinstance(piece, Arc):
@@ -93,25 +92,42 @@ def starts(found, count: int, seed: int) -> list[np.ndarray]:
     return states
 
 
-def wrong_labels(scene: str, rule: str, count: int, seed: int) -> list:
-    found = basin(drive_of(scene))
-    automaton = rigid_automaton(drive_of(scene), resume=rule)
-    labels = [(x, steady_state(automaton, x).label) for x in starts(found, count, seed)]
-    assert Attractor.UNRESOLVED not in {label for _, label in labels}
-    return [x for x, label in labels if found.contains(x) != (label == Attractor.STEADY_SLIDING)]
-
-
 @pytest.mark.parametrize("rule", ["contact_sign", "at_once"])
 @pytest.mark.parametrize("scene", [*SCENES, *MORE])
 def test_every_start_ends_where_the_basin_says(scene, rule):
-    assert basin(drive_of(scene)).boundary == {**SCENES, **MORE}[scene][0]
-    assert wrong_labels(scene, rule, 60, 1) == []
+    found, automaton = basin(drive_of(scene)), rigid_automaton(drive_of(scene), resume=rule)
+    assert found.boundary == {**SCENES, **MORE}[scene][0]
+    for state in starts(found, 40, 1):
+        label = steady_state(automaton, state).label
+        assert label != Attractor.UNRESOLVED
+        assert found.contains(state) == (label == Attractor.STEADY_SLIDING), state
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
-def test_four_thousand_starts(scene):
-    assert wrong_labels(scene, "contact_sign", 2000, 2) == []
+def test_starts_beside_the_boundary_of_random_drives():
+    """A dozen drives over the full ranges of their parameters: next to the boundary, motions end as they should."""
+    drives = (wide_drive("rigid", 32, index, 1).drive for index in count())
+    rng, judged, unresolved = np.random.default_rng(32), 0, 0
+    while judged < 12:
+        drive = next(drives)
+        try:
+            found = basin(drive)
+        except InputError:  # steady sliding attracts nothing, or its basin is not covered
+            continue
+        arcs = [piece for curve in found.curves for piece in curve if isinstance(piece, Arc)]
+        if not arcs:
+            continue
+        judged += 1
+        automaton = rigid_automaton(drive)
+        for part in rng.uniform(0.01, 0.99, 3):
+            arc = arcs[rng.integers(len(arcs))]
+            point = state_on(found.flow, arc, part * arc.duration)
+            for factor in (1 - 1e-5, 1 + 1e-5):
+                label = steady_state(automaton, point * factor).label
+                unresolved += label == Attractor.UNRESOLVED
+                assert label == Attractor.UNRESOLVED or found.contains(point * factor) == (
+                    label == Attractor.STEADY_SLIDING
+                ), (drive, point, factor)
+    assert unresolved < 4
 
 
 def test_mirrored_drive_has_the_basin_turned_by_half_a_turn():
@@ -133,8 +149,8 @@ def touching_motion(d: RigidTrueDrive):
     flow = RigidTrueFlow(d, -1, u, w)
     # Backwards Q falls first, to rise again: the last of many equal steps before its second zero.
     step = mpf("1e-4")
-    count = next(n for n in range(10, 1000) if d.Q(*flow.state(-n * step)) > 0)
-    duration = findroot(lambda t: d.Q(*flow.state(-t)), ((count - 1) * step, count * step))
+    steps = next(n for n in range(10, 1000) if d.Q(*flow.state(-n * step)) > 0)
+    duration = findroot(lambda t: d.Q(*flow.state(-t)), ((steps - 1) * step, steps * step))
     return flow, (u, w), flow.state(-duration), duration
 
 
@@ -198,28 +214,6 @@ def test_area_is_that_of_a_grid_to_first_order():
         assert abs(settled - exact * n**2) <= 0.5 * cut
 
 
-def little_damped(part: float, support_damping: float) -> RigidParameters:
-    return RigidParameters.of(
-        mass=10, support_damping=part * support_damping, translation_damping=part * 430, axial_force=-0.56 * part
-    )
-
-
-def test_turns_that_hardly_grow_are_leapt_over():
-    """Dampings and force are a small part of those of the repelling cycle of slip; its size is in proportion to it."""
-    sizes = [basin(little_damped(part, 2.8e-5)).area() / part**2 for part in (1e-4, 1e-6)]
-    assert sizes[1] == pytest.approx(sizes[0], rel=1e-7)
-    found = basin(little_damped(1e-6, 2.8e-5))
-    ends = [steady_state(rigid_automaton(found.drive), found.curves[0][0].start * x).label for x in (0.99, 1.01)]
-    assert ends[0] == Attractor.STEADY_SLIDING != ends[1]
-    assert basin(little_damped(1e-6, 1.5e-4)).boundary == Boundary.NONE
-
-
-def test_a_boundary_that_is_not_found_in_bounded_work_is_refused(monkeypatch):
-    monkeypatch.setattr(backward_motions, "_LEAPS", 0)
-    with pytest.raises(InputError, match="change a motion so little in a turn"):
-        basin(drive_of("repelling cycle of slip"))
-
-
 def test_area_in_a_window_is_the_sum_over_its_parts():
     """Random windows cut in two at random, upright or across: clipping loses and doubles nothing."""
     generator = np.random.default_rng(4)
@@ -259,83 +253,12 @@ def test_share_of_windows_of_any_width_about_the_boundary(scene):
     assert 5 < refused < 40
 
 
-def test_share_of_a_speck_is_that_of_its_place():
-    found = basin(drive_of("Fig. 8.14b beyond m_cr"))
-    u, w = next(piece.end for piece in found.curves[0] if isinstance(piece, Arc))
-    with pytest.raises(InputError, match="is too narrow for the boundary that passes through it"):
-        found.fraction(Window(u - 1e-14, u + 1e-14, w - 1, w + 1))
-    assert found.fraction(Window(-1e-200, 1e-200, -1e-200, 1e-200)) == 1
-    assert found.fraction(Window(9.0, 9.0 + 1e-14, -1e-200, 1e-200)) == 0
-
-
-def test_share_at_critical_damping_is_the_limit_of_the_shares_beside_it():
-    """The double root: 4 k Γ = C² to the last bit of the table of the flow."""
-    drive = RigidParameters.of(mass=11, axial_force=-1, coupling_stiffness=0.050787821425607456)
-    window, critical = Window(-1.0, 1.0, -100.0, 100.0), 0.001587119419550233
-    below, at, above = (basin(drive.replace(support_damping=critical * factor)) for factor in (1 - 1e-8, 1.0, 1 + 1e-8))
-    assert any(a1 * a1 == 4 * a0 for a0, a1 in at.flow[:, [columns.A0, columns.A1]])
-    assert at.fraction(window) == pytest.approx((below.fraction(window) + above.fraction(window)) / 2, rel=1e-13)
-
-
-def test_area_without_damping_is_the_limit_of_little_damping():
-    """Slip on a boundary is damped, but a double may lose one of 5e-324."""
-    areas = []
-    for damping in (0.0, 1e-30, 1e-300):
-        flow = oscillator(2, damping, 3, 1)[None, :]
-        arc = Arc(0, np.array([-1.0, 0.5]), np.zeros(2), 1.1)
-        arc = Arc(0, arc.start, state_on(flow, arc, 1.1), 1.1)
-        areas.append(area(flow, [[arc, Segment(arc.end, arc.start)]]))
-    assert areas[0] > 0
-    assert areas == pytest.approx([areas[0]] * 3, rel=1e-14)
-
-
 def test_size_grows_with_the_force_until_nothing_bounds_it():
     """Without translation damping slip does not depend on R, so that the motion that touches Q = 0 scales with it."""
     drive = drive_of("Fig. 8.14b beyond m_cr")
     areas = [basin(drive.replace(axial_force=-r)).area() / r**2 for r in (1e-3, 1.0, 10.0, 32.0)]
     np.testing.assert_allclose(areas, areas[0], rtol=1e-13)
     assert basin(drive.replace(axial_force=-33.0)).area() == math.inf
-
-
-@pytest.mark.parametrize(
-    "drive",
-    [
-        RigidParameters.of(  # wide drive 479 of seed 1301
-            pitch_radius=0.020137446388455195, lead_angle=0.012510841050272661, screw_inertia=6.613115015570695e-09,
-            coupling_stiffness=5.128345577470338, support_damping=38.00587876671672, mass=37.59011678576061,
-            friction_coefficient=0.08499138947683937, input_speed=-738.295676201242,
-            translation_damping=0.02025895054344416, axial_force=0.004439755540070071,
-        ),
-        RigidParameters.of(  # the forces balance but for 1e-8 of them
-            pitch_radius=0.003782380796484748, lead_angle=0.0803561521027024, screw_inertia=5.457697412933671e-08,
-            coupling_stiffness=0.041276692039409466, support_damping=45.37640144419771, mass=3377.7499506638073,
-            friction_coefficient=0.4525554654700564, input_speed=8.838962826539603,
-            translation_damping=0.001016961832613403, axial_force=2.73795630660082e-06,
-        ),
-    ],
-)  # fmt: skip
-def test_boundary_where_the_touching_state_is_slow_but_for_its_last_digits(drive):
-    """Rates 4e-8 and 7e-8 of each other: of the touching state 1e-15 grows backwards to the whole of the slip."""
-    found, automaton = basin(drive), rigid_automaton(drive)
-    slip = next(piece for piece in found.curves[0] if isinstance(piece, Arc))
-    across = np.array([1e-5 * max(abs(slip.start[0]), abs(slip.end[0])), 0.0])
-    for part in np.linspace(0.01, 0.99, 12):
-        for side in (-1, 1):
-            start = state_on(found.flow, slip, part * slip.duration) + side * across
-            settles = steady_state(automaton, start).label == Attractor.STEADY_SLIDING
-            assert found.contains(start) == settles
-
-
-def test_boundary_that_doubles_do_not_hold_is_refused():
-    """Wide drive 251 of seed 1301, whose motions all settle: next to T seizures follow each other too closely."""
-    drive = RigidParameters.of(
-        pitch_radius=0.003782380796484748, lead_angle=0.0803561521027024, screw_inertia=5.457697412933671e-08,
-        coupling_stiffness=0.041276692039409466, support_damping=45.37640144419771, mass=3377.7499506638073,
-        friction_coefficient=0.4525554654700564, input_speed=8.838962826539603,
-        translation_damping=0.001016961832613403, axial_force=-13135.956471594016,
-    )  # fmt: skip
-    with pytest.raises(InputError, match=r"support_damping = 45.3764 is so large"):
-        basin(drive)
 
 
 @pytest.mark.parametrize(

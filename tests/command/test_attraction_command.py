@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from references.command_line import DRIVE, GRID, refused
+from references.command_line import DRIVE, GRID
 
 
 def test_attraction_json_and_dataset(run):
@@ -45,59 +45,3 @@ def test_attraction_text_says_cells_and_fraction(run):
     for words in found:
         assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
         assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
-
-
-def test_refined_attraction_is_the_full_one(run):
-    grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
-    full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
-    code, out, _ = run("attraction", *DRIVE, *grid, "--refine", "--out", "blocks.nc", "--json")
-    assert code == 0
-    assert json.loads(out)["fractions"] == full["fractions"]
-    with xr.open_dataset("blocks.nc") as blocks, xr.open_dataset("full.nc") as written:
-        painted = np.empty((600, 600))
-        for level, row, column, label in zip(
-            *(blocks[name].values.astype(int) for name in ("level", "row", "column", "label")), strict=True
-        ):
-            painted[row << level : (row + 1) << level, column << level : (column + 1) << level] = label
-        assert np.array_equal(painted, written.label.values)
-
-
-@pytest.mark.parametrize(
-    ("grid", "word"),
-    [
-        (["u=-0.1:0.1:40"], "two axes"),
-        (["u=-0.1:0.1:40", "u=0:1:10"], "u is given twice"),
-        (["u=-0.1:0.1:40", "q=0:1:10"], "'q'"),
-        (["u=0.1:0.1:40", "w=0:1:10"], "start < stop"),
-        (["u=0.1:nan:40", "w=0:1:10"], "stop = 'nan' is not a number"),
-        (["u=-0.1:0.1:0", "w=0:1:10"], "count = 0"),
-        (["u=-0.1:0.1:2.5", "w=0:1:10"], "count = 2.5, which is not a whole number"),
-        (["u=-1e100:0.1:4", "w=0:1:10"], "-1e+100 < start < 1e+100"),
-        (["u=1:1.000000000000001:4", "w=0:1:10"], "too narrow to be told apart"),
-        (["u=-0.1:0.1", "w=0:1:10"], "KEY=START:STOP:COUNT"),
-        (["u=-0.1:x:4", "w=0:1:10"], "not a number"),
-        (["u=-0.1:0.1:4", "w=0:1:10", "e=0"], "u and w"),
-        (["u=-0.1:0.1:4", "e=0:1:10"], "u and w"),
-    ],
-)
-def test_attraction_refuses_a_bad_grid(run, grid, word):
-    assert word in refused(run, "attraction", *DRIVE, "--grid", *grid, "--out", "map.nc")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["--quantities", "tim"], "'tim'"),
-        (["--workers", "0"], "workers = 0"),
-        (["--resume", "later"], "'later'"),
-        (["--model", "elastic"], "'elastic'"),
-        (["--refine", "--quantities", "time"], "refine"),
-    ],
-)
-def test_attraction_refuses(run, arguments, word):
-    assert word in refused(run, "attraction", *DRIVE, *GRID, "--out", "map.nc", *arguments)
-
-
-def test_a_slice_needs_all_coordinates(run):
-    error = refused(run, "attraction", "--model", "threads", "--grid", "u=0:1:4", "e=0:1:4", "--out", "map.nc")
-    assert "needs the coordinate w" in error

@@ -9,16 +9,13 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from references.command_line import DRIVE, GRID, MOTION, refused
+from references.command_line import MOTION, refused
 
-import lsvib
 from lsvib.data.writer import read_dataset
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
-from lsvib.errors import InputError
 from lsvib.figures.compute import compute_figure
-from lsvib.figures.configuration import check
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
@@ -82,16 +79,6 @@ def test_simulate(run, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
 
 
-def test_simulate_from_python_is_the_same():
-    data = lsvib.simulate(
-        mass=11, support_damping=1e-3, axial_force=-10, start={"u": 0.1, "w": 0}, duration=0.1, samples=21
-    )
-    motion = follow(
-        rigid_automaton(RigidParameters.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1
-    )
-    np.testing.assert_array_equal(data["angle_deviation"], motion.at(np.linspace(0, 0.1, 21))[0][:, 0])
-
-
 def test_simulate_from_a_scene_file(run, tmp_path):
     (tmp_path / "scene.yaml").write_text(
         "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"
@@ -101,98 +88,6 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         json.loads(run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1])
         == direct
     )
-
-
-def test_the_older_names_of_start_and_duration_are_read(run, tmp_path):
-    """They are shown nowhere; both at once are refused, and a file with the one is changed by the other."""
-    direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
-    older = [{"--start": "--initial", "--duration": "--t-end"}.get(word, word) for word in MOTION]
-    assert json.loads(run("simulate", *older, "--out", "b.nc", "--json")[1]) == direct
-    drive = "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\n"
-    (tmp_path / "scene.yaml").write_text(f"{drive}initial: {{u: 0.1, w: 0}}\nt_end: 9\n")
-    changed = run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "c.nc", "--json")[1]
-    assert json.loads(changed) == direct
-    given = {"mass": 11, "support_damping": 1e-3, "axial_force": -10, "initial": {"u": 0.1, "w": 0}, "t_end": 0.1}
-    assert lsvib.simulate(**given).sizes["event"] == sum(direct["events"].values())
-    (tmp_path / "both.yaml").write_text(f"{drive}start: {{u: 0, w: 0}}\nduration: 1\nt_end: 1\n")
-    assert "duration is given twice, also by its older name t_end" in refused(
-        run, "simulate", "--scene", "both.yaml", "--out", "d.nc"
-    )
-    assert "--initial" not in run("simulate", "--help")[1]
-    assert "workers = 0" in refused(run, "attraction", *DRIVE, *GRID, "--out", "m.nc", "--threads", "0")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["thresholds", "--set", "masss=1"], "masss is not a known key"),
-        (
-            ["thresholds", "--set", "mass=5kg"],
-            "mass = '5kg' is not a number; the allowed range is 1e-18 <= mass <= 1e+09",
-        ),
-        (["thresholds", "--set", "mass"], "'mass' is not of the form KEY=VALUE"),
-        (["thresholds", "--solve", "stuck"], "threshold = 'stuck' is not one of those of model rigid: onset, kine"),
-        (["thresholds", "--solve", "stick", "--for", "weight"], "unknown = 'weight' is not a parameter of model rigid"),
-        (["thresholds", "--solve", "stick"], "conditions (8.19) hold for no axial force"),
-        (["thresholds", "--for", "mass"], "--for mass needs --solve"),
-        (["stability", "--set", "friction_coefficient=10.3"], "friction_coefficient = 10.3 is outside"),
-        (["stability", "--set", "axial_force=0"], "axial_force"),
-        (["stability", "--model", "elastic"], "model = 'elastic' is not one of rigid, threads, support, nut"),
-        (["thresholds", "--model", "nut", "--set", "axial_force=0"], "axial_force balances damping and friction"),
-        (["thresholds", "--model", "nut", "--set", "screw_mass=1"], "screw_mass is not a known key"),
-        (["config", "--set", "mass=nan"], "mass = 'nan' is not a number"),
-        (["simulate", *MOTION, "--set", "friction_coefficient=11", "--out", "x.nc"], "< cot(lead_angle)"),
-        (["simulate", *MOTION, "--set", "colour=1", "--out", "x.nc"], "colour is not a known key"),
-        (["simulate", *MOTION, "--out", "none/x.nc"], "none"),
-        (["simulate", *DRIVE, "--start", "u=0.1", "--duration", "1", "--out", "x.nc"], "start"),
-        (["simulate", *DRIVE, "--start", "u=1e300", "w=0", "--duration", "1", "--out", "x.nc"], "1e+300"),
-        (["simulate", *DRIVE, "--start", "u=0", "w=0", "--duration", "-1", "--out", "x.nc"], "duration = -1"),
-        (["simulate", *DRIVE, "--start", "u=0", "w=0", "--duration", "soon", "--out", "x.nc"], "soon"),
-        (["simulate", *MOTION, "--samples", "1", "--out", "x.nc"], "samples = 1"),
-        (["simulate", *MOTION, "--resume", "never", "--out", "x.nc"], "resume = 'never'"),
-        (["simulate", *MOTION, "--model", "elastic", "--out", "x.nc"], "model = 'elastic'"),
-        (["simulate", *MOTION], "--out"),
-        (["simulate", "--scene", "none.yaml", "--out", "x.nc"], "none.yaml"),
-        (["figure", "8.6", "--config", "none.yaml"], "none.yaml"),
-        (["figure", "limit_process", "--config", str(CONFIG), "--set", "mass=9"], "The limit process needs a drive"),
-        (["figure", "attraction", "--config", str(CONFIG)], "figure attraction is not one of 8.1"),
-        (["figure", "stability_sweeps", "--config", str(CONFIG), "--set", "mass=9"], "has no drive of its own"),
-        (["figure", "8.8", "--config", str(CONFIG), "--out", str(CONFIG)], "config.yaml is not a folder"),
-        (["simulate", *MOTION, "--out", str(CONFIG / "x.nc")], "Cannot write"),
-        (["simulate", *MOTION, "--out", "."], "not the name of a file"),
-        (["simulate", *MOTION, "--set", "duration=1", "--out", "x.nc"], "duration is not a known key"),
-        (["simulate", *MOTION, "--set", "drive=1", "--out", "x.nc"], "drive is not a known key"),
-        (["simulate", *MOTION, "--model", "threads", "--resume", "at_once", "--out", "x.nc"], "resume = 'at_once'"),
-        (["thresholds", "--set", "self=1"], "self is not a known key"),
-        (["config", "--set", "lead_angle_deg=95"], "outside the allowed range 5.72958e-05 <= "),
-        (["config", "--set", "input_speed=0"], "1e-12 <= |input_speed| <= 1e+09"),
-        (["attraction", *GRID, "--set", "mass=11", "--figure", "map.pdf", "--out", "x.nc"], ".png"),
-        (["nonsense"], "nonsense"),
-        (["thresholds", "--nonsense"], "--nonsense"),
-    ],
-)
-def test_bad_input_is_refused_in_one_sentence(run, arguments, words):
-    assert words in refused(run, *arguments)
-
-
-def test_unknown_figure_is_refused_with_all_that_there_are(run):
-    sentence = refused(run, "figure", "8.99")
-    assert sentence.startswith("lsvib: figure 8.99 is not one of 8.1, 8.2, ")
-    assert "8.15, attraction_limit, basin_sweep, " in sentence
-
-
-@pytest.mark.parametrize("key", ["count", "drive"])
-def test_settings_of_a_figure_are_refused_as_the_workflow_refuses_them(run, tmp_path, key):
-    """A misspelt key and a missing one: the sentence is that of the whole configuration."""
-    settings = yaml.safe_load(CONFIG.read_text())
-    if key == "count":
-        settings["fig8_08"]["mass"]["cuont"] = settings["fig8_08"]["mass"].pop("count")
-    else:
-        del settings["fig8_08"]["drive"]
-    (tmp_path / "figures.yaml").write_text(yaml.safe_dump(settings))
-    with pytest.raises(InputError) as of_the_workflow:
-        check(settings)
-    assert refused(run, "figure", "8.8", "--config", "figures.yaml").rstrip() == f"lsvib: {of_the_workflow.value}"
 
 
 def test_command_and_python_make_the_same_file(run, tmp_path):
@@ -233,18 +128,6 @@ def test_no_command_writes_to_folders_of_the_workflow(run, tmp_path, words):
     assert "belongs to the workflow" in refused(run, *words.split())
 
 
-@pytest.mark.parametrize("number", ["8.3", "fig8_03"])
-def test_figure_by_number_or_name(run, tmp_path, number):
-    section = yaml.safe_load(CONFIG.read_text())["fig8_03"]
-    for axis in ("inertia", "damping"):
-        section[axis]["count"] = 41
-    (tmp_path / "figures.yaml").write_text(yaml.safe_dump({"figures": ["fig8_03"], "fig8_03": section}))
-    code, out, _ = run("figure", number, "--config", "figures.yaml", "--out", "built")
-    assert code == 0
-    assert ": true (" in out
-    assert Path("built/fig8_03.png").is_file()
-
-
 @pytest.mark.parametrize("form", [[], ["--json"]])
 def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
     """Another friction than the chapter's in the file of settings, which is not ``--set``: 10.1 kg is missed."""
@@ -254,24 +137,6 @@ def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
     code, _, err = run("figure", "8.8", "--config", "figures.yaml", "--out", "built", *form)
     assert code == 2
     assert "a check failed" in err
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("drive: {mass: [1\n", "not valid YAML"),
-        ("- 1\n", "does not hold names and values"),
-        ("drive: {mass: 11, weight: 2}\nstart: {u: 0, w: 0}\nduration: 1\n", "weight is not a known key"),
-        ("drive: 5\nstart: {u: 0, w: 0}\nduration: 1\n", "drive = 5 does not hold names and values"),
-        ("drive: [1, 2]\nstart: {u: 0, w: 0}\nduration: 1\n", "drive = [1, 2] does not hold"),
-        ("model: [rigid]\nstart: {u: 0, w: 0}\nduration: 1\n", "model = ['rigid'] is not one of"),
-        ("1: 2\nstart: {u: 0, w: 0}\nduration: 1\n", "1 is not a known key"),
-        ("drive: {mass: 11}\nphysics: [support_damping, axial_force]\nstart: {u: 0, w: 0}\nduration: 1\n", "list rest"),
-    ],
-)
-def test_corrupt_scene_is_refused(run, tmp_path, text, words):
-    (tmp_path / "scene.yaml").write_text(text)
-    assert words in refused(run, "simulate", "--scene", "scene.yaml", "--out", "x.nc")
 
 
 def test_installed_command_and_help():

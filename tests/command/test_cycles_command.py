@@ -19,11 +19,3 @@ def test_commands(run):
     assert "fold" in [change["kind"] for change in branch["changes"]]
     assert "KEY=START:STOP" in refused(run, "follow", *drive, "--over", "axial_force=-18")
     assert "1 <= cycle <= 2" in refused(run, "follow", *drive, *over, "--cycle", "3")
-
-
-def test_a_family_of_several_frequencies_has_no_period(run):
-    """Nothing damps a drive with a support: nan is no number of JSON, and the command ended in a traceback."""
-    drive = ["--model", "support", "--set", "support_damping=0"]
-    (family,) = json.loads(run("cycles", *drive, "--json")[1])["neutral_families"]
-    assert family["period"] is None
-    assert "side by side, of several frequencies" in run("cycles", *drive)[1]

@@ -1,19 +1,17 @@
-"""A dataset from its tiles: the same for every tiling, and one sentence for a tile that does not fit."""
-
-import os
+"""A map from its tiles, the picture of a large one, and grids."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import lsvib
 from lsvib.basins.grid import Grid
-from lsvib.data.assembly import TilePlace, content_digest, gather, overview, write_tile
-from lsvib.data.tiles import layout, tile_place
+from lsvib.data.tiles import gather_map, map_tile, rows_of
 from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
+from lsvib.figures.drawing.overview import overview
 
 ROWS, COLUMNS = 37, 58
-SETTINGS = {"some": 1}
 LABELS = {"flag_values": np.array([-1, 0, 2], np.int8), "flag_meanings": "unresolved steady cycle"}
 METADATA = {"title": "test", "source": "test", "references": "none"}
 
@@ -38,134 +36,38 @@ def whole(rows=ROWS, columns=COLUMNS):
     )
 
 
-def tiles_of(dataset, count, folder, settings=SETTINGS):
-    """Write the tiles of a map; return their places by file."""
-    rows, columns = dataset.sizes["w"], dataset.sizes["u"]
-    places = {folder / f"{k}-of-{count}.nc": tile_place(f"{k}-of-{count}", rows, columns) for k in range(1, count + 1)}
-    for path, place in places.items():
-        write_tile(dataset.drop_vars("mass").isel(w=place.rows, u=place.columns), place, settings, path)
-    return places
-
-
-def frame(dataset):
-    return dataset.drop_vars(["label", "time"])
-
-
-@pytest.fixture
-def places(tmp_path):
-    return tiles_of(whole(), 6, tmp_path)
-
-
-@pytest.mark.parametrize("count", [1, 2, 6, 7, 12])
-def test_the_map_is_the_same_for_every_tiling(count, tmp_path):
-    told = []
-    gather(frame(whole()), SETTINGS, tiles_of(whole(), count, tmp_path), tmp_path / "map.nc", lambda *n: told.append(n))
-    gathered = read_dataset(tmp_path / "map.nc")
-    assert all(gathered[name].variable.identical(whole()[name].variable) for name in whole().variables)
-    values, counts = np.unique(whole().label, return_counts=True)
-    assert gathered.attractor.values.tolist() == values.tolist()
-    assert gathered.cell_count.values.tolist() == counts.tolist()
-    assert gathered.fraction.values == pytest.approx(counts / counts.sum(), abs=1e-15)
-    assert told[-1] == (count, count)
-    assert gathered.attrs["Conventions"] == "CF-1.11"
-    one = tmp_path / "one.nc"
-    gather(frame(whole()), SETTINGS, tiles_of(whole(), 1, tmp_path), one)
-    assert gathered.attrs["content_digest"] == content_digest(tmp_path / "map.nc") == content_digest(one)
-
-
-def test_digest_tells_one_bit(tmp_path):
-    changed = whole()
-    write_dataset(changed, tmp_path / "a.nc")
-    changed.time.values[3, 5] = np.nextafter(changed.time.values[3, 5], 10)
-    write_dataset(changed, tmp_path / "b.nc")
-    assert content_digest(tmp_path / "a.nc") != content_digest(tmp_path / "b.nc")
-
-
-def test_metadata_of_a_gathered_map_follows_cf(places, tmp_path):
-    gather(frame(whole()), SETTINGS, places, tmp_path / "map.nc")
-    with xr.open_dataset(tmp_path / "map.nc", decode_cf=False) as raw:
-        assert all({"units", "long_name"} <= set(variable.attrs) for variable in raw.variables.values())
-        assert "_FillValue" not in raw.label.attrs
-        assert np.isnan(raw.time.attrs["_FillValue"])
-        assert raw.label.attrs["flag_values"].dtype == np.int8
-        assert not any("_FillValue" in raw[name].attrs for name in raw.coords)
-
-
-def test_overview_takes_the_middle_of_each_block(places, tmp_path):
-    gather(frame(whole()), SETTINGS, places, tmp_path / "map.nc")
-    full = read_dataset(tmp_path / "map.nc")
+def test_overview_takes_the_middle_of_each_block(tmp_path):
+    full = whole()
+    write_dataset(full, tmp_path / "map.nc")
     coarse = overview(tmp_path / "map.nc", most=15)
-    expected = full.isel(w=slice(1, 36, 3), u=slice(2, 56, 4))  # 12 whole blocks of 3 rows, 14 of 4 columns
+    expected = full.isel(w=slice(1, 36, 3), u=slice(2, 55, 5))  # 12 whole blocks of 3 rows, 11 of 5 columns
     assert coarse.label.values.tolist() == expected.label.values.tolist()
-    assert coarse.cell_count.identical(full.cell_count)
-    for name, step in (("w", 3), ("u", 4)):
-        blocks = full[name].values[: coarse.sizes[name] * step].reshape(-1, step)
-        assert coarse[name].values == pytest.approx(blocks.mean(axis=1), abs=1e-15)
+    for name, step in (("w", 3), ("u", 5)):
         assert coarse[name].cell_width == pytest.approx(np.diff(coarse[name].values).mean(), rel=1e-12)
-    assert overview(tmp_path / "map.nc").identical(full)
+        assert coarse[name].values.tolist() == full[name].values[step // 2 : coarse.sizes[name] * step : step].tolist()
+    assert overview(tmp_path / "map.nc").drop_attrs().identical(full.drop_attrs())
 
 
-def truncate(path):
-    os.truncate(path, path.stat().st_size // 2)
+def test_a_map_in_tiles_is_the_map(tmp_path):
+    span = {"start": -0.3, "stop": 0.3, "count": 7}, {"start": -150.0, "stop": 150.0, "count": 5}
+    drive = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
+    settings = {"drive": drive, "grid": dict(zip("uw", span, strict=True)), "quantities": ["label", "time"]}
+    tiles = [tmp_path / f"{k}-of-3.nc" for k in range(1, 4)]
+    for tile in tiles:
+        map_tile(settings, tile.stem, tile)
+    gather_map(settings, tiles, tmp_path / "map.nc")
+    one = lsvib.RigidDrive(**drive).attraction(settings["grid"], quantities=["time"])
+    write_dataset(one, tmp_path / "one.nc")
+    assert read_dataset(tmp_path / "map.nc").identical(read_dataset(tmp_path / "one.nc"))
+    tiles[1].unlink()
+    with pytest.raises(lsvib.InputError, match=r"2-of-3\.nc does not exist"):
+        gather_map(settings, tiles, tmp_path / "map.nc")
 
 
-def other_settings(path):
-    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TilePlace(0, 18, 0, 19), {"some": 2}, path)
-
-
-def elsewhere(path):
-    write_tile(whole().isel(w=slice(0, 18), u=slice(0, 19)), TilePlace(18, 36, 0, 19), SETTINGS, path)
-
-
-@pytest.mark.parametrize(
-    ("damage", "words"),
-    [
-        (truncate, "is damaged"),
-        (other_settings, "is no tile of this map"),
-        (elsewhere, "is no tile of this map"),
-        (lambda path: path.unlink(), "does not exist"),
-    ],
-)
-def test_a_tile_that_does_not_fit_is_refused_in_one_sentence(damage, words, places, tmp_path):
-    tile = next(iter(places))
-    damage(tile)
-    with pytest.raises(InputError) as error:
-        gather(frame(whole()), SETTINGS, places, tmp_path / "map.nc")
-    assert str(error.value).startswith(str(tile))
-    assert words in str(error.value)
-    assert not list(tmp_path.glob("*map.nc*"))
-
-
-def test_tiles_with_other_variables_are_refused(places, tmp_path):
-    tile = list(places)[3]
-    place = places[tile]
-    cells = whole().drop_vars(["mass", "time"]).isel(w=place.rows, u=place.columns)
-    write_tile(cells, place, SETTINGS, tile)
-    with pytest.raises(InputError, match=r"4-of-6\.nc holds other variables than"):
-        gather(frame(whole()), SETTINGS, places, tmp_path / "map.nc")
-
-
-@pytest.mark.parametrize(
-    ("tiles", "rows", "columns", "expected"),
-    [(6, 40, 60, (2, 3)), (6, 60, 40, (3, 2)), (100, 20000, 20000, (10, 10)), (7, 40, 60, (1, 7)), (4, 2, 300, (1, 4))],
-)
-def test_layout_is_the_one_with_the_squarest_tiles(tiles, rows, columns, expected):
-    assert layout(tiles, rows, columns) == expected
-
-
-@pytest.mark.parametrize(("tiles", "rows", "columns"), [(6, 40, 60), (7, 41, 59), (1, 1, 1), (12, 5, 5)])
-def test_windows_cover_each_cell_once(tiles, rows, columns):
-    seen = np.zeros((rows, columns), int)
-    for k in range(tiles):
-        place = tile_place(f"{k + 1}-of-{tiles}", rows, columns)
-        assert min(place.shape) > 0
-        seen[place.rows, place.columns] += 1
-    assert (seen == 1).all()
-
-
-def test_more_tiles_than_a_map_can_have_are_refused():
-    with pytest.raises(InputError, match="tiles = 7 cannot divide a map of 6 x 4 cells"):
-        layout(7, 4, 6)
+def test_more_tiles_than_rows_are_refused():
+    assert [rows_of(f"{k}-of-3", 7) for k in (1, 2, 3)] == [slice(0, 2), slice(2, 4), slice(4, 7)]
+    with pytest.raises(lsvib.InputError, match="tiles = 7 is outside the allowed range 1 <= tiles <= 4"):
+        rows_of("1-of-7", 4)
 
 
 SPAN = {"start": -1.0, "stop": 1.0, "count": 3}

@@ -70,11 +70,6 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
     ]
 
 
-def test_without_a_printed_number_there_is_no_table_of_them():
-    assert "Printed" not in checks_text(CHECKS[:2])
-    assert "Printed" not in checks_page(CHECKS[:2])
-
-
 def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
     claim = Check.within("|a_b_|*", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")
     for checks in ([*CHECKS, ("fig8_08", claim)], CHECKS[:1]):

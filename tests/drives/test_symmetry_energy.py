@@ -21,8 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.drives import RULES, drives, starts
 
-from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.impulses import mean_load, seizure_impulses
+from lsvib.cycles.impulses import seizure_impulses
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.kernels import columns, flow_planar
@@ -193,15 +192,3 @@ def test_axial_momentum_balance(drive, start, rule, t_end):
         if law:
             expected = mechanics.normal_force(*state, law)
             assert force == pytest.approx(expected, rel=TOLERANCE, abs=TOLERANCE * abs(drive.axial_force))
-
-
-@pytest.mark.parametrize("mass", [11.0, 15.0])
-@pytest.mark.parametrize("force", [-10.0, 50.0])
-def test_mean_load_of_a_cycle_is_the_axial_force(mass, force):
-    """Over a period momenta do not change: the threads carry R along the axis and −k ⟨z⟩ − c Ω about it."""
-    drive = RigidParameters.of(mass=mass, axial_force=force, support_damping=1e-3)
-    cycle = steady_state(rigid_automaton(drive), (0.1, 0.0))
-    load = mean_load(drive, cycle.orbit)
-    assert load.axial == pytest.approx(force, rel=TOLERANCE)  # a difference of impulses 1e3 times larger
-    torque = -drive.coupling_stiffness * load.deflection - drive.support_damping * drive.input_speed
-    assert load.torque == pytest.approx(torque, rel=TOLERANCE)

@@ -9,8 +9,6 @@ from lsvib.engine.kernels.compile_ahead import tables_of
 if jit.numba.config.DISABLE_JIT:
     pytest.skip("nothing is compiled", allow_module_level=True)
 
-# Modules that Python reads; a module that makes kernels uses others in them.
-
 
 @pytest.mark.parametrize("kind", ["planar", "modal"])
 def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):

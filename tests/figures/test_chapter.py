@@ -13,7 +13,6 @@ from lsvib.figures.folders import default_figures
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-ROOMS = {"basins", "bench", "figures"}  # of the tests that build datasets of figures
 KEYS = {"at", "says", "value", "unit", "figure", "check", "input", "reason"}
 
 
@@ -57,16 +56,6 @@ def test_printed_inputs_are_those_that_are_used(entry):
         for key in path:
             value = value[int(key) if isinstance(value, list) else key]
         assert value == entry["value"]
-
-
-def test_figures_that_are_named_have_their_checks_under_test():
-    """The helpers that those tests call compare the list with the checks: reference.figures."""
-    tests = "".join(
-        path.read_text(encoding="utf-8")
-        for path in sorted((ROOT / "tests").glob("*/test_*.py"))
-        if path.parent.name in ROOMS
-    )
-    assert {entry["figure"] for entry in entries() if "figure" in entry} <= set(re.findall(r'"(\w+)"', tests))
 
 
 def test_reasons_name_files_that_exist():

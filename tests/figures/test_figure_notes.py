@@ -1,17 +1,16 @@
 """The line of values under a picture, and where arrows of time and words beside a line stand."""
 
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from references.figure_checks import assert_states_what_is_assumed, dataset_of, draft, number_in
+from references.figure_checks import dataset_of, draft
 
 from lsvib.contact import existence
 from lsvib.data import phase_plane
 from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.draw import caption_of
-from lsvib.figures.drawing import arrows, style
 from lsvib.figures.drawing import phase_planes as drawn
+from lsvib.figures.drawing import style
 from lsvib.figures.fig8_07 import picture as fig8_07
 
 
@@ -49,85 +48,6 @@ def test_a_caption_says_the_same_values_in_plain_words():
         "Values: As printed: m = 10 kg, R = −50 N. Assumed: m = 11 kg, k_c = 10⁸ N m⁻¹. Varied: Ω from 2 × 10⁻⁴."
     )
     assert "Values" not in caption_of("fig8_03", style.new_figure())
-
-
-@pytest.mark.parametrize("width", [1.6, 2.5, style.SINGLE])
-def test_the_line_is_broken_where_it_would_leave_the_figure(width):
-    figure = style.new_figure(width)
-    style.state_values(figure, parameters())
-    text = figure.get_supxlabel()
-    assert "\n" in text
-    assert figure._supxlabel.get_window_extent().width <= 0.98 * figure.bbox.width
-
-
-def test_many_values_of_a_parameter_become_their_range():
-    variable = xr.DataArray(np.linspace(1, 7, 7), attrs={"symbol": "$k$", "units": "N m-1", "long_name": "stiffness"})
-    assert style.amount(variable) == "$k$ = 1 to 7 N m⁻¹"
-    assert style.amount(variable[:5]) == "$k$ = 1, 2, 3, 4, 5 N m⁻¹"
-
-
-def panel():
-    axes = style.new_figure().add_subplot()
-    axes.set(xlim=(0, 10), ylim=(0, 1))
-    return axes
-
-
-def test_an_arrow_points_along_its_line_where_no_other_line_is_near():
-    axes = panel()
-    x = np.linspace(1, 9, 400)
-    crossing = np.where(x < 6, 0.5, 0.9)  # lies on the first line but for the last third
-    arrows.draw_arrows(axes, [(x[::-1], np.full(x.size, 0.5), "red"), (x, crossing, None)])
-    (arrow,) = axes.texts
-    (head, tail) = arrow.xy, arrow.xyann
-    assert head[0] < tail[0]
-    assert head[0] > 6
-    assert matplotlib.colors.same_color(arrow.arrow_patch.get_facecolor(), "red")
-
-
-def test_a_line_out_of_view_and_one_without_length_get_no_arrow():
-    axes = panel()
-    away = np.linspace(20, 30, 50)
-    arrows.draw_arrows(axes, [(away, away, "red"), (np.full(5, 3.0), np.full(5, 0.5), "red")])
-    assert not axes.texts
-
-
-def test_no_arrow_stands_on_a_jump():
-    axes = panel()
-    x = np.array([1.0, 1.6, np.nan, 1.6, 2.2])
-    y = np.array([0.1, 0.1, np.nan, 0.9, 0.9])
-    arrows.draw_arrows(axes, [(x, y, "red")])
-    (arrow,) = axes.texts
-    assert arrow.xy[1] == arrow.xyann[1]
-    assert arrow.xy[0] > arrow.xyann[0]
-
-
-def test_words_stand_on_their_sides_of_a_line_and_clear_of_others():
-    axes = panel()
-    x = np.linspace(0, 5, 300)
-    other = (x, x / 10 + 0.5 * np.sin(40 * x), None)  # covers the panel around the first half of the line
-    arrows.name_sides(axes, np.array([[0.0, 0.0], [10.0, 1.0]]), ("below", "above"), [other])
-    places = {text.get_text(): text.get_position() for text in axes.texts}
-    assert places["below"][1] < places["below"][0] / 10
-    assert places["above"][1] > places["above"][0] / 10
-    assert min(place[0] for place in places.values()) > 5
-
-
-@pytest.mark.parametrize("spoiled", ["value", "symbol", "all"])
-def test_the_rule_that_figures_state_what_is_assumed_can_fail(spoiled):
-    figure, dataset = style.new_figure(style.DOUBLE), parameters()
-    style.state_values(figure, dataset)
-    assert_states_what_is_assumed(figure, dataset)
-    text = figure.get_supxlabel()
-    replaced = {"value": ("11 kg", "12 kg"), "symbol": ("$k_c$", "$k$"), "all": (text, "")}
-    figure.supxlabel(text.replace(*replaced[spoiled]))
-    with pytest.raises(AssertionError):
-        assert_states_what_is_assumed(figure, dataset)
-
-
-@pytest.mark.parametrize(("word", "value"), [("$2*10^{-4}$", 2e-4), ("$10^{8}$", 1e8), ("−50", -50.0), ("0.5.", 0.5)])
-def test_numbers_of_a_text_are_read(word, value):
-    assert number_in(word) == pytest.approx(value)
-    assert np.isnan(number_in("kg"))
 
 
 SIDES = {

@@ -1,173 +1,61 @@
-"""The datasets of the figures: on draft settings every check passes, and each fails once its data are spoiled."""
+"""Every figure: on draft settings all of its checks pass, one refuses spoiled data, and its file alone gives a picture.
 
-import numpy as np
+Figures 8.1 to 8.15 and those that the book describes without a picture.
+"""
+
 import pytest
-from references.figure_checks import dataset_of, draft, figure_tests, scale, set_to
+from references.figure_checks import assert_drawn_from_file, checks_of, dataset_of, scale, set_to
+from references.listed_claims import assert_listed_checks_exist
 
 from lsvib.basins.exact_basin import Boundary
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.impulses import mean_load, seizure_impulses
-from lsvib.data import phase_plane
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, rigid_automaton
-from lsvib.engine.motion import follow
-from lsvib.errors import InputError
-from lsvib.figures.basin_sweep import dataset as basin_sweep
-from lsvib.figures.fig8_06 import dataset as fig8_06
+from lsvib.contact.contact_force import ForceOutcome
+from lsvib.cycles.attractors import Attractor
+from lsvib.drives.rigid import EventKind
+from lsvib.figures.folders import default_figures
+from lsvib.figures.limit_process.dataset import BranchVerdict
+from lsvib.steady_sliding.eigenvalues_rigid import Stability
+from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
 
-SPRAG_DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
-
-
-SPOILERS = {
-    "fig8_04": {
-        "three conditions": set_to("margin_force_with_motion", -1.0),
-        "unstable by its eigenvalues": set_to("eigenvalue_real_part", -1.0),
-        "leaves it": scale("angle_deviation", 0.0, 0, 0, slice(500, None)),
-        "limit cycle attracts": scale("amplitude", 1 + 1e-9, 0, 0, 1),
-    },
-    "fig8_05": {
-        "only the second": set_to("margin_force_with_motion", 1.0),
-        "stable by its eigenvalues": set_to("eigenvalue_real_part", 1.0),
-        "approaches the origin": set_to("angle_deviation", 1.0, 0, 1, slice(-5, None)),
-        "settles on the origin": set_to("attractor", Attractor.OTHER_CYCLE, 0, 1, 0),
-    },
-    "fig8_06": {
-        "Tangent of the lead angle": scale("lead_tangent", 1.001),
-        "self-locking": set_to("friction_coefficient", 0.09),
-        "sets in": scale("onset_force", 1.02),
-        "first touches rest": scale("stick_force", 1.03),
-        "no longer reaches": scale("detach_force", 1.05),
-        "amplitude is zero": set_to("swept_amplitude", 1e-12, 3),
-        "straight line": scale("swept_amplitude", 1 + 1e-6, 15),
-        "is constant": scale("swept_amplitude", 1 + 1e-9, -1),
-        "changes kind": set_to("regime", 0, 20),
-        "line of rest": set_to("smallest_velocity", -40.0, 15),
-        "origin is stable": set_to("attractor", Attractor.OTHER_CYCLE, 0, 0, 0),
-        "pure-slip limit cycle": set_to("attractor", Attractor.STICK_SLIP_CYCLE, 1, 0, 0),
-        "stick-slip cycle attracts": set_to("attractor", Attractor.OTHER_CYCLE, 2, 0, 1),
-        "damping C₋": scale("reading_effective_damping_minus", 1.02),
-        "damping C₊": scale("reading_effective_damping_plus", 0.95),
-        "inertia Γ₋": scale("reading_effective_inertia_minus", 0.99),
-        "inertia Γ₊": scale("reading_effective_inertia_plus", 0.99),
-        "are not those of m = 8": set_to("reading_stick_force", 34.6),
-    },
-    "fig8_07": {
-        "existence analysis": set_to("existence", 1, 10, 10),
-        "seizes at once": set_to("event_sign", -1, 0, 0, 0),
-        "slips under law -1": set_to("mode", 4, 0, 2, 0),
-        "converges to u_0": scale("law_minus_angle", 1 + 1e-9, 0),
-        "beyond the line": scale("contact_line_angle", 100.0),
-    },
-    "fig8_09": {
-        "critical mass lies between": scale("effective_inertia_plus", -1.0, 0),
-        "decays to the origin": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 0, 1, 0),
-        "one sprag-slip cycle": scale("amplitude", 1 + 1e-9, 1, 1, 1),
-        "axial force, which the text leaves out": scale("impact_speed", 0.9, 0),
-    },
-    "fig8_11": {
-        "sprag-slip cycle at each": set_to("attractor", Attractor.STEADY_SLIDING, 0, 0, 0),
-        "amplitude falls": scale("amplitude", 2.0, 2, 0, 0),
-        "starts on the line": scale("contact_line_angle", 1 + 1e-9),
-        "both rules": scale("amplitude", 1 + 1e-15, 1, 1, 0),
-    },
-    "fig8_12": {
-        "sprag-slip cycle for every": set_to("attractor", Attractor.STICK_SLIP_CYCLE, 1, 3),
-        "amplitude falls": scale("amplitude", 2.0, 1, -1),
-        "mean deflection": scale("mean_deflection", 0.5, 0, -1),
-        "mean of |N|": scale("mean_normal_force", 0.5, 0, -1),
-        "Without rest both rules": scale("amplitude", 1 + 1e-9, 1, -1),
-        "axial contact force": scale("mean_axial_contact_force", 1 + 1e-9, 0, 5),
-        "contact torque": scale("mean_contact_torque", 1 + 1e-9, 0, 5),
-    },
-    "fig8_14": {
-        "printed corner": scale("corner_angle", 1 + 1e-9, 2),
-        "up to the corner": set_to("corner_attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 7),
-        "printed mass has": scale("effective_inertia_plus", -1.0, 0),
-        "(a) m = 10 kg": set_to("event_kind", EventKind.STICK, 0, 0),
-        "(a) m = 11 kg": set_to("attractor", Attractor.SPRAG_SLIP_CYCLE, 2, 1, 1),
-        "(b) m = 10 kg": set_to("grid_attractor", Attractor.SPRAG_SLIP_CYCLE, 1, 0, 0),
-        "(b) m = 11 kg": scale("amplitude", 1 + 1e-9, 3, 1, 0),
-        "threshold of global stability lies": scale("global_stability_force", 2.0),
-        "leaves rest changes": set_to("bracket_attractor", Attractor.STEADY_SLIDING, 0, 1),
-        "seizures accumulate in the corner": scale("seizure_distance", 1.001, 2, 1, 8),
-        "in finite time": scale("seizure_time", 1.001, 3, 1, 5),
-        "rest after a few seizures": set_to("seizure_distance", 1e-3, 2, 0),
-    },
-    "basin_sweep": {
-        "globally stable exactly": set_to("fraction_axial_force", 0.5, 0),
-        "Over the damping": set_to("boundary_kind_support_damping", Boundary.CYCLE, -1),
-        "Over mass and friction": scale("critical_mass", 1.01),
-        "quite small": set_to("reading_fraction", 0.02, 1, 1),
-        "As printed steady sliding": set_to("reading_fraction", 0.99, 0, 1),
-        "square of the force": scale("basin_area_axial_force", 1 + 1e-9, -1),
-        "counted on grids": set_to("grid_fraction", 0.9, 0, -1),
-    },
+SPOILED = {  # words of a check, and what it must refuse
+    "fig8_01": ("exactly inside the loop", set_to("grid_outcome", ForceOutcome.BOUNDED, 0, 0, 0)),
+    "fig8_02": ("Every start ends growing", set_to("grid_outcome", ForceOutcome.BOUNDED, 1, 3, 3)),
+    "fig8_03": ("Steady sliding is stable exactly where", set_to("stability", Stability.UNSTABLE_NODE, -1, -1)),
+    "fig8_04": ("unstable by its eigenvalues", set_to("eigenvalue_real_part", -1.0)),
+    "fig8_05": ("settles on the origin", set_to("attractor", Attractor.OTHER_CYCLE, 0, 1, 0)),
+    "fig8_06": ("first touches rest", scale("stick_force", 1.03)),
+    "fig8_07": ("existence analysis", set_to("existence", 1, 10, 10)),
+    "fig8_08": ("Critical mass, root of", scale("critical_mass", 1.03)),
+    "fig8_09": ("one sprag-slip cycle", scale("amplitude", 1 + 1e-9, 1, 1, 1)),
+    "fig8_10": ("Peak of the contact force", scale("peak_normal_force", 1.03)),
+    "fig8_11": ("amplitude falls", scale("amplitude", 2.0, 2, 0, 0)),
+    "fig8_12": ("axial contact force", scale("mean_axial_contact_force", 1 + 1e-9, 0, 5)),
+    "fig8_13": ("repeats to 1e-9", set_to("period_residual", 1e-8, 1)),
+    "fig8_14": ("(a) m = 10 kg", set_to("event_kind", EventKind.STICK, 0, 0)),
+    "fig8_15": ("root of Γ̃_0", scale("critical_friction", 1.03)),
+    "limit_process": ("rules of resuming part", set_to("rule_followed", BranchVerdict.BOTH)),
+    "basin_sweep": ("Over the damping", set_to("boundary_kind_support_damping", Boundary.CYCLE, -1)),
+    "table_rounding": ("One support damping that rounds to the printed one", set_to("matching_detach_force", 46.6)),
+    "contact_stability": ("With enough contact damping", scale("least_contact_damping", 0.1)),
+    "nut_stability": ("kinematic exactly where (8.33) holds", set_to("stability", UndampedClass.KINEMATIC, 0, 0)),
 }
-test_checks_pass, test_check_fails, test_is_drawn = figure_tests(SPOILERS)
 
 
-def test_backward_the_thresholds_have_another_order_and_the_checks_fail():
-    """Ω < 0: no force lies between onset and stick as they are ordered forward."""
-    settings = draft("fig8_06")
-    backward = {**settings["drive"], "input_speed": -40.0}
-    dataset = fig8_06.build(settings | {"drive": backward, "axial_force": {"start": -60.0, "stop": 0.0, "count": 5}})
-    failed = {check.claim for check in fig8_06.checks(dataset) if not check.passed}
-    assert any("straight line" in claim for claim in failed)
+@pytest.mark.parametrize("figure", default_figures())
+def test_every_check_passes(figure):
+    """And each claim that config/chapter.yaml says a figure checks is one of its checks."""
+    checks = checks_of(figure, dataset_of(figure))
+    assert checks
+    assert [check.sentence() for check in checks if not check.passed] == []
+    assert_listed_checks_exist(figure, checks)
 
 
-def test_a_sweep_without_the_motion_that_touches_fails_its_check():
-    dataset = set_to("boundary_kind_axial_force", Boundary.NONE)(dataset_of("basin_sweep"))
-    assert any("square of the force" in c.claim and not c.passed for c in basin_sweep.checks(dataset))
+@pytest.mark.parametrize("figure", default_figures())
+def test_a_check_refuses_spoiled_data(figure):
+    words, spoil = SPOILED[figure]
+    checks = checks_of(figure, spoil(dataset_of(figure)))
+    assert False in [check.passed for check in checks if words in check.claim]
 
 
-def test_samples_hold_every_event_before_and_after():
-    motion = follow(rigid_automaton(RigidParameters.of(SPRAG_DRIVE)), [-0.25, 60.0], 0.1)
-    times, states, modes = phase_plane.sample(motion, 500)
-    assert times.size == 500
-    assert (np.diff(times) >= 0).all()
-    assert (times[0], times[-1]) == (0.0, 0.1)
-    assert motion.automaton.codes[modes].dtype == np.int8
-    for time, before, after in zip(motion.time, motion.before, motion.after, strict=True):
-        at = states[times == time]
-        assert (at[0] == before).all()
-        assert (at[-1] == after).all()
-    exact, _ = motion.at(times)
-    smooth = ~np.isin(times, motion.time)
-    np.testing.assert_array_equal(states[smooth][:-1], exact[smooth][:-1])
-
-
-def test_too_few_samples_are_refused():
-    motion = follow(rigid_automaton(RigidParameters.of(SPRAG_DRIVE)), [-0.25, 60.0], 1.0)
-    with pytest.raises(InputError, match="samples = 100 is outside the allowed range samples >= "):
-        phase_plane.sample(motion, 100)
-
-
-@pytest.mark.parametrize("speed", [80.0, -25.0])
-def test_seizure_impulses_stop_screw_and_nut(speed):
-    drive = RigidParameters.of(SPRAG_DRIVE)
-    impulses = seizure_impulses(drive, speed)
-    sine, cosine = np.sin(drive.lead_angle), np.cos(drive.lead_angle)
-    tangential = (float(impulses.axial) - float(impulses.normal) * cosine) / sine
-    # m Δx′ and I Δθ′ of the stop, from the two impulses of the contact
-    assert float(impulses.normal) * cosine + tangential * sine == pytest.approx(
-        drive.mass * drive.pitch_radius * np.tan(drive.lead_angle) * speed, rel=1e-12
-    )
-    assert drive.pitch_radius * (tangential * cosine - float(impulses.normal) * sine) == pytest.approx(
-        drive.screw_inertia * speed, rel=1e-10
-    )
-    # beyond the critical mass friction is strong enough to lock the contact, and the impulse has the sign of θ′
-    assert abs(tangential / float(impulses.normal)) < drive.friction_coefficient
-    assert np.sign(impulses.normal) == np.sign(speed)
-
-
-@pytest.mark.parametrize("force", [-10.0, 50.0])
-@pytest.mark.parametrize("damping", [1e-5, 1e-3])
-def test_mean_load_balances_the_momenta(force, damping):
-    drive = RigidParameters.of(mass=11, axial_force=force, support_damping=damping)
-    steady = steady_state(rigid_automaton(drive), [0.1, 0.0])
-    load = mean_load(drive, steady.orbit)
-    assert load.axial == pytest.approx(force, rel=1e-12)
-    assert load.torque == pytest.approx(
-        -drive.coupling_stiffness * load.deflection - damping * drive.input_speed, rel=1e-12
-    )
-    assert 0 < load.impulsive < load.normal
+@pytest.mark.parametrize("figure", default_figures())
+def test_it_is_drawn_from_its_file(figure, tmp_path):
+    assert_drawn_from_file(figure, dataset_of(figure), tmp_path / "a.nc")

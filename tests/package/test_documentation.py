@@ -45,18 +45,6 @@ def test_every_link_within_the_repository_leads_somewhere(page):
         assert not anchor or anchor in anchors(target), f"{path}#{anchor}"
 
 
-def test_lines_are_as_long_as_those_of_the_code():
-    """Tables and pictures excepted, whose lines cannot be broken; docstrings are ruff's matter (E501)."""
-    pages = [*PAGES, *(ROOT / "src").rglob("*.rst"), *(ROOT / "docs").rglob("*.rst")]
-    long = [
-        f"{name(page)}:{number}"
-        for page in pages
-        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1)
-        if len(line) > 120 and not line.startswith(("|", "![", "  |"))
-    ]
-    assert not long, long
-
-
 @pytest.mark.parametrize("page", EXAMPLES, ids=name)
 def test_the_examples_of_a_page_run(page):
     result = doctest.testfile(str(page), module_relative=False)
@@ -90,40 +78,6 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
             assert f'id="lsvib.{public}"' in reference
     for method in ("simulate", "attraction", "follow", "thresholds", "replace"):
         assert f'id="lsvib.ThreadsDrive.{method}"' in reference
-
-
-@needs_sphinx
-@pytest.mark.slow
-def test_the_gallery_shows_the_pictures_of_a_run(tmp_path):
-    """A script with a picture from elsewhere; a folder without all of them is refused in one sentence."""
-    command = [sys.executable, str(ROOT / "docs" / "build_site.py"), str(tmp_path), "--pictures", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (1, f"docs: {tmp_path} has no picture {default_figures()[0]}.png.\n")
-    assert not (tmp_path / "html").exists()
-    (tmp_path / "fig8_03.png").write_bytes(b"a picture")
-    sys.path.insert(0, str(ROOT / "docs" / "site"))
-    try:
-        from gallery import script
-    finally:
-        sys.path.pop(0)
-    text = script("fig8_03", tmp_path / "source", tmp_path)
-    assert "# .. image:: /files/figures/fig8_03.png\n" in text
-    assert (tmp_path / "source" / "files" / "figures" / "fig8_03.png").read_bytes() == b"a picture"
-
-
-@needs_sphinx
-@pytest.mark.slow
-def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
-    sys.path.insert(0, str(ROOT / "docs"))
-    try:
-        from build_site import on_site
-    finally:
-        sys.path.pop(0)
-    with pytest.raises(SystemExit, match=r"docs: docs/x\.md links to nowhere\.md, which is not there"):
-        on_site("see [this](nowhere.md)", "docs/x.md", tmp_path, {})
-    shown = on_site("[a](../README.md) [b](figures/one_drive.png#x)", "docs/x.md", tmp_path, {"README.md": "index.rst"})
-    assert shown == "[a](index.rst) [b](files/docs/figures/one_drive.png)"
-    assert (tmp_path / "files" / "docs" / "figures" / "one_drive.png").is_file()
 
 
 @pytest.fixture(scope="module")

@@ -1,142 +1,92 @@
-"""What a module loads: no engine for eigenvalues, no matplotlib for data, no engine for pictures; import contracts."""
+"""What a command loads: no engine for eigenvalues, no matplotlib for data, nothing heavy before it is needed.
 
-import ast
+``lint-imports`` (run by .ci/run) holds the rooms to their contracts; here it is seen what Python really loads.
+"""
+
 import json
 import subprocess
 import sys
-from functools import cache
-from importlib.util import find_spec
-from pathlib import Path
 
 import grimp
 import pytest
 
-from lsvib.figures.folders import accuracy_figures, dataset_module, default_figures, picture_module
+from lsvib.drives.model_files import model_names
+from lsvib.figures.folders import dataset_module, default_figures, picture_module
 
-ROOT = Path(__file__).parents[2]
-PACKAGE = Path(find_spec("lsvib").origin).parent
-FIGURES = [*default_figures(), *accuracy_figures()]
-EIGENVALUES = ["fig8_01", "fig8_02", "fig8_03", "fig8_08", "fig8_15"]
-FIGURE_ROOMS = ("figures", "bench/figures")
-PACKAGES = sorted(
-    ".".join(("lsvib", *init.parent.relative_to(PACKAGE).parts)) for init in PACKAGE.glob("**/__init__.py")
-)
-HEAVY = {"numba", "matplotlib", "xarray", "scipy", "pydantic", "netCDF4"}
-
-
-# Loaded before the modules in question, each of which then costs a tenth of a second; nothing that is looked for.
-DATASETS_NEED = "numpy, xarray, netCDF4, mpmath, pydantic, numba"
-FIGURES_NEED = "numpy, xarray, netCDF4, mpmath, matplotlib, matplotlib.figure, matplotlib.backends.backend_agg"
-PROGRAM = """
+FIGURES = default_figures()
+WITHOUT_ENGINE = [
+    "--help",
+    "config",
+    *(f"stability --model {name}" for name in model_names()),
+    "thresholds --model threads",
+    "figure 8.8",
+    "thresholds --set mass=-1",
+]
+COMMANDS = """
+import os, sys
+import cyclopts, mpmath, matplotlib, netCDF4, pydantic, xarray
+for line in sys.argv[1:]:
+    if not os.fork():
+        sys.argv = ["lsvib", *line.split()]
+        sys.stdout = sys.stderr = open(os.devnull, "w")
+        try:
+            from lsvib.command.app import main
+            main()
+        except SystemExit:
+            pass
+        os.write(1, f"{line}: {'numba' in sys.modules}\\n".encode())
+        os._exit(0)
+    os.wait()
+"""
+MODULES = """
 import json, os, sys
 from importlib import import_module
-for name in sys.argv[1:]:
+import numpy, xarray, netCDF4, mpmath, pydantic
+before, *names = sys.argv[1:]
+import_module(before)
+for name in names:
     sys.stdout.flush()
     if not os.fork():
         import_module(name)
         print(json.dumps([name, list(sys.modules)]), flush=True)
         os._exit(0)
-    if os.wait()[1]:
-        sys.exit(1)
+    os.wait()
 """
 
 
-@cache
-def loaded(names: tuple[str, ...], before: str = "sys") -> dict[str, frozenset[str]]:
-    """Names of all modules that Python has loaded after each module, which is imported in a process of its own."""
-    program = f"import {before}\n{PROGRAM}"
-    run = subprocess.run([sys.executable, "-c", program, *names], capture_output=True, text=True, check=True)
-    return {name: frozenset(modules) for name, modules in map(json.loads, run.stdout.splitlines())}
+def loaded(part, before: str) -> dict[str, set[str]]:
+    """By figure, the modules that Python has loaded after its dataset or picture, imported in a process of its own.
+
+    Each is a copy of one process, which has loaded ``before`` and what else is heavy and not looked for.
+    """
+    names = {part(figure): figure for figure in FIGURES}
+    run = subprocess.run([sys.executable, "-c", MODULES, before, *names], capture_output=True, text=True, check=True)
+    return {names[name]: set(modules) for name, modules in map(json.loads, run.stdout.splitlines())}
 
 
-def after_dataset(figure: str) -> frozenset[str]:
-    return loaded(tuple(dataset_module(n) for n in FIGURES), DATASETS_NEED)[dataset_module(figure)]
+def test_commands_that_need_no_engine_load_none(tmp_path):
+    """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
+    lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
+    command = [sys.executable, "-c", COMMANDS, *lines]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [*(f"{line}: False" for line in WITHOUT_ENGINE), f"{lines[-1]}: True"]
 
 
-def after_figure(figure: str) -> frozenset[str]:
-    return loaded(tuple(picture_module(n) for n in FIGURES), FIGURES_NEED)[picture_module(figure)]
+def test_the_package_loads_nothing_heavy():
+    program = "import lsvib, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert not {"numba", "matplotlib", "xarray", "scipy", "pydantic", "numpy"} & set(done.stdout.split())
 
 
-@cache
-def import_graph() -> grimp.ImportGraph:
-    return grimp.build_graph("lsvib", cache_dir=None)
-
-
-def test_every_figure_is_configured_and_has_both_modules():
-    """What has ``build`` makes the dataset of a figure, what has ``draw`` its picture; all of it is configured."""
-    for file, function in (("dataset", "build"), ("picture", "draw")):
-        paths = [path for room in FIGURE_ROOMS for path in (PACKAGE / room).glob(f"*/{file}.py")]
-        found = {path.parent.name for path in paths if f"\ndef {function}(" in path.read_text(encoding="utf-8")}
-        assert found - {"attraction", "chart"} == set(FIGURES)  # a map and charts have targets of their own
-    assert len(FIGURES) == len(set(FIGURES))
-    assert {f"fig8_{n:02}" for n in range(1, 16)} <= set(FIGURES)
-
-
-def test_the_package_itself_loads_nothing_heavy():
-    assert not frozenset().union(*loaded(tuple(PACKAGES)).values()) & HEAVY
-
-
-def test_no_engine_where_none_is_needed():
-    tables = [
-        ".".join(("lsvib", *p.relative_to(PACKAGE).with_suffix("").parts)) for p in PACKAGE.glob("drives/**/*.py")
-    ]
-    modules = (
-        *(dataset_module(n) for n in EIGENVALUES),
-        *(name for name in tables if not name.endswith("__init__")),
-        "lsvib.engine.exact.flow_choice",
-        "lsvib.steady_sliding.eigenvalues_rigid",
-        "lsvib.data.writer",
-    )
-    found = loaded(modules, "numpy, xarray, netCDF4, mpmath, pydantic")
-    assert len(found) == len(modules)
-    assert not [module for module in modules if "numba" in found[module]]
-
-
-@pytest.mark.parametrize("figure", FIGURES)
-def test_dataset_modules_load_no_matplotlib(figure):
-    assert "matplotlib" not in after_dataset(figure)
-
-
-@pytest.mark.parametrize("figure", FIGURES)
-def test_figure_modules_load_no_engine(figure):
-    assert not after_figure(figure) & {"numba", "matplotlib.pyplot", "scipy"}
-
-
-@pytest.mark.parametrize("folder", ["datasets", "figures"])
-@pytest.mark.parametrize("figure", FIGURES)
-def test_what_is_loaded_is_known_to_the_workflow(folder, figure):
-    """The workflow reruns a figure when a file in its import closure changes: no module may be loaded outside of it."""
-    name = {"datasets": dataset_module, "figures": picture_module}[folder](figure)
-    closure = import_graph().find_upstream_modules(name) | {name}
-    packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
-    found = after_dataset(figure) if folder == "datasets" else after_figure(figure)
-    ours = {m for m in found if m == "lsvib" or m.startswith("lsvib.")}
-    assert name in ours
-    assert ours <= closure | packages
-
-
-def test_import_contracts_hold():
-    command = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert run.returncode == 0, run.stdout
-    assert "0 broken" in run.stdout
-
-
-def test_kernels_need_no_linear_algebra():
-    """numba's products and solutions of matrices call scipy, which the runtime does not install."""
-    for path in PACKAGE.glob("**/kernels/*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            product = isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.MatMult)
-            assert not product, f"{path.name}:{node.lineno} multiplies matrices"
-            named = isinstance(node, ast.Attribute) and node.attr in {"dot", "vdot", "linalg", "matmul"}
-            assert not named, f"{path.name}:{node.lineno} uses {getattr(node, 'attr', '')}"
-
-
-def test_nothing_lets_xarray_interpolate():
-    """Its interpolation calls scipy, which only assessments and benchmarks have."""
-    for path in PACKAGE.rglob("*.py"):
-        if path.relative_to(PACKAGE).parts[0] in ("assess", "bench"):
-            continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Attribute) and node.attr in {"interp", "interp_like", "interpolate_na"}:
-                assert ast.unparse(node.value) == "np", f"{path.name}:{node.lineno} uses {node.attr}"
+@pytest.mark.parametrize(
+    ("part", "before", "unwanted"),
+    [(dataset_module, "numba", "matplotlib"), (picture_module, "matplotlib.backends.backend_agg", "numba")],
+)
+def test_figures_load_what_the_workflow_knows_of(part, before, unwanted):
+    """The workflow reruns a figure when a file in its import closure changes: no other module may be loaded."""
+    graph = grimp.build_graph("lsvib", cache_dir=None)
+    for figure, modules in loaded(part, before).items():
+        closure = graph.find_upstream_modules(part(figure)) | {part(figure)}
+        packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
+        assert unwanted not in modules, figure
+        assert {name for name in modules if name.split(".")[0] == "lsvib"} <= closure | packages, figure

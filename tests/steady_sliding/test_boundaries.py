@@ -10,7 +10,6 @@ from references.classes import damped_class
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters
 from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, nut_conditions, support_conditions
 from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
-from lsvib.steady_sliding.stability_table import stability_table
 
 
 @settings(max_examples=100)
@@ -55,7 +54,7 @@ def test_boundaries_end_where_they_should():
     assert np.isnan(support_conditions.flutter_boundaries(drive, -1)).all()
 
 
-@pytest.mark.parametrize("screw_mass", [11.6, 3.0, 400.0])
+@pytest.mark.parametrize("screw_mass", [11.6, 400.0])
 def test_critical_friction_to_12_digits(screw_mass):
     """μ_kc (eqs 8.27, 8.28): closed form, eigenvalues and a root in 40 digits agree."""
     drive = SupportParameters.of(mass=15.0, screw_mass=screw_mass)
@@ -78,31 +77,6 @@ def test_critical_friction_to_12_digits(screw_mass):
 
         root = mpmath.findroot(smallest, (closed * 0.999, closed * 1.001), solver="anderson", tol=1e-60)
         assert abs(root / closed - 1) < 1e-15
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-def test_printed_flutter_stiffnesses_hold_beside_the_critical_mass(side):
-    """Γ_0 is 10⁻¹² of I there: doubles would leave the upper branch four digits; the table has them all."""
-    mass = conditions.critical_mass(SupportParameters()) * (1 + side * 1e-12)
-    drive = SupportParameters.of(mass=mass)
-    found = stability_table(drive, "support")["without_damping"]["quantities"]
-    with mpmath.workdps(60):
-        p = {key: mpmath.mpf(value) for key, value in drive}
-        tan = mpmath.tan(p["lead_angle"])
-        lever = p["pitch_radius"] ** 2 * tan * (p["friction_coefficient"] - tan) / (1 + p["friction_coefficient"] * tan)
-        whole, total = p["screw_inertia"] - p["mass"] * lever, p["mass"] + p["screw_mass"]
-        reduced = p["screw_inertia"] - p["mass"] * p["screw_mass"] / total * lever
-        both = mpmath.sqrt(total * reduced) + p["mass"] * mpmath.sqrt(lever)
-        assert found["lower_flutter_stiffness"]["value"] == float(p["coupling_stiffness"] * (total / both) ** 2)
-        assert found["upper_flutter_stiffness"]["value"] == float(p["coupling_stiffness"] * (both / whole) ** 2)
-
-
-def test_no_critical_friction_where_the_reduced_mass_is_too_small():
-    drive = SupportParameters.of(mass=0.01, screw_mass=0.01)
-    assert conditions.critical_friction(drive, 0.01) is None
-    assert support_conditions.critical_friction_by_eigenvalues(drive) is None
-    lightest = drive.replace(mass=1e-18, coupling_stiffness=1e-21)
-    assert support_conditions.critical_friction_by_eigenvalues(lightest) is None
 
 
 def random_nuts(count: int) -> dict[str, np.ndarray]:
@@ -144,9 +118,3 @@ def test_rotation_of_the_nut_lowers_the_critical_mass():
     assert masses[-1] == pytest.approx(rigid, rel=1e-8)
     assert masses[-1] < rigid
     assert nut_conditions.kinematic_mass(NutParameters.of(friction_coefficient=0.05)) is None
-
-
-def test_damping_of_the_slide_can_make_the_nut_oscillate_without_8_33():
-    drive = NutParameters.of(mass=4.0, translation_damping=1e3)
-    assert nut_conditions.kinematic_inertia(drive, 1) > 0
-    assert damped_class(linearised.nut_model(drive, 1)) == UndampedClass.FLUTTER

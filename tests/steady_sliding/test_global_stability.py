@@ -10,9 +10,9 @@ import math
 import numpy as np
 import pytest
 from mpmath import diff, findroot, mp, mpf
+from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.basins.exact_basin import Boundary, basin
-from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
@@ -20,9 +20,7 @@ from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
-from lsvib.steady_sliding import global_stability
 from lsvib.steady_sliding.global_stability import widest_return
-from lsvib.steady_sliding.threshold_table import threshold_table
 from lsvib.steady_sliding.thresholds import NoThreshold, global_stability_force
 
 DIGITS = 40
@@ -82,16 +80,6 @@ def test_the_threshold_separates_what_it_says(damping, speed):
     assert ends[1] == {Attractor.STEADY_SLIDING}
 
 
-@pytest.mark.parametrize("translation_damping", [100.0, 400.0])
-def test_translation_damping(translation_damping):
-    """With c_x the same two cycles decide, at R̃ = R − r_m tan λ c_x Ω: a smaller force suffices."""
-    drive = PARADOX.replace(translation_damping=translation_damping)
-    limit = global_stability_force(drive)
-    assert global_stability_force(PARADOX) < limit < 0
-    assert basin(drive.replace(axial_force=limit * (1 - 1e-6))).boundary != Boundary.NONE
-    assert basin(drive.replace(axial_force=limit * (1 + 1e-6))).boundary == Boundary.NONE
-
-
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_forces_with_the_motion(speed):
     """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
@@ -147,25 +135,3 @@ def test_where_there_is_no_threshold(changes, words):
         global_stability_force(drive)
     if drive.translation_damping:
         assert all(basin(drive.replace(axial_force=-r)).boundary == Boundary.NONE for r in (1e-6, 1e-3, 1.0, 1e3))
-
-
-def test_table_of_thresholds_has_it():
-    entry = threshold_table()["global_stability_force"]
-    assert entry["value"] == global_stability_force(PARADOX)
-    assert entry["unit"] == "N"
-    assert entry["expected"] is None
-    assert entry["passed"] is None
-    absent = threshold_table({"mass": "9"})["global_stability_force"]
-    assert absent["value"] is None
-    assert "Painleve" in absent["reason"]
-    assert math.isclose(
-        threshold_table({"support_damping": 2e-3})["global_stability_force"]["value"], -18.3754629688612
-    )
-
-
-def test_newtons_method_that_does_not_end_is_said(monkeypatch):
-    drive = PARADOX.replace(support_damping=1e-5, translation_damping=3000.0)
-    assert global_stability_force(drive) == pytest.approx(48.04723255928559, rel=1e-12)
-    monkeypatch.setattr(global_stability, "_NEWTON", 1)
-    with pytest.raises(NoThreshold, match="Newton's method has not come to its end"):
-        global_stability_force(drive)

@@ -5,22 +5,21 @@ from decimal import Decimal
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from references.classes import growth_rate
-from references.companion_roots import roots
+from references.newton import eigenvalues
 
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.steady_sliding import conditions, eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions
+from lsvib.steady_sliding import eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions
 
-STIFFNESSES = [1e11, 1e12, 1e13, 1e14]
+STIFFNESSES = [1e11, 1e14]
 DAMPINGS = [0.0, 1e3, 1e8]
 
 
-def exact_growth(drive: ThreadsParameters, law: int) -> mpmath.mpf:
-    """Largest real part of the eigenvalues, in 100 digits from exact coefficients."""
-    return max(mpmath.re(root) for root in roots(linearised.threads_model(drive.exact(), law).polynomial()))
+def exact_growth(drive: ThreadsParameters, law: int) -> float:
+    """Largest real part of the eigenvalues by Newton's laws, in 100 digits."""
+    with mpmath.workdps(100):
+        return float(max(mpmath.re(z) for z in eigenvalues("threads", drive, law)))
 
 
 def factored(drive: ThreadsParameters, law: int) -> list[Decimal]:
@@ -52,40 +51,20 @@ def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
 
 @pytest.mark.parametrize("damping", DAMPINGS)
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
-@pytest.mark.parametrize("mass", [10.2, 11.0, 30.0])
+@pytest.mark.parametrize("mass", [10.2, 30.0])
 def test_lemma_8_1(mass, stiffness, damping):
     """Γ_0 < 0: the largest real part of the 4 × 4 Jacobian is positive and keeps its digits up to k_c = 1e14."""
     drive = ThreadsParameters.of(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
     assert coefficients(drive).gamma[1] < 0
     growth = float(growth_rate(linearised.threads_model(drive, 1)))
     assert growth > 0
-    assert growth == pytest.approx(float(exact_growth(drive, 1)), rel=1e-10)
+    assert growth == pytest.approx(exact_growth(drive, 1), rel=1e-10)
     if stiffness > stiff_contact.unstable_contact_stiffness(drive):
         assert linearised.threads_model(drive.exact(), 1).polynomial()[2] < 0
 
 
-@settings(max_examples=150)
-@given(
-    st.floats(1e-6, 5.0),
-    st.sampled_from([0.0, 1e-5, 1e-2]),
-    st.sampled_from([0.0, 10.0, 1e3]),
-    st.sampled_from([0.0, 1.0, 1e4, 1e8, 1e12]),
-)
-def test_lemma_8_1_for_any_damping(excess, support_damping, slide, contact_damping):
-    """Beyond the stiffness of the proof the sign is certain in decimals, and LAPACK has it too."""
-    drive = ThreadsParameters.of(
-        support_damping=support_damping, translation_damping=slide, contact_damping=contact_damping, axial_force=1e6
-    )
-    drive = drive.replace(mass=conditions.critical_mass(drive) * (1 + excess))
-    assert linearised.steady_law(drive) == 1
-    limit = stiff_contact.unstable_contact_stiffness(drive)
-    stiff = drive.replace(contact_stiffness=min(max(2 * limit, 1e3), 1e15))
-    assert not eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(stiff.exact(), 1).polynomial())
-    assert growth_rate(linearised.threads_model(stiff, 1)) > 0
-
-
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
-@pytest.mark.parametrize("mass", [1.0, 9.0, 10.0])
+@pytest.mark.parametrize("mass", [1.0, 10.0])
 def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     drive = ThreadsParameters.of(mass=mass, contact_stiffness=stiffness)
     assert coefficients(drive).gamma[1] > 0
@@ -93,7 +72,7 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     for damping, stable in ((0.0, False), (2 * least, True)):
         contact = drive.replace(contact_damping=damping)
         growth = float(growth_rate(linearised.threads_model(contact, 1)))
-        exact = float(exact_growth(contact, 1))
+        exact = exact_growth(contact, 1)
         assert (growth < 0, exact < 0) == (stable, stable)
         assert growth == pytest.approx(exact, rel=1e-8)
         assert (
@@ -123,9 +102,9 @@ def test_elastic_contact_flutters_at_a_rate_that_does_not_depend_on_its_stiffnes
     assert round(expected) == 261
 
 
-def random_supports(count: int, seed: int = 8) -> dict[str, np.ndarray]:
+def random_supports(count: int) -> dict[str, np.ndarray]:
     """Parameters of the support model, spread over many decades, and friction over its whole valid range."""
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(8)
     ranges = {
         "screw_inertia": (-8, 0),
         "mass": (-2, 4),
@@ -141,31 +120,18 @@ def random_supports(count: int, seed: int = 8) -> dict[str, np.ndarray]:
     return {**values, **dampings, "lead_angle": lead, "friction_coefficient": friction}
 
 
-def overlaps(count: int) -> tuple[int, np.ndarray]:
-    """Number of random drives with mode coupling and kinematic constraint at once, and drives in each class."""
-    values = random_supports(count)
+def test_lemma_8_2_over_1e5_random_drives():
+    """Mode coupling and kinematic constraint never occur at once, and flutter is what lies between both branches."""
+    values = random_supports(100_000)
     a_4, a_2, a_0 = support_conditions.characteristic_polynomial(values, 1)
-    flutter, kinematic = a_2**2 - 4 * a_0 * a_4 < 0, a_4 < 0
-    kinds = eigenvalues_two_coordinates.undamped_class(linearised.support_model(values, 1))
+    discriminant = a_2**2 - 4 * a_0 * a_4
+    flutter, kinematic, near = discriminant < 0, a_4 < 0, np.abs(discriminant) < 1e-9 * a_2**2
     lower, upper = np.moveaxis(support_conditions.flutter_boundaries(values, 1), -1, 0)
     between = (values["support_stiffness"] > lower) & (values["support_stiffness"] < upper)
-    near = np.abs(a_2**2 - 4 * a_0 * a_4) < 1e-9 * a_2**2
-    assert not (flutter & ~near & ~between).any()
-    assert not (between & ~near & ~flutter).any()
+    assert not ((flutter != between) & ~near).any()
+    assert not ((flutter | between) & kinematic).any()
+    kinds = eigenvalues_two_coordinates.undamped_class(linearised.support_model(values, 1))
     rounded = near | (np.abs(a_4) < 1e-9 * values["screw_inertia"] * (values["mass"] + values["screw_mass"]))
     assert (kinds == support_conditions.printed_class(values, 1))[~rounded].all()
     assert rounded.mean() < 1e-3
-    return int((flutter & kinematic).sum() + (between & kinematic).sum()), np.bincount(kinds, minlength=4)
-
-
-def test_lemma_8_2_over_1e5_random_drives():
-    both, counts = overlaps(100_000)
-    assert both == 0
-    assert counts.min() > 300
-
-
-@pytest.mark.slow
-def test_lemma_8_2_over_1e6_random_drives():
-    both, counts = overlaps(1_000_000)
-    assert both == 0
-    assert counts.min() > 3000
+    assert np.bincount(kinds, minlength=4).min() > 300

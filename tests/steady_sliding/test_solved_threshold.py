@@ -3,14 +3,11 @@
 import json
 import math
 import re
-from contextlib import suppress
 
-import numpy as np
 import pytest
 
 import lsvib
 from lsvib.basins.exact_basin import Boundary, basin
-from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import MotionMode
 from lsvib.steady_sliding import boundaries, thresholds
 from lsvib.steady_sliding.conditions import critical_friction, critical_mass
@@ -140,48 +137,3 @@ def test_a_result_is_plain_numbers():
     assert values[0]["value"] < values[1]["value"]
     assert values[0]["derivatives"]["mass"]["unit"] == "rad/(kg)"
     assert found.solutions[0].change({"mass": 2.0}) == {"mass": 2 * found.derivatives["mass"].value}
-
-
-@pytest.mark.long
-def test_both_sides_of_the_birth_and_the_fold_in_random_drives():
-    """As above, in a hundred drives up to a factor of two from the chapter's, of either sense."""
-    rng, found = np.random.default_rng(1), 0
-    while found < 100:
-        values = {name: getattr(PARADOX, name) * 2.0 ** rng.uniform(-1, 1) for name in RigidParameters.model_fields}
-        sense = rng.choice([-1, 1])
-        values |= {"input_speed": sense * values["input_speed"], "axial_force": sense * values["axial_force"]}
-        drive = lsvib.RigidDrive(**values)
-        try:
-            fold, birth = drive.threshold("fold").value, drive.threshold("cycle_birth").value
-        except lsvib.NoThreshold:
-            continue
-        found += 1
-        gap = birth - fold
-        forces = fold - 0.2 * gap, fold + 0.2 * gap, birth - 1e-4 * gap, birth + 1e-4 * gap
-        kinds = [basin(drive.replace(axial_force=force)).boundary for force in forces]
-        assert kinds == [Boundary.NONE, Boundary.CYCLE, Boundary.CYCLE, Boundary.TOUCHING_SLIP]
-        assert abs(drive.threshold("global_stability").value) >= abs(fold)
-
-
-def test_threads_that_hardly_rise_have_numbers_or_a_sentence():
-    """A natural size of next to nothing, and derivatives of many decades."""
-    flat = lsvib.RigidDrive(lead_angle=1e-6, screw_inertia=1e-30, pitch_radius=1e-6, friction_coefficient=0.2)
-    json.dumps(flat.threshold("kinematic", "mass").to_json(), allow_nan=False)
-    seizing = lsvib.RigidDrive(lead_angle=1e-6, mass=1e9, screw_inertia=1e-30, friction_coefficient=0.3)
-    for drive in (seizing.replace(support_damping=0), seizing.replace(pitch_radius=1e-6)):
-        for unknown in ("support_damping", "translation_damping"):
-            with suppress(lsvib.NoThreshold):
-                json.dumps(drive.threshold("global_stability", unknown).to_json(), allow_nan=False)
-
-
-@pytest.mark.parametrize("model", ["rigid", "threads", "support", "nut"])
-def test_a_friction_coefficient_that_is_a_threshold_is_accepted(model):
-    """With the least angle, whose cot λ is the largest."""
-    drive = lsvib.api.drive_class(model)(lead_angle=1e-6)
-    json.dumps(lsvib.thresholds({"lead_angle": 1e-6}, model), allow_nan=False)
-    found = [drive.thresholds()["critical_friction"].value]
-    for name in ("onset", "kinematic"):
-        with suppress(lsvib.NoThreshold):
-            found += [solution.value for solution in drive.threshold(name, "friction_coefficient").solutions]
-    for value in found:
-        assert value is None or drive.replace(friction_coefficient=value).friction_coefficient == value

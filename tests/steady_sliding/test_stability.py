@@ -59,14 +59,6 @@ def test_limits():
     assert list(eigenvalues(1.0, 0.0, 0.0)) == [0, 0]
 
 
-def test_arrays_broadcast():
-    kinds = stability_class(np.array([[-1.0], [1.0]]), np.array([-1.0, 1.0, 3.0]), 1.0)
-    expected = [["SADDLE"] * 3, ["UNSTABLE_FOCUS", "STABLE_FOCUS", "STABLE_NODE"]]
-    assert [[Stability(int(kind)).name for kind in row] for row in kinds] == expected
-    assert kinds.dtype == np.int8
-    assert eigenvalues(np.ones((2, 1)), np.ones(3), 1.0).shape == (2, 3, 2)
-
-
 def test_spectrum_loses_stability_at_the_critical_mass():
     """Between the two doubles around m_cr (eq. 8.20)."""
     drive = RigidParameters()

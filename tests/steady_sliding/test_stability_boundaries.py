@@ -7,7 +7,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import mpmath
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,8 +14,7 @@ from references.newton import eigenvalues, is_stable, steady_law
 
 from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
 from lsvib.engine.exact.polynomials import multiplied
-from lsvib.errors import InputError
-from lsvib.steady_sliding import boundaries, characteristic, linearised, real_roots, spectrum, stiff_contact
+from lsvib.steady_sliding import real_roots
 from lsvib.steady_sliding.stability_table import stability_table
 from lsvib.steady_sliding.threshold_table import threshold_table
 
@@ -57,16 +55,6 @@ def test_table_of_the_least_contact_damping(stiffness, printed):
         "threads", ThreadsParameters.of(changes), "contact_damping", float(printed) / 2, float(printed) * 2
     )
     assert abs(entry["value"] / exact - 1) < 2e-16
-
-
-def test_the_table_has_five_stiffnesses_and_the_limit():
-    assert [float(stiffness) for stiffness, _ in ROWS] == [1e6, 1e7, 1e8, 1e9, 1e10]
-    (printed,) = re.findall(r"^\| → ∞ \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)
-    drive = ThreadsParameters.of(mass=9.0)
-    limit = stiff_contact.least_damping_of_stiff_contact(drive)
-    assert f"{limit:.6g}" == printed
-    stiff = threshold_table({"mass": 9.0, "contact_stiffness": 1e15}, "threads")["least_contact_damping"]
-    assert stiff["value"] == pytest.approx(limit, rel=1e-5)
 
 
 def test_class_conditions_and_quantities_of_the_soft_contact_agree():
@@ -156,72 +144,6 @@ def test_undamped_rigid_drive(changes, kind):
     assert any(condition["hold"] for condition in table["conditions"].values()) is (kind == "saddle")
 
 
-def test_eigenvalues_keep_their_signs_where_rates_lie_far_apart():
-    """Contact rates of 1e14 1/s beside a decay of 1e-6 1/s, which LAPACK loses."""
-    changes = {
-        "contact_stiffness": 1e15,
-        "contact_damping": 1e12,
-        "support_damping": 5e-12,
-        "friction_coefficient": 0.05,
-    }
-    table = stability_table(changes, "threads")
-    assert table["stable"]
-    real = [x["real"] for x in table["eigenvalues"]]
-    assert real[0] < -1e11
-    assert -1e-5 < real[-1] < 0
-
-
-def test_repeated_eigenvalues_are_found():
-    """I_2 = I, k_2 = k, c_2 = c with c² = 4 k I: a double root −c/(2I) of the mode in which both turn together."""
-    equal = {"screw_inertia": 2.0**-10, "coupling_stiffness": 0.25, "support_damping": 2.0**-5}
-    changes = {**equal, "nut_inertia": 2.0**-10, "nut_stiffness": 0.25, "nut_damping": 2.0**-5, "mass": 2.0}
-    values = [complex(x["real"], x["imaginary"]) for x in stability_table(changes, "nut")["eigenvalues"]]
-    assert values.count(-16) == 2
-
-
-@pytest.mark.parametrize(
-    ("apart", "thread"),
-    [(2.0**-52, {}), (1e-18, {}), (1e-18, {"pitch_radius": 1e-6}), (1e-18, {"pitch_radius": 1e-6, "lead_angle": 1e-6})],
-)
-def test_eigenvalues_that_nearly_coincide_end(apart, thread):
-    """A drag that couples both bodies by next to nothing leaves rates that share dozens of digits."""
-    equal = {"screw_inertia": 2.0**-10, "coupling_stiffness": 0.25, "support_damping": 2.0**-5}
-    changes = {**equal, "nut_inertia": 2.0**-10, "nut_stiffness": 0.25, "nut_damping": 2.0**-5}
-    light = {"mass": apart, "translation_damping": apart}
-    table = stability_table({**changes, **light, **thread}, "nut")
-    assert table["stable"]
-    assert [x["real"] for x in table["eigenvalues"]] == pytest.approx([-16.0] * 4, rel=1e-6)
-
-
-def test_friction_and_force_that_balance_but_for_a_drag():
-    """R = F_0 with c_x Ω r_m tan λ = 5e-21 N left: the contact carries that force, and its sign is the law's."""
-    drive = SupportParameters.of(axial_force=1.0, slide_friction=1.0, translation_damping=1e-18, input_speed=10.0)
-    with mpmath.workdps(100):
-        assert linearised.steady_law(drive) == steady_law(drive) == -1
-
-
-@pytest.mark.parametrize("force", [-0.018678427837130564, 0.15619748442975243, 1e-3, -11.0])
-def test_friction_that_balances_the_force_leaves_no_law(force):
-    """Doubles whose decimals are longer than 50 digits."""
-    changes = {"axial_force": force, "slide_friction": abs(force), "input_speed": math.copysign(3.0, force)}
-    for model in ("support", "nut"):
-        with pytest.raises(InputError, match="the contact carries no force"):
-            threshold_table(changes, model)
-
-
-@pytest.mark.parametrize("model", sorted(KINDS))
-def test_polynomial_is_that_of_the_matrices(model):
-    build = {"threads": linearised.threads_model, "support": linearised.support_model, "nut": linearised.nut_model}[
-        model
-    ]
-    drive = KINDS[model].of(mass=7.0, translation_damping=70.0)
-    for law in (1, -1):
-        exact = spectrum.spectrum(drive, law)[2]
-        factor = characteristic.scale(drive, law)
-        for ours, theirs in zip(exact, build(drive.exact(), law).polynomial(), strict=True):
-            assert abs(ours / factor - Fraction(theirs)) < Fraction(1, 10**40) * abs(Fraction(theirs))
-
-
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.integers(-400, 400), min_size=1, max_size=4), st.integers(-20, 20))
 def test_positive_roots_of_known_polynomials(halves, power):
@@ -234,16 +156,3 @@ def test_positive_roots_of_known_polynomials(halves, power):
     assert [float(x) for x in found] == [
         float(Fraction(half, 2) * size) for half in sorted({h for h in halves if h > 0})
     ]
-
-
-def test_thresholds_of_every_model_are_those_of_the_function():
-    for model, kind in KINDS.items():
-        assert threshold_table({}, model) == boundaries.model_thresholds(kind())
-        assert set(threshold_table({}, model)) == {
-            "critical_mass",
-            "critical_friction",
-            f"least_{kind.own_damping}",
-        }
-    with pytest.raises(InputError, match="model = 'elastic' is not one of rigid, threads, support, nut"):
-        threshold_table({}, "elastic")
-    assert np.isfinite(threshold_table()["critical_mass"]["value"])

@@ -15,8 +15,8 @@ from lsvib.errors import InputError
 from lsvib.steady_sliding import solved_threshold
 from lsvib.steady_sliding.solved_threshold import solve_threshold
 
-DRIVES = 20  # of each threshold
-SLOPES = 3  # of these whose derivatives are compared
+DRIVES = 8  # of each threshold
+SLOPES = 2  # of these whose derivatives are compared
 VALUE, SLOPE = mpf("1e-12"), mpf("1e-9")
 _STEP = mpf(10) ** -14  # of a central difference, relative: its square is far below SLOPE, 40 digits far below it
 
@@ -109,30 +109,23 @@ def compared(drive, solved, solution, truth, rng, slopes):
         assert abs(found - slope) <= SLOPE * abs(slope) + mpf("1e-14") * abs(exact / values[key]), key
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "unknown", "drives"),
+    ("name", "unknown"),
     [
-        ("onset", "axial_force", DRIVES),
-        ("onset", "mass", DRIVES),
-        ("onset", "friction_coefficient", DRIVES),
-        ("kinematic", "lead_angle", DRIVES),
-        ("negative_damping", "pitch_radius", DRIVES),
-        ("stick", "axial_force", DRIVES),
-        ("stick", "translation_damping", 1),
-        ("detach", "axial_force", DRIVES),
-        ("detach", "mass", 1),
-        ("global_stability", "axial_force", DRIVES),
-        ("global_stability", "support_damping", 1),
-        ("fold", "axial_force", DRIVES),
-        ("fold", "lead_angle", 1),
-        ("cycle_birth", "axial_force", DRIVES),
-        ("cycle_birth", "input_speed", 1),
-        ("rest_loss", "support_damping", DRIVES),
+        ("onset", "axial_force"),
+        ("onset", "friction_coefficient"),
+        ("kinematic", "lead_angle"),
+        ("negative_damping", "pitch_radius"),
+        ("stick", "axial_force"),
+        ("detach", "axial_force"),
+        ("global_stability", "axial_force"),
+        ("fold", "axial_force"),
+        ("cycle_birth", "axial_force"),
+        ("rest_loss", "support_damping"),
     ],
 )
-def test_twelve_digits_and_derivatives(name, unknown, drives):
-    for rng, drive, found, slopes in accepted(name, unknown, drives):
+def test_twelve_digits_and_derivatives(name, unknown):
+    for rng, drive, found, slopes in accepted(name, unknown, DRIVES):
         for solution in found.solutions:
             judged(name, drive, found, solution, rng, slopes)
 
@@ -170,22 +163,15 @@ def two_bodies(model: str):
     return draw
 
 
-# By the same equations as the others.
-LONG = pytest.mark.long
 KINDS = {"threads": ThreadsParameters, "support": SupportParameters, "nut": NutParameters}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "name", "unknown"),
     [
         ("threads", "flutter", "mass"),
-        pytest.param("threads", "onset", "contact_damping", marks=LONG),
         ("support", "flutter", "support_stiffness"),
         ("support", "kinematic", "friction_coefficient"),
-        pytest.param("support", "onset", "axial_support_damping", marks=LONG),
-        pytest.param("nut", "onset", "mass", marks=LONG),
-        ("nut", "kinematic", "nut_inertia"),
         ("nut", "flutter", "translation_damping"),
     ],
 )

@@ -1,8 +1,7 @@
-"""Both sides of every threshold of the axial force, for random drives and for drives that once failed.
+"""Both sides of every threshold of the axial force, for random drives.
 
 The threshold is computed from closed forms with many digits; the motions on either side are followed by the engine,
-event by event, and some of them by the Taylor steps of :mod:`benchmarks.sweeps.taylor`, which share nothing
-with it. A statement on one side of a threshold is judged by the events of motions:
+event by event. A statement on one side of a threshold is judged by the events of motions:
 
 * stick: slip that starts where θ′ = 0 is touched, the end of rest, comes back to θ′ = 0 within a turn, or never;
 * detach: slip from the end of rest reaches N = 0 first, or θ′ = 0 with rest;
@@ -15,8 +14,6 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.sweeps import taylor
-from benchmarks.sweeps.taylor import KINDS
 from lsvib.cycles.forward_slip import ForwardDrive
 from lsvib.drives.coefficients import coefficients
 from lsvib.drives.parameters import RigidParameters
@@ -29,14 +26,6 @@ from lsvib.steady_sliding.global_stability import widest_return
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
 STANDS = (EventKind.STICK, EventKind.REVERSAL)
-NAMES = (
-    "pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping", "friction_coefficient",
-    "input_speed", "mass", "translation_damping",
-)  # fmt: skip
-
-
-def drive_of(*values: float) -> RigidParameters:
-    return RigidParameters.of(dict(zip(NAMES, values, strict=True)))
 
 
 def power(rng, low, high):
@@ -201,151 +190,19 @@ def judge_global(rng, drive):
             assert False in found, force
 
 
-# Each of these had a threshold on the wrong side of the onset, a wrong one, or none for a wrong reason.
-ONCE_WRONG = {
-    "slip grows in large motions, c = 0": (
-        (0.01175, 0.5882, 3.821e-06, 0.03315, 0.0, 0.8823, 0.7332, 0.3057, 0.06414),
-        {"stick": "no limit cycle"},
-    ),
-    "slip grows in large motions, Ω < 0": (
-        (0.0446, 0.07159, 5.456e-05, 0.003885, 3.311e-09, 0.7757, -6560.0, 0.4993, 0.03054),
-        {"stick": "no limit cycle"},
-    ),
-    "slip hardly grows": (
-        (0.001576, 0.08171, 8.154, 49400.0, 1.435e-05, 0.2614, -26.89, 0.04609, 12640.0),
-        {"stick": -56.21676007444131},
-    ),
-    "growth and decay almost balance": (
-        (
-            0.0018491986511144601, 0.013952965105095659, 2.2933523313552496e-07, 1783.6443795971413, 0.0,
-            0.0788572174040147, 34.339591408972126, 2.282350423333777, 0.00016045615513050874,
-        ),
-        {"stick": None},
-    ),
-    "law + is fast against law −": (
-        (
-            0.008733182777977952, 0.07713120231482697, 0.00010572632869418406, 57121773.602652945, 0.19581995425607404,
-            0.6446099494869246, 0.34024698804917525, 33.17468148660606, 62095.25142606497,
-        ),
-        {"stick": None},
-    ),
-    "slip from rest turns back": (
-        (0.036, 0.02502, 0.3925, 28.9, 7.567e-08, 0.4943, 0.7337, 391.2, 435.9),
-        {"detach": "slip backward, not in rest"},
-    ),
-    "the corner was taken for the threshold": (
-        (0.0232, 0.3751, 7.58e-08, 491.8, 0.4942, 0.7185, -0.5531, 0.0343, 92.07),
-        {"global": "and under every smaller one with it"},
-    ),
-    "only forces with the motion start cycles": (
-        (0.02063, 0.3712, 6.812e-06, 34.4, 0.001216, 0.5409, -541.1, 0.3284, 324.8),
-        {"global": -1376.56766665683},
-    ),
-    "a cycle without rest right of the origin": (
-        (
-            0.009776392991936327, 0.6227839925295562, 7.28065919624951e-05, 1.120577148412004e-05,
-            8.598931950157458e-06, 0.8540925524129295, -2469.894127628262, 15.993680515195168, 0.9825725271758998,
-        ),
-        {"global": -16.527331539534792},
-    ),
-    "seizures that end while u falls": (
-        (
-            0.02027104255996163, 0.21776696291226794, 5.991470308032455e-05, 0.19114906602020426, 12.318538876053871,
-            0.22365394776920638, -2479.328398061341, 4485.285517333959, 592.2422224556753,
-        ),
-        {"global": "and under every smaller one with it"},
-    ),
-    "cycles without rest are not excluded": (
-        (0.02695, 0.3581, 4.65e-06, 8342000.0, 0.002477, 0.515, -35.64, 0.1797, 33270.0),
-        {"global": "not covered"},
-    ),
-    "law + does not turn": (
-        (0.03562, 0.3284, 0.0002572, 0.03153, 0.0005575, 0.4178, 0.06683, 0.0137, 230.9),
-        {"stick": "grows without a turn", "detach": "grows without a turn"},
-    ),
-}  # fmt: skip
-
-JUDGES = {"onset": judge_onset, "stick": judge_stick, "detach": judge_detach, "global": judge_global}
-
-
-def computed(name: str):
-    return thresholds.global_stability_force if name == "global" else getattr(thresholds, f"{name}_force")
-
-
-def judged(rng, drive) -> list[str]:
-    """Judge all thresholds of a drive; returns the names of those that it has."""
-    names = []
-    for name, judge in JUDGES.items():
-        try:
-            computed(name)(drive)
-        except NoThreshold:
-            continue
-        judge(rng, drive)
-        names.append(name)
-    return names
-
-
-@pytest.mark.parametrize("case", ONCE_WRONG)
-def test_drive_that_was_wrong(case):
-    values, expected = ONCE_WRONG[case]
-    drive = drive_of(*values)
-    for name, claim in expected.items():
-        compute = computed(name)
-        if isinstance(claim, str):
-            with pytest.raises(NoThreshold, match=claim):
-                compute(drive)
-            continue
-        if claim is not None:
-            assert compute(drive) == pytest.approx(claim, rel=1e-12)
-        JUDGES[name](np.random.default_rng(1), drive)
-
-
-def test_reasons_hold_for_their_drives():
-    """Slip without a turn leaves N > 0 or never ends; slip that grows comes to θ′ = 0; slip from rest turns back."""
-    rng = np.random.default_rng(2)
-    for case in ("law + does not turn", "slip grows in large motions, c = 0"):
-        drive = drive_of(*ONCE_WRONG[case][0])
-        for _ in range(20):
-            force = float(forward(drive)[0].onset) * (1 + power(rng, -4, 4))
-            kinds = events(drive, force, end_of_rest(drive), 3000)
-            if case == "law + does not turn":
-                assert not kinds or kinds[0] == EventKind.CONTACT_REVERSAL
-            else:
-                assert any(kind in STANDS for kind in kinds)
-    drive = drive_of(*ONCE_WRONG["slip from rest turns back"][0])
-    start = end_of_rest(drive)
-    force = 2.546315944946203  # where slip from rest no longer reaches N = 0
-    assert events(drive, force * (1 - 1e-6), start, 6)[0] == EventKind.CONTACT_REVERSAL
-    assert events(drive, force * (1 + 1e-6), start, 6)[0] == EventKind.REVERSAL
-
-
-def test_steps_of_another_integrator_agree():
-    """The slip from the end of rest on both sides of detachment and of the first touch of rest, by Taylor steps."""
-    drive = RigidParameters.of(mass=1.0, translation_damping=1e3)
-    start = end_of_rest(drive)
-    times, kinds = np.zeros(50), np.zeros(50, dtype=np.int64)
-    for name, first in (("stick", {"stick", "reversal"}), ("detach", {"contact_reversal"})):
-        threshold = getattr(thresholds, f"{name}_force")(drive)
-        for distance in DISTANCES[:7]:
-            for side in (-1, 1):
-                constants = taylor.constants(dict(drive.replace(axial_force=threshold * (1 + side * distance))))
-                _, count, *_ = taylor.run(constants, *start, 0.05, times, kinds)
-                names = [KINDS[k] for k in kinds[:count]]
-                names = names[names[0] == "release" :][: 3 if name == "stick" else 1]
-                assert bool(first & set(names)) == ((side > 0) == (name == "stick")), (name, side, distance)
+JUDGES = {"onset": judge_onset, "stick": judge_stick, "detach": judge_detach, "global_stability": judge_global}
 
 
 @pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
 def test_thresholds_of_random_drives(kind):
-    rng = np.random.default_rng(11)
-    names = [name for _ in range(5) for name in judged(rng, random_drive(rng, kind))]
-    assert names
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
-def test_thresholds_of_many_random_drives(kind, seed):
-    rng = np.random.default_rng(100 + seed)
-    names = [name for _ in range(50) for name in judged(rng, random_drive(rng, kind))]
-    assert set(names) & set(JUDGES)
+    rng, judged = np.random.default_rng(11), set()
+    for _ in range(5):
+        drive = random_drive(rng, kind)
+        for name, judge in JUDGES.items():
+            try:
+                getattr(thresholds, f"{name}_force")(drive)
+            except NoThreshold:
+                continue
+            judge(rng, drive)
+            judged.add(name)
+    assert judged

@@ -8,15 +8,14 @@ without rest. 1e-12 is asked of the closed forms (they are rounded once or summe
 map (its fixed point is known to rounding over 1 − multiplier = 0.4).
 """
 
-import json
 import math
 
 import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf
 from references.drives import compare
-
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+
 from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.drives import chapter
 from lsvib.drives.coefficients import coefficients
@@ -177,27 +176,6 @@ def test_effective_inertia_changes_sign_at_the_critical_mass():
     assert critical_friction(RigidParameters.of(mass=1e-6), 11.6) is None
 
 
-_BEYOND_ARITHMETIC = {
-    "global_stability_force": dict(
-        pitch_radius=0.01, screw_inertia=1e-30, coupling_stiffness=1e-15, support_damping=4e13, mass=8e-18,
-        lead_angle=2.5e-3, friction_coefficient=0.3,
-    ),
-    "stick_force": dict(
-        pitch_radius=3e-3, screw_inertia=4.5e-9, coupling_stiffness=4e8, support_damping=0.0, mass=2.75e-14,
-        translation_damping=1e15, lead_angle=0.5885424575630586, friction_coefficient=0.6674467366252019,
-        input_speed=2e-8,
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", _BEYOND_ARITHMETIC)
-def test_a_threshold_that_the_arithmetic_does_not_hold_is_absent_with_a_reason(name):
-    table = threshold_table(_BEYOND_ARITHMETIC[name])
-    assert table[name]["value"] is None
-    assert "not known" in table[name]["reason"]
-    json.dumps(table, allow_nan=False)
-
-
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_the_thresholds_separate_what_they_say(speed):
     """Just below and just above each force of Fig. 8.6 the attractor has, and has not, the property."""
@@ -230,7 +208,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
     drive = PARADOX.replace(input_speed=speed)
     limit = thresholds.global_stability_force(drive)
     start_force = -math.copysign(10.0, speed)
-    forces = [*np.linspace(start_force, limit, 24)[:-1], *(limit * (1 - 10.0**-n) for n in range(3, 9))]
+    forces = [*np.linspace(start_force, limit, 8)[:-1], *(limit * (1 - 10.0**-n) for n in (3, 6, 8))]
     for force in forces:
         automaton = rigid_automaton(drive.replace(axial_force=force))
         cycles = [
@@ -239,7 +217,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
         assert {cycle.label for cycle in cycles} == {Attractor.SPRAG_SLIP_CYCLE}, force
         periods = [cycle.period / cycle.returns for cycle in cycles]
         np.testing.assert_allclose(periods, periods[0], rtol=1e-12)  # one and the same cycle, to rounding
-    for force in [limit * (1 + 10.0**-n) for n in range(8, 1, -1)]:
+    for force in [limit * (1 + 10.0**-n) for n in (8, 5, 2)]:
         automaton = rigid_automaton(drive.replace(axial_force=force))
         for u, w in STARTS:
             start = math.copysign(1, speed) * u, math.copysign(1, speed) * w

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "examples", "profiles", "src", "workflow")
+PARTS = ("Snakefile", "benchmarks", "config", "examples", "profiles", "src", "tests/references", "workflow")
 TINY = "figures: [fig8_03, fig8_08]\n"
 DONE = "All figures are drawn and all checks passed"
 

@@ -42,10 +42,10 @@ def test_how_jobs_end(tmp_path):
         "unwritten The job failed.",
     ]
     assert "ValueError: " in (tmp_path / "logs" / "wrong.log").read_text()
-    assert [path.name for path in (tmp_path / "benchmarks").iterdir()] == ["good.tsv"]
-    assert (tmp_path / "benchmarks" / "good.tsv").read_text().startswith("s\tcpu_time\tmax_rss [MB]\n")
+    assert [path.name for path in (tmp_path / "results" / "benchmarks").iterdir()] == ["good.tsv"]
+    assert (tmp_path / "results" / "benchmarks" / "good.tsv").read_text().startswith("s\tcpu_time\tmax_rss [MB]\n")
 
 
 def test_a_job_is_good_without_its_benchmark(tmp_path):
-    (tmp_path / "benchmarks").write_text("not a folder")
+    (tmp_path / "results").write_text("not a folder")
     assert run(tmp_path)[0] == "good ended well"

@@ -1,8 +1,6 @@
 """Many drives from their data sheets: snakemake -j2 assessments. Needs no figure; each drive has its report."""
 
-# A share of the samples is a job of its own, as a tile of a map is; with one share there is no such job.
 SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
-SHARES = config["assessment_shares"]
 
 # What an assessment depends on; the models, imported by their names, are unknown to the graph.
 ASSESSMENT = (
@@ -29,35 +27,12 @@ rule assessments:
         "All drives are assessed"
 
 
-rule sample_drive:
-    """Compute one share of the samples of a drive ahead."""
-    input:
-        sheet=lambda wildcards: SHEETS[wildcards.sheet],
-        sources=source_files(ASSESSMENT),
-    output:
-        temp("results/assessments/{sheet}/share_{share}.txt"),
-    log:
-        "logs/sample_drive/{sheet}_{share}.log",
-    params:
-        code=code(jobs.sample),
-        samples=config["assessment_samples"],
-        shares=SHARES,
-    message:
-        "Sampling {wildcards.sheet}, share {wildcards.share}"
-    run:
-        share = f"{wildcards.share}/{params.shares}"
-        jobs.run(jobs.sample, log[0], wildcards.sheet, input.sheet, output[0], params.samples, share)
-
-
 rule assess_drive:
     """Assess one drive from its data sheet."""
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
         sources=source_files(ASSESSMENT),
         engine=engine(ASSESSMENT),
-        shares=lambda wildcards: (
-            [f"results/assessments/{wildcards.sheet}/share_{k + 1}.txt" for k in range(SHARES)] if SHARES > 1 else []
-        ),
     output:
         page="results/assessments/{sheet}/index.html",
         dataset="results/assessments/{sheet}/assessment.nc",
@@ -70,7 +45,7 @@ rule assess_drive:
     message:
         "Assessing {wildcards.sheet}"
     run:
-        jobs.run(jobs.assess, log[0], wildcards.sheet, input.sheet, output.page, params.samples, threads)
+        jobs.run(jobs.assess, log[0], wildcards.sheet, input.sheet, output.page, params.samples)
 
 
 rule compare_drives:

@@ -53,7 +53,7 @@ rule map_tile:
 
 
 rule gather_map:
-    """Put the tiles together, one at a time, in one compressed file."""
+    """Put the tiles together in one compressed file."""
     input:
         sources=map_sources(),
         tiles=gather.attraction("results/attraction/tiles/{scatteritem}.nc"),
@@ -62,7 +62,7 @@ rule gather_map:
     log:
         "logs/gather_map.log",
     resources:
-        mem_mb=1000,
+        mem_mb=2000,
     params:
         code=code(jobs.whole_map),
         settings=MAP,
@@ -76,7 +76,7 @@ rule draw_map:
     """Draw the map, a large one from the middle cells of blocks of cells."""
     input:
         map="results/attraction/map.nc",
-        sources=source_files(imports("lsvib.figures.attraction.picture") | imports("lsvib.data.assembly")),
+        sources=source_files(imports("lsvib.figures.attraction.picture") | imports("lsvib.figures.drawing.overview")),
     output:
         png=report(
             "results/figures/attraction.png",

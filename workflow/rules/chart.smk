@@ -35,7 +35,7 @@ rule chart_tile:
 
 
 rule gather_chart:
-    """Put the tiles together, one at a time, and add the exact curves."""
+    """Put the tiles together and add the exact curves."""
     input:
         sources=chart_sources(),
         tiles=gather.chart("results/chart/tiles/{scatteritem}.nc"),
@@ -58,7 +58,7 @@ rule draw_chart:
     """Draw the chart, a large one from the middle cells of blocks of cells."""
     input:
         chart="results/chart/chart.nc",
-        sources=source_files(imports("lsvib.figures.chart.picture") | imports("lsvib.data.assembly")),
+        sources=source_files(imports("lsvib.figures.chart.picture") | imports("lsvib.figures.drawing.overview")),
     output:
         png=report(
             "results/figures/chart.png",

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, first_shar
 from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
 from lsvib.assess.window import Worst, corners, worst
 from lsvib.errors import InputError
-from lsvib.numbers import Progress
 
 _BEYOND = (
     "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
@@ -85,22 +83,12 @@ class Assessment:
     worst: AssessedMotion
 
 
-def assess(
-    sheet: Sheet,
-    samples: int = 4096,
-    seed: int = 1,
-    workers: int = 1,
-    folder: Path | None = None,
-    progress: Progress | None = None,
-) -> Assessment:
-    """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`.
-
-    Raises ``InputError`` in one sentence.
-    """
+def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
+    """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError``."""
     entries = nominal_draw(sheet)
     values = _values(sheet, entries)
     _require_a_drive(sheet, values)
-    spread = study(sheet, samples, seed, workers, folder, progress)
+    spread = study(sheet, samples, seed)
     edges = margins(sheet, values)
     found = _mechanisms(sheet, values, spread, edges)
     angle, friction = map(float, square_thread(sheet, values))

@@ -1,16 +1,10 @@
 """Probability of each mechanism over the uncertain entries of a sheet, by quasi-Monte Carlo; what causes the spread.
 
-The samples are points of one scrambled Sobol sequence, cut into blocks whose results do not depend on how many blocks
-are computed, by whom, or in which order; so a run can be spread over threads and machines, and taken up again.
+The samples are points of one scrambled Sobol sequence.
 """
 
-import hashlib
-import json
-import os
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,16 +12,13 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib import __version__
 from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
 from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
-from lsvib.files import replacing
-from lsvib.numbers import Progress
 
-BLOCK = 2**12  # samples: small enough for progress, large enough that NumPy's overhead does not count
+BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
 CONFIDENCE = 0.95  # of the intervals beside probabilities, the usual one
 BINS = np.linspace(-1.0, 1.0, 41)
 """Edges of the classes of reserve that samples are counted in."""
@@ -92,96 +83,47 @@ def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Worst]:
     return found
 
 
-def study(
-    sheet: Sheet,
-    samples: int,
-    seed: int,
-    workers: int = 1,
-    folder: Path | None = None,
-    progress: Progress | None = None,
-) -> Uncertainty:
-    """Sample the uncertain entries of a sheet.
+def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
+    """Sample the uncertain entries of a sheet; ``samples``: a power of two; ``seed``: of the scrambling.
 
-    ``samples``: a power of two; ``seed``: of the scrambling; ``workers``: blocks at a time; ``folder``: where finished
-    blocks are kept, so that a run that was stopped goes on; ``progress(done, total)``: told of blocks. Raises
-    ``InputError`` in one sentence.
+    Raises ``InputError`` in one sentence.
     """
     entries = random_entries(sheet)
-    blocks = range(max(1, samples // BLOCK)) if entries else range(1)
-    count = min(samples, BLOCK) if entries else 1
-    key = _key(sheet, samples, seed)
-    done = 0
-
-    def one(index: int) -> dict[str, Any]:
-        """Take a block from the folder, or compute it and keep it there."""
-        nonlocal done
-        result = _stored(folder, key, index)
-        if result is None:
-            result = _block(sheet, entries, count, seed, index)
-            _store(folder, key, index, result)
-        done += 1
-        if progress is not None:
-            progress(done, len(blocks))
-        return result
-
-    with ThreadPoolExecutor(workers) as pool:
-        results = list(pool.map(one, blocks))
-    total = count * len(blocks)
+    if entries:
+        total, sequence = samples, qmc.Sobol(len(entries), scramble=True, rng=seed)
+        count = min(samples, BLOCK)
+        results = [_block(sheet, sequence.random(count).T) for _ in range(samples // count)]
+        first, whole = _indices(sheet, entries, count, seed)
+    else:
+        total, results, first, whole = 1, [_block(sheet, np.zeros((0, 1)))], {}, {}
     names = list(results[0]["lowest"])
     probability = {name: _probability(results, name, total, bool(entries)) for name in (*names, "any", "holds")}
     least, most = zip(*(result["lifting"] for result in results), strict=True)
-    lowest = {
-        name: np.array(min((result["lowest"][name] for result in results), key=lambda low: low[0])[1]) for name in names
-    }
-    first, whole = _indices(sheet, entries, min(samples, BLOCK), seed) if entries else ({}, {})
+    lowest = {name: min((result["lowest"][name] for result in results), key=lambda low: low[0])[1] for name in names}
     return Uncertainty(
         total, {name: probability[name] for name in names}, probability["any"], first, whole, lowest,
         probability["holds"], (min(least), max(most)),
     )  # fmt: skip
 
 
-def compute_blocks(sheet: Sheet, samples: int, seed: int, folder: Path, part: int, parts: int) -> int:
-    """Compute and keep every ``parts``-th block from the ``part``-th (1, 2, …) on, for :func:`study`.
-
-    Returns the number of these blocks.
-    """
-    entries = random_entries(sheet)
-    blocks = range(part - 1, max(1, samples // BLOCK), parts) if entries else range(0)
-    key = _key(sheet, samples, seed)
-    for index in blocks:
-        if _stored(folder, key, index) is None:
-            _store(folder, key, index, _block(sheet, entries, min(samples, BLOCK), seed, index))
-    return len(blocks)
-
-
-def _block(sheet: Sheet, entries: Sequence[str], count: int, seed: int, index: int) -> dict[str, Any]:
-    """What one block of samples says.
+def _block(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
+    """What a block of samples says, points (d, n) of the unit cube.
 
     Counts of occurrence by mechanism, and of threads that are self-locking; counts in classes of reserve; the lowest
     reserve of each mechanism with its place; the ends of the lifting efficiency.
     """
-    if entries:
-        sequence = qmc.Sobol(len(entries), scramble=True, rng=seed)
-        if index:
-            sequence.fast_forward(index * count)
-        shares = sequence.random(count).T
-    else:
-        shares = np.zeros((0, 1))
-    values = quantities(sheet, draw_of(sheet, shares) if entries else nominal_draw(sheet))
-    found = evaluated(sheet, shares) if entries else worst(sheet, values)
-    angle, coefficient = square_thread(sheet, values)
+    found = evaluated(sheet, shares)
+    angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, shares)))
     held = np.broadcast_to(lowering_efficiency(coefficient, angle) <= 0, shares.shape[1:])
     lifting = lifting_efficiency(coefficient, angle)
     occurs = {name: one.reserve < 0 for name, one in found.items()}
     anything = np.any([flags for name, flags in occurs.items() if name != "push_needed"], axis=0)
-    counts = {name: int(np.count_nonzero(f)) for name, f in {**occurs, "any": anything, "holds": held}.items()}
-    classes = {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0].tolist() for name, one in found.items()}
-    lowest = {}
-    for name, one in found.items():
-        at = int(np.argmin(one.reserve))
-        lowest[name] = [float(one.reserve[at]), shares[:, at].tolist()]
-    ends = [float(np.min(lifting)), float(np.max(lifting))]
-    return {"counts": counts, "classes": classes, "lowest": lowest, "lifting": ends}
+    return {
+        "counts": {name: np.count_nonzero(f) for name, f in {**occurs, "any": anything, "holds": held}.items()},
+        "classes": {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0] for name, one in found.items()},
+        "lowest": {name: (one.reserve.min(), shares[:, np.argmin(one.reserve)]) for name, one in found.items()},
+        "lifting": (float(np.min(lifting)), float(np.max(lifting))),
+    }
 
 
 def _probability(results: list[dict[str, Any]], name: str, total: int, random: bool) -> Probability:
@@ -261,26 +203,3 @@ def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray
             break
     found = minimize(reserve, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * best.size, options={"maxfev": 400})
     return found.x if found.fun < reserve(best) else best
-
-
-def _key(sheet: Sheet, samples: int, seed: int) -> str:
-    """A name for what the blocks are made of, and by which version of the formulas."""
-    text = json.dumps([__version__, repr(sorted(sheet.entries(), key=lambda pair: pair[0])), samples, seed])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _stored(folder: Path | None, key: str, index: int) -> dict[str, Any] | None:
-    if folder is None:
-        return None
-    try:
-        return json.loads((folder / f"{key}_{index}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):  # not there, or cut off
-        return None
-
-
-def _store(folder: Path | None, key: str, index: int, result: dict[str, Any]) -> None:
-    if folder is None:
-        return
-    os.makedirs(folder, exist_ok=True)
-    with replacing(folder / f"{key}_{index}.json") as part:
-        part.write_text(json.dumps(result), encoding="utf-8")

@@ -80,7 +80,3 @@ class Mapper(ABC):
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
     ) -> None:
         """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
-
-    @abstractmethod
-    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""

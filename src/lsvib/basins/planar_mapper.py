@@ -74,12 +74,6 @@ class PlanarMapper(Mapper):
         labels[order] = found[0]
         return labels
 
-    def labels_at(self, grid: Grid, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-        """Return the labels (n) of single cells of a grid, given by their indices ``row`` and ``column`` (n)."""
-        self.check(grid)
-        x, y = grid.x.middles(column), grid.y.middles(row)
-        return self.labels_of(x, y) if grid.x.coordinate == "u" else self.labels_of(y, x)
-
     def check(self, grid: Grid) -> None:
         """Raise ``InputError`` unless the axes are u and w and nothing is fixed."""
         if {grid.x.coordinate, grid.y.coordinate} != {"u", "w"} or grid.fixed:

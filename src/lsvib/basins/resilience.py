@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
 from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
-from lsvib.basins.shares import SampledShare
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import columns
@@ -35,7 +34,7 @@ class Resilience:
     ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; smallest fatal push in
     the deflection ``angle`` [rad] alone, in the ``speed`` [rad/s] alone, by its ``energy`` [J], which leads to
     ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that settles, nan without a
-    window; ``sampled``, the same from random starts (:mod:`lsvib.basins.sampling`), if they are asked for.
+    window.
     """
 
     boundary: str
@@ -45,15 +44,12 @@ class Resilience:
     state: tuple[float, float]
     fraction: float
     window: Window | None = None
-    sampled: SampledShare | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return plain numbers and names; None stands for what is infinite or not a number."""
         found = asdict(self)
         found["window"] = None if self.window is None else self.window._asdict()
         found["state"] = [_plain(x) for x in self.state]
-        if self.sampled is not None:
-            found["sampled"] = {name: _plain(value) for name, value in asdict(self.sampled).items()}
         return {name: _plain(value) for name, value in found.items()}
 
 

@@ -15,8 +15,6 @@ app = App(
     version=__version__,
     result_action="return_value",
 )
-# What options were called before they had the words of the other interfaces: still read, no longer shown.
-_OLDER = {"--initial": "--start", "--t-end": "--duration", "--threads": "--workers"}
 
 
 def main() -> None:
@@ -26,6 +24,4 @@ def main() -> None:
     """
     for module in iter_modules(command.__path__, f"{command.__name__}."):
         import_module(module.name)
-    words = [word.partition("=") for word in sys.argv[1:]]
-    tokens = [f"{_OLDER.get(name, name)}{equals}{value}" for name, equals, value in words]
-    told(lambda: app(tokens, exit_on_error=False, print_error=False), CycloptsError)
+    told(lambda: app(sys.argv[1:], exit_on_error=False, print_error=False), CycloptsError)

@@ -8,7 +8,6 @@ from cyclopts import Parameter
 from lsvib.command.app import app
 from lsvib.command.options import AsJson, refuse_results_of_the_workflow
 from lsvib.command.printing import show
-from lsvib.command.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -19,8 +18,6 @@ def assess(
     out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
     samples: Annotated[str, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = "4096",
     seed: Annotated[str, Parameter(help="Seed of the samples.")] = "1",
-    workers: Annotated[str, Parameter(help="Number of workers, each on a core.")] = "1",
-    share: Annotated[str | None, Parameter(help="K/N: only compute the K-th of N shares of the samples.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Assess a drive from its data sheet: will it vibrate, how close is it, and what should be changed.
@@ -29,7 +26,7 @@ def assess(
 
         lsvib assess examples/powered_seat.yaml --out report
 
-        lsvib assess drive.yaml --samples 1048576 --workers 8 --out report
+        lsvib assess drive.yaml --samples 1048576 --out report
 
     Parameters
     ----------
@@ -44,9 +41,6 @@ def assess(
             f"lsvib assess needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
         ) from None
 
-    if share is not None:
-        print(f"kept {run.sample_share(sheet, out, samples, seed, share)} blocks of samples in {out}")
-        return
-    result = run.assess_file(sheet, out, samples, seed, workers, ProgressLine("blocks of samples"))
+    result = run.assess_file(sheet, out, samples, seed)
     written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
     show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))

@@ -31,7 +31,6 @@ def attraction(
     resume: Annotated[str, RESUME] = "contact_sign",
     quantities: QuantityNames = ["label"],  # noqa: B006
     workers: Annotated[str, Parameter(help="Number of workers, each on a core.")] = "1",
-    refine: Annotated[bool, Parameter(negative="", help="Compute only what lies near boundaries.")] = False,
     figure: Annotated[Path | None, Parameter(help="PNG file to draw the map to; a PDF is written beside it.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -59,12 +58,10 @@ def attraction(
     pictures = picture_files(figure)
     outputs = Outputs([(out, "netCDF"), *pictures])
     starts = Grid.parse(grid)
-    if pictures and refine:
-        raise InputError("refine is for labels of the rigid drive, without a figure and other quantities.")
     if pictures and (starts.x.coordinate, starts.y.coordinate) != ("u", "w"):
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     drive = drive_class(model).of(pairs(changes))
-    found = map_attraction(drive, starts, quantities, resume, workers, refine, ProgressLine())
+    found = map_attraction(drive, starts, quantities, resume, workers, ProgressLine())
     dataset, counts = found.dataset, found.counts
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     result = summary(counts, found.doubts, area, found.seconds)

@@ -20,8 +20,6 @@ def resilience(
         list[str] | None,
         Parameter(consume_multiple=True, help="Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", **ONE_VALUE),
     ] = None,
-    samples: Annotated[str, Parameter(help="Number of random starts in the window, to compare with.")] = "0",
-    seed: Annotated[str, Parameter(help="Seed of the random starts.")] = "0",
     over: Annotated[
         list[str] | None,
         Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable. Needs --out.", **ONE_VALUE),
@@ -38,7 +36,7 @@ def resilience(
         lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
     from lsvib.api import RigidDrive
-    from lsvib.data.resilience import resilience_sweep, samples_of, window_of
+    from lsvib.data.resilience import resilience_sweep, window_of
     from lsvib.data.sweep import evenly
     from lsvib.data.writer import write_dataset
     from lsvib.files import Outputs
@@ -53,13 +51,12 @@ def resilience(
     )
     drive, part = RigidDrive.of(pairs(changes)), window_of(limits)
     if over is None:
-        reserve = drive.resilience(part, samples=samples, seed=seed)  # type: ignore[arg-type]
+        reserve = drive.resilience(part)
         show(reserve.to_json(), as_json, lambda result: _print(reserve))
         return
     outputs = Outputs([(out, "netCDF")] if out else [])
-    count, start = samples_of(samples, seed, part)
     axes = {name: evenly(name, text) for name, text in pairs(over).items()}
-    found = resilience_sweep(drive, axes, part, count, start, ProgressLine("points"))
+    found = resilience_sweep(drive, axes, part, ProgressLine("points"))
     with outputs.writing() as files:
         for file in files:
             write_dataset(found, file)
@@ -77,9 +74,6 @@ def _print(found: Any) -> None:
     print(f"smallest fatal push by energy: {_shown(found.energy, 'J')}{state}")
     if found.window is not None:
         print(f"share of the window that settles: {found.fraction:.12g}")
-    if found.sampled is not None:
-        s = found.sampled
-        print(f"of {s.samples} random starts: {s.share:.6g}, with 95 % between {s.low:.6g} and {s.high:.6g}")
 
 
 def _shown(push: float, unit: str) -> str:

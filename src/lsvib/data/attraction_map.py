@@ -15,12 +15,9 @@ from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import mapper as mapper_of
-from lsvib.basins.planar_mapper import PlanarMapper
-from lsvib.basins.refinement import RefinedMap, count
-from lsvib.basins.refinement import refine as refined_blocks
 from lsvib.cycles.attractors import Attractor, Doubt
 from lsvib.data import maps_of_models, phase_plane
-from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity, variable
+from lsvib.data.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.model_files import of_model
 from lsvib.drives.parameters import DriveParameters, names_and_values
@@ -50,7 +47,6 @@ def map_attraction(
     quantities: Sequence[str] = ("label",),
     resume: str = "contact_sign",
     workers: Any = 1,
-    refine: bool = False,
     progress: Progress | None = None,
 ) -> AttractionMap:
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
@@ -61,22 +57,17 @@ def map_attraction(
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
     asked = list(dict.fromkeys([*wanted, "doubt"]))
-    if refine and (wanted != ["label"] or not isinstance(mapper, PlanarMapper)):
-        raise InputError("refine is for labels of the rigid drive, without other quantities.")
     mapper.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
     begin = perf_counter()
-    if refine and isinstance(mapper, PlanarMapper):
-        blocks = refined_blocks(mapper, starts)
-        seconds = perf_counter() - begin
-        counts = blocks.counts()
-        unresolved = counts[Attractor.UNRESOLVED]
-        return AttractionMap(
-            refined_map(mapper, blocks), counts, seconds, {mapper.doubt: unresolved} if unresolved else {}
-        )
     found = mapper.cells(starts, quantities=asked, workers=at_once, progress=progress)
     seconds = perf_counter() - begin
     shown = {name: found[name] for name in wanted}
     return AttractionMap(attraction_map(mapper, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
+
+
+def count(labels: np.ndarray) -> dict[Attractor, int]:
+    """Return the number of cells of each attractor."""
+    return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
 
 
 def doubts(codes: np.ndarray) -> dict[str, int]:
@@ -121,30 +112,6 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
         )
         for name, array in found.items()
     }
-
-
-def refined_map(mapper: Mapper, refined: RefinedMap) -> xr.Dataset:
-    """Return the dataset of a boundary-refined map: its blocks, along ``block``, to be painted in their order.
-
-    A block of level l covers 2^l × 2^l cells from ``row`` 2^l and ``column`` 2^l on; the grid is an attribute.
-    """
-    levels = [(level, blocks) for level, blocks in reversed(list(enumerate(refined.levels))) if blocks.key.size]
-    places = [np.divmod(blocks.key, -(-refined.grid.x.count >> level)) for level, blocks in levels]
-    level = np.concatenate([np.full(blocks.key.size, level, dtype=np.int32) for level, blocks in levels])
-    label = np.concatenate([blocks.label for _, blocks in levels])
-    row, column = (np.concatenate([place[k] for place in places]).astype(np.int32) for k in (0, 1))
-    return xr.Dataset(
-        {
-            "level": variable("block", level, "1", "level of the block; it is 2 to the power of it cells wide"),
-            "row": variable("block", row, "1", "row of the block among those of its level"),
-            "column": variable("block", column, "1", "column of the block among those of its level"),
-            "label": ("block", label, variable_attributes(mapper, "label")),
-        }
-        | fractions("attractor", "attractor", refined.counts())
-        | parameters(mapper)
-        | surroundings(mapper, refined.grid),
-        attrs=global_attributes(mapper, refined.grid),
-    )
 
 
 def axis_coordinate(axis: Axis) -> Variable:

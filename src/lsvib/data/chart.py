@@ -209,9 +209,13 @@ def chart(
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
+    return plane.frame(resumption, curves).assign({"label": (plane.dims, labels, LABEL), **shares(labels)})
+
+
+def shares(labels: np.ndarray) -> dict[str, Variable]:
+    """Return the ``fraction`` of the cells with each label, along ``behaviour``."""
     counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
-    shares = fractions("behaviour", LABEL["long_name"], counts)
-    return plane.frame(resumption, curves).assign({"label": (plane.dims, labels, LABEL), **shares})
+    return fractions("behaviour", LABEL["long_name"], counts)
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:

@@ -2,15 +2,13 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-from lsvib.data.assembly import gather, write_tile
-from lsvib.data.chart import LABEL, Plane
-from lsvib.data.tiles import tile_place
+from lsvib.data.chart import LABEL, Plane, shares
+from lsvib.data.tiles import joined, rows_of
+from lsvib.data.writer import write_dataset
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
-from lsvib.numbers import Progress
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:
@@ -35,23 +33,16 @@ def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[s
     Raises ``InputError`` and ``EngineError``.
     """
     plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
-    place = tile_place(item, plane.y.count, plane.x.count)
-    labels = plane.labels(place.rows, place.columns, resume, workers)
-    tile = plane.axes(resume).isel(dict(zip(plane.dims, (place.rows, place.columns), strict=True)))
-    write_tile(tile.assign(label=(plane.dims, labels, LABEL)), place, settings, path)
+    rows = rows_of(item, plane.y.count)
+    labels = plane.labels(rows, resume=resume, workers=workers)
+    write_dataset(plane.axes(resume).isel({plane.y.name: rows}).assign(label=(plane.dims, labels, LABEL)), path)
 
 
 def gather_chart(
-    settings: Mapping[str, Any],
-    tiles: Sequence[str],
-    path: str | os.PathLike[str],
-    progress: Progress | None = None,
+    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
 ) -> None:
-    """Write the chart, with its exact curves, from the files of its tiles, each named after its item.
-
-    ``settings`` as in :func:`chart_tile`; ``progress`` is told how many of how many tiles are in. Raises ``InputError``
-    if a tile is missing, damaged or of another chart.
-    """
+    """Write the chart, the dataset of ``drive.chart(…)``, from the files of its tiles; ``settings`` as of a tile."""
     plane = plane_of(settings)
-    places = {Path(tile): tile_place(Path(tile).stem, plane.y.count, plane.x.count) for tile in tiles}
-    gather(plane.frame(settings.get("resume", "contact_sign")), settings, places, path, progress, "behaviour")
+    labels = joined(tiles, plane.y.name).label
+    whole = plane.frame(settings.get("resume", "contact_sign"))
+    write_dataset(whole.assign({"label": labels, **shares(labels.values)}), path)

@@ -4,7 +4,6 @@ import json
 import math
 from collections.abc import Mapping
 from itertools import product
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,7 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.basins.clipping import Window
-from lsvib.basins.resilience import Resilience
-from lsvib.basins.sampling import resilience_beside_samples
+from lsvib.basins.resilience import Resilience, resilience
 from lsvib.data.attributes import variable
 from lsvib.data.sweep import axes_of, coordinate
 from lsvib.drives.parameters import RigidParameters, names_and_values
@@ -21,7 +19,6 @@ from lsvib.errors import EngineError, InputError
 from lsvib.numbers import Progress
 
 _MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
-_MOST_SAMPLES = 100_000_000  # starts: 1.6 GB
 _FARTHEST = 1e150  # of an edge of a window: its area is still a number
 
 _VARIABLES = {  # where a resilience has it, unit, words
@@ -29,9 +26,6 @@ _VARIABLES = {  # where a resilience has it, unit, words
     "fatal_speed": ("speed", "rad s-1", "smallest fatal push in the speed alone"),
     "fatal_energy": ("energy", "J", "energy of the smallest fatal push by energy"),
     "basin_fraction": ("fraction", "1", "share of the window that settles, exact"),
-    "sampled_fraction": ("sampled.share", "1", "share of random starts in the window that settle"),
-    "sampled_fraction_low": ("sampled.low", "1", "lower end of its interval of 95 % (Wilson)"),
-    "sampled_fraction_high": ("sampled.high", "1", "upper end of its interval of 95 % (Wilson)"),
 }
 
 
@@ -39,16 +33,14 @@ def resilience_sweep(
     drive: RigidParameters,
     over: Mapping[str, Any],
     window: Window | None = None,
-    samples: int = 0,
-    seed: int = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return what steady sliding survives over the product of values of some parameters of the rigid drive.
 
-    Arguments: ``over``, values [SI units] by name of a parameter; ``window``, ``samples`` and ``seed`` as of
-    :func:`lsvib.basins.sampling.resilience_beside_samples`; ``progress``, called with the numbers of points done and
-    in all. Numbers are infinite where every push is survived, zero where none is, nan where the basin is not covered,
-    for the reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    Arguments: ``over``, values [SI units] by name of a parameter; ``window`` as of
+    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
+    are infinite where every push is survived, zero where none is, nan where the basin is not covered, for the reasons
+    in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
     axes = axes_of(over, RigidParameters, _MOST_POINTS)
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
@@ -56,7 +48,7 @@ def resilience_sweep(
     refused: list[str] = []
     for one in drives:
         try:
-            found.append(resilience_beside_samples(one, window, samples, seed))
+            found.append(resilience(one, window))
         except (InputError, EngineError) as error:
             found.append(None)
             refused.append(str(error))
@@ -65,22 +57,19 @@ def resilience_sweep(
     sizes = tuple(map(len, axes.values()))
 
     def column(where: str) -> np.ndarray[Any, Any]:
-        return np.array([math.nan if one is None else attrgetter(where)(one) for one in found]).reshape(sizes)
+        return np.array([math.nan if one is None else getattr(one, where) for one in found]).reshape(sizes)
 
-    absent = ("basin", "sampled") if window is None else () if samples else ("sampled",)
-    asked = {name: about for name, about in _VARIABLES.items() if not name.startswith(absent)}
+    asked = {name: about for name, about in _VARIABLES.items() if name != "basin_fraction" or window is not None}
     return xr.Dataset(
         {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
         coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
         attrs={
             "title": f"What the steady sliding of the rigid lead-screw drive survives over {', '.join(axes)}",
-            "source": "lsvib, exact boundary of the region of attraction; random starts only where a name says sampled",
+            "source": "lsvib, exact boundary of the region of attraction",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
             "model": drive.model,
             "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
             "window": json.dumps(None if window is None else window._asdict()),
-            "samples": samples,
-            "seed": seed,
             "refused": json.dumps(sorted(set(refused))),
         },
     )
@@ -111,12 +100,3 @@ def window_of(given: Any) -> Window | None:
             )
         ends += [low, high]
     return Window(*ends)
-
-
-def samples_of(samples: Any, seed: Any, window: Window | None) -> tuple[int, int]:
-    """Return numbers of samples and seed, checked; raises ``InputError``, also for samples without a window."""
-    count = numbers.whole_between("samples", samples, 0, _MOST_SAMPLES)
-    start = numbers.whole_between("seed", seed, 0, 2**63 - 1)
-    if count and window is None:
-        raise InputError("samples need a window, with the ends of u and w, to be drawn from.")
-    return count, start

@@ -14,7 +14,7 @@ from lsvib.data import phase_plane
 from lsvib.data.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
 from lsvib.data.parameter_origins import GIVEN, parameter
 from lsvib.drives.parameters import DriveParameters, changed, names_and_values, parameters_of
-from lsvib.drives.scene import Scene, in_present_words, read_yaml
+from lsvib.drives.scene import Scene, read_yaml
 from lsvib.engine.motion import Motion, follow
 
 
@@ -36,7 +36,6 @@ def simulate(
     >>> int(motion.sizes["event"])
     12
     """
-    changes = in_present_words(changes)
     own = {key: value for key, value in changes.items() if key in Scene.model_fields}
     checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
     return trajectory(checked, run(checked))
@@ -59,7 +58,7 @@ def as_scene(
         values = read_yaml(scene)
     else:
         values = names_and_values("scene", scene)
-    values = {**in_present_words(values), **changes}
+    values = {**values, **changes}
     if drive:
         given = parameters_of(values.get("drive"))
         values["drive"] = changed(given, drive)

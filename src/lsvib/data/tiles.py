@@ -1,39 +1,36 @@
-"""A region of attraction mapped in tiles: which cells each tile holds, one tile, and the whole from its tiles."""
+"""A region of attraction mapped in tiles, which are bands of rows: one tile, and the whole from its tiles."""
 
-import math
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
+
+import xarray as xr
 
 from lsvib.basins.cells import Mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.data.assembly import TilePlace, gather, write_tile
-from lsvib.data.attraction_map import cells, dimensions, frame, parameters, surroundings
+from lsvib.data.attraction_map import cells, count, dimensions, frame, parameters, surroundings
+from lsvib.data.attributes import fractions
+from lsvib.data.writer import read_dataset, write_dataset
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError
-from lsvib.numbers import Progress
 
 
-def layout(tiles: int, rows: int, columns: int) -> tuple[int, int]:
-    """Return how many tiles lie below and beside each other: of all factors of ``tiles`` those nearest to square tiles.
-
-    ``rows``, ``columns``: cells of the map. Raises ``InputError`` if some tile would have no cell.
-    """
-    pairs = [(n, tiles // n) for n in range(1, tiles + 1) if tiles % n == 0]
-    pairs = [(down, across) for down, across in pairs if down <= rows and across <= columns]
-    if not pairs:
-        raise InputError(f"tiles = {tiles} cannot divide a map of {columns} x {rows} cells; choose another number.")
-    return min(pairs, key=lambda pair: abs(math.log(rows / pair[0] * pair[1] / columns)))
-
-
-def tile_place(item: str, rows: int, columns: int) -> TilePlace:
-    """Return the cells of the tile ``item`` ("3-of-6", counted from 1 along the rows) of a map of some cells."""
+def rows_of(item: str, rows: int) -> slice:
+    """Return the rows of the tile ``item`` ("3-of-6", counted from 1) of a map of so many ``rows``."""
     number, tiles = (int(word) for word in item.split("-of-"))
-    down, across = layout(tiles, rows, columns)
-    i, j = divmod(number - 1, across)
-    return TilePlace(i * rows // down, (i + 1) * rows // down, j * columns // across, (j + 1) * columns // across)
+    if tiles > rows:
+        raise InputError(f"tiles = {tiles} is outside the allowed range 1 <= tiles <= {rows}, the number of rows.")
+    return slice((number - 1) * rows // tiles, number * rows // tiles)
+
+
+def joined(tiles: Sequence[str | os.PathLike[str]], rows: str) -> xr.Dataset:
+    """Return the dataset whose tiles along the dimension ``rows`` are in these files, in their order.
+
+    Raises ``InputError`` if a file is missing or damaged.
+    """
+    return xr.concat([read_dataset(tile) for tile in tiles], rows, data_vars="minimal", coords="minimal",
+                     compat="override", join="exact", combine_attrs="override")  # fmt: skip
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
@@ -50,24 +47,17 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     "3-of-6". Raises ``InputError`` and ``EngineError``.
     """
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    place = tile_place(item, grid.y.count, grid.x.count)
-    found = mapped.cells(grid, place.rows, place.columns, settings["quantities"], workers)
-    tile = frame(mapped, grid).isel(dict(zip(dimensions(grid), (place.rows, place.columns), strict=True)))
-    write_tile(tile.assign(cells(mapped, grid, found)), place, settings, path)
+    rows = rows_of(item, grid.y.count)
+    found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
+    tile = frame(mapped, grid).isel({dimensions(grid)[0]: rows})
+    write_dataset(tile.assign(cells(mapped, grid, found)), path)
 
 
 def gather_map(
-    settings: Mapping[str, Any],
-    tiles: Sequence[str],
-    path: str | os.PathLike[str],
-    progress: Progress | None = None,
+    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
 ) -> None:
-    """Write the map from the files of its tiles, each named after its item.
-
-    ``settings`` as in :func:`map_tile`; ``progress`` is told how many of how many tiles are in. Raises ``InputError``
-    if a tile is missing, damaged or of another map.
-    """
+    """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    places = {Path(tile): tile_place(Path(tile).stem, grid.y.count, grid.x.count) for tile in tiles}
-    around = frame(mapped, grid).assign(parameters(mapped) | surroundings(mapped, grid))
-    gather(around, settings, places, path, progress)
+    whole = joined(tiles, dimensions(grid)[0])
+    shares = fractions("attractor", "attractor", count(whole.label.values))
+    write_dataset(whole.assign(shares | parameters(mapped) | surroundings(mapped, grid)), path)

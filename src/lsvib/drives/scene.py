@@ -49,7 +49,6 @@ class Scene(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _drive_of_the_model(cls, values: Any) -> Any:
-        values = in_present_words(values)
         drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
         known = isinstance(drive, DriveParameters) and drive.model == kind.model  # of another model: converted
         return {**values, "drive": drive if known else kind.of(drive)}
@@ -85,17 +84,6 @@ class Scene(BaseModel):
     def of(cls, values: Mapping[str, Any]) -> Self:
         """Make a scene from names and values; raises ``InputError`` in one sentence."""
         return cls(**names_and_values("scene", values))
-
-
-def in_present_words(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return names and values of a scene with the older names of its keys replaced; ``InputError`` for both at once."""
-    found = dict(values)
-    for old, name in _OLDER.items():
-        if old in found:
-            if name in found:
-                raise InputError(f"{name} is given twice, also by its older name {old}; give it once.")
-            found[name] = found.pop(old)
-    return found
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:
@@ -143,7 +131,6 @@ class _Loader(yaml.SafeLoader):
             return _NOT_FINITE.get(text.lower().lstrip("+"), text)
 
 
-_OLDER = {"initial": "start", "t_end": "duration"}  # what the keys of a scene were called before
 _DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")
 _NOT_FINITE = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
 for _tag in ("int", "float"):

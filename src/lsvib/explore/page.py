@@ -18,7 +18,6 @@ from lsvib.cycles.attractors import Attractor
 from lsvib.drives.registry import find_model
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.ahead import Ahead
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
@@ -28,11 +27,6 @@ _THROTTLE = 8  # ms for which requests that came while an answer was made are ga
 _PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once
 _REST = 500  # ms without a request after which the hand counts as at rest
 _SLICE = 0.04  # s of slow work at a time, between which the page answers
-LOOK = 300  # ms after which it is looked again whether an engine is compiled
-_COMPILING = (
-    "The engine for models with three or four states is being compiled, once, a minute or two. This page shows the "
-    "drive as soon as that is done; until then the drawings are those of the drive before."
-)
 _FRAME = 80  # ms of a frame of the animation
 _FRAMES = 100  # of the animation of a motion, which so lasts 8 s
 _POINTS = 61  # of the amplitude curve
@@ -55,12 +49,8 @@ _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # 
 class Page:
     """The page of one session; ``presets`` by name. ``view`` is what it shows."""
 
-    def __init__(
-        self, document: Document, view: View, presets: Mapping[str, View], ahead: Ahead, complaint: str = ""
-    ) -> None:
-        self.document, self.presets, self._ahead = document, presets, ahead
-        wanted, view = view, view if ahead.ready(view.drive.model) else View()
-        self.view = view
+    def __init__(self, document: Document, view: View, presets: Mapping[str, View], complaint: str = "") -> None:
+        self.document, self.presets, self.view = document, presets, view
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
         self.seconds = 0.0  # that the last immediate answer took
@@ -68,7 +58,6 @@ class Page:
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._wanted: View | None = None  # asked for, while its engine is being compiled
         self._slow: Iterator[None] = iter(())
         self._stepping = False
         self._shares: dict[Attractor, float] = {}
@@ -85,15 +74,11 @@ class Page:
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
-        self.controls.moment.on_change("value", lambda attribute, old, new: self._move())
+        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
         self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
         self.show(view)
-        if view is not wanted:
-            self._show_soon(wanted)
-        document.add_root(self.plots.packet.content)
         document.js_on_event(DocumentReady, self.plots.clip)
-        document.on_event(DocumentReady, lambda event: self.plots.packet.send_all())
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -122,45 +107,21 @@ class Page:
     def _answer(self) -> None:
         self._waiting = False
         asked, self._asked = self._asked, {}
-        changed_mind, self._wanted = self._wanted is not None, None
         try:
             if "preset" in asked:
-                if asked["preset"] and self._show_soon(self.presets[asked["preset"]]):
-                    return
+                if asked["preset"]:
+                    self.show(self.presets[asked["preset"]])
             elif "model" in asked:
-                if self._show_soon(self._of_model(asked["model"])):
-                    return
+                self.show(self._of_model(asked["model"]))
             else:
                 self._redraw(self._changed(asked))
-                if changed_mind or any(not key.startswith("slider:") and key != "window" for key in asked):
+                if any(not key.startswith("slider:") and key != "window" for key in asked):
                     self.controls.show(self.view)
             self._say(self._alert, "")
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
             self.controls.show(self.view)
         self._answered = perf_counter()
-
-    def _show_soon(self, view: View) -> bool:
-        """Show a view as soon as the engine for its model is compiled, and say so; return whether that is to come."""
-        if self._ahead.ready(view.drive.model):
-            self._wanted = None
-            self.show(view)
-            return False
-        self._wanted = view
-        self._say(self._alert, _COMPILING)
-
-        def again() -> None:
-            """Look once more whether the engine is compiled."""
-            if self._wanted is not view:
-                return  # something else was asked for meanwhile
-            try:
-                if not self._show_soon(view):
-                    self._say(self._alert, "")
-            except LsvibError as error:
-                self._say(self._alert, escape(str(error)))
-
-        self.document.add_timeout_callback(again, LOOK)
-        return True
 
     def _changed(self, asked: Mapping[str, str]) -> View:
         """The view with what was asked for."""
@@ -211,7 +172,6 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self._draw_moment()
-        self.plots.packet.send()
         self.seconds = perf_counter() - begin
         self._slow = iter(())
         if self._settling is not None:
@@ -246,13 +206,11 @@ class Page:
             if answers.at_once(view.drive):
                 found = answers.labels(view.drive, window, answers.SETTLED)
                 self.plots.draw_map(found, window)
-                self.plots.packet.send()
             else:
                 found = np.full(answers.COARSE[::-1], -2)
                 for row_index, labels in answers.label_rows(view.drive, window, answers.COARSE):
                     found[row_index] = labels
                     self.plots.draw_map(found, window)
-                    self.plots.packet.send()
                     yield
             self._shares = answers.shares(found)
             self._say_words()
@@ -331,10 +289,6 @@ class Page:
         mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
         words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
-
-    def _move(self) -> None:
-        self._draw_moment()
-        self.plots.packet.send()
 
     def _play(self, playing: bool) -> None:
         if self._frames is not None:

@@ -1,7 +1,7 @@
 """The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
 
-What a redraw changes is in few sources, filled together by a packet (:mod:`lsvib.explore.packet`), and is painted on
-the upper one of the two canvases of each drawing: title, axes, grid and legend below stay as they are.
+What a redraw changes is in few sources, since each is a message to the browser, and is painted on the upper one of the
+two canvases of each drawing: title, axes, grid and legend below stay as they are.
 """
 
 import math
@@ -26,7 +26,6 @@ from lsvib.basins.clipping import Window
 from lsvib.drives.parameters import DriveParameters, described
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, Followed
-from lsvib.explore.packet import Packet
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.figures.drawing import style
@@ -65,27 +64,26 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the b
     "nut": {"x": [], "y": [], "tip": [], "words": []},
 }
 _PLAIN = {"curve": "x y colour", "near": "x y colour", "marks": "x name", "bar": "x"}  # columns of the other sources
-_LEVEL = "overlay"  # painted without title, axes, grid and legend, which take longer than all that a redraw changes
+# Painted without title, axes, grid and legend, which take longer than all that a redraw changes; seen once clipped.
+_ABOVE = {"level": "overlay", "visible": False}
 # Bokeh clips overlays to the whole drawing; these belong into its frame, as what lies below them.
 _CLIP = """
 for (const plot of plots)
-  for (const renderer of plot.renderers)
+  for (const renderer of plot.renderers) {
     Object.defineProperty(Bokeh.index.find_one(renderer), "needs_clip", {get: () => true});
+    renderer.visible = true;
+  }
 """
 
 
 class Plots:
-    """The drawings and their sources; every method replaces what a drawing shows.
-
-    What a redraw changes is sent by :meth:`Packet.send` of ``packet``.
-    """
+    """The drawings and their sources; every method replaces what a drawing shows."""
 
     def __init__(self) -> None:
         self.sources = {
             name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _PLAIN.items()
         }
         self.drawn = {name: ColumnDataSource(looks) for name, looks in _LOOKS.items()}
-        self.packet = Packet(self.drawn)
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
@@ -99,13 +97,13 @@ class Plots:
             x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
             name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
         )  # fmt: skip
-        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], level=_LEVEL)
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], **_ABOVE)
         made.multi_line(
-            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", level=_LEVEL
+            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", **_ABOVE
         )
         made.scatter(
             "x", "y", source=self.drawn["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
-            level=_LEVEL,
+            **_ABOVE,
         )  # fmt: skip
         looks = _LOOKS["lines"]
         for label, colour, dash, width in zip(
@@ -145,7 +143,7 @@ class Plots:
             html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
         )  # fmt: skip
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
-        made.multi_line("x", "y", source=self.drawn["history"], color="colour", level=_LEVEL)
+        made.multi_line("x", "y", source=self.drawn["history"], color="colour", **_ABOVE)
         return made
 
     def _contact(self) -> figure:
@@ -160,10 +158,10 @@ class Plots:
             heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
             made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
         nut = self.drawn["nut"]
-        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, level=_LEVEL)
-        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", level=_LEVEL)
-        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, level=_LEVEL)
-        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", level=_LEVEL)
+        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, **_ABOVE)
+        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", **_ABOVE)
+        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, **_ABOVE)
+        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", **_ABOVE)
         return made
 
     def set_window(self, window: Window) -> None:
@@ -171,9 +169,12 @@ class Plots:
         self.plane.x_range.update(start=window.left, end=window.right)
         self.plane.y_range.update(start=window.bottom, end=window.top)
 
+    def _fill(self, name: str, columns: Mapping[str, Sequence[Any]]) -> None:
+        self.drawn[name].data = {**_LOOKS[name], **columns}
+
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
-        self.packet.fill(
+        self._fill(
             "map",
             {
                 "image": [answers.rgba(labels)],
@@ -188,7 +189,7 @@ class Plots:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
-        self.packet.fill(
+        self._fill(
             "lines",
             {
                 "x": [u, np.array([window.left, window.right]), closed[:, 0], shown.u],
@@ -218,12 +219,12 @@ class Plots:
         tip = side * (0.25 - 0.42 * abs(force) / most)
         least, most = self.force.y_range.start, self.force.y_range.end
         ends = [least - _BEYOND * (most - least), most + _BEYOND * (most - least)]
-        self.packet.fill(
+        self._fill(
             "points",
             {"x": [0.0, float(shown.u[0]), float(shown.u[k])], "y": [0.0, float(shown.w[0]), float(shown.w[k])]},
         )
-        self.packet.fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
-        self.packet.fill(
+        self._fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
+        self._fill(
             "screw",
             {
                 "x": [np.stack([at, at, gap], axis=1).ravel(), [0.0, 0.0]],
@@ -231,7 +232,7 @@ class Plots:
             },
         )
         height = SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])
-        self.packet.fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
+        self._fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""

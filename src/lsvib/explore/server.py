@@ -18,7 +18,6 @@ from lsvib.api import RigidDrive
 from lsvib.engine.kernels.compile_ahead import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.ahead import Ahead
 from lsvib.explore.downloads import EXPORTS, export
 from lsvib.explore.page import Page
 from lsvib.explore.presets import presets
@@ -70,7 +69,7 @@ class Icon(RequestHandler):
         self.set_status(204)
 
 
-def make_server(port: int, ahead: Ahead) -> Server:
+def make_server(port: int) -> Server:
     """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
     known = presets()
     # Bokeh has no option for the class of its sockets.
@@ -84,10 +83,10 @@ def make_server(port: int, ahead: Ahead) -> Server:
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
         try:
-            Page(document, View.of(query) if query else FRONT, known, ahead)
+            Page(document, View.of(query) if query else FRONT, known)
         except LsvibError as error:
             document.clear()
-            Page(document, View(), known, ahead, f"The link cannot be shown: {error}")
+            Page(document, View(), known, f"The link cannot be shown: {error}")
 
     names = "|".join(name.replace(".", r"\.") for name in EXPORTS)
     try:
@@ -104,24 +103,18 @@ def make_server(port: int, ahead: Ahead) -> Server:
 
 
 def serve(port: int, show: bool) -> None:
-    """Serve the page until the command is interrupted, and open it in a browser if ``show``.
-
-    What the first page needs is compiled before, the rest beside it.
-    """
+    """Serve the page until the command is interrupted, and open it in a browser if ``show``."""
     asyncio.set_event_loop(asyncio.new_event_loop())
     logging.getLogger(WSHandler.__module__).setLevel(logging.ERROR)  # it warns when a page is closed before its answer
-    ahead = Ahead()
-    server = make_server(port, ahead)
-    compile_engine(("planar",))
+    server = make_server(port)
+    compile_engine()  # at once, so that no page waits for a compiler
     answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
     address = f"http://{HOST}:{server.port}/"
     print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
     server.start()
-    ahead.start()
     if show:
         webbrowser.open(address)
     try:
         server.io_loop.start()
     finally:
-        ahead.stop()
         server.stop()

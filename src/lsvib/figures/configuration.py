@@ -1,10 +1,7 @@
-"""The configuration of the workflow: its types, its JSON schema, and one sentence about what is wrong with one.
+"""The configuration of the workflow: its types, and one sentence about what is wrong with one.
 
 The values are those of ``config/config.yaml``, to which the file beside this module is a link (an installed package
-holds a copy); the type of each section is the class ``Settings`` in the folder of its figure. The JSON schema, for
-editors and people, follows from the types:
-
-    python -m lsvib.figures.configuration > workflow/schemas/config.schema.yaml
+holds a copy); the type of each section is the class ``Settings`` in the folder of its figure.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +19,6 @@ from lsvib.figures.folders import accuracy_figures, default_figures, settings_mo
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
-SCHEMA_HEADER = "# Written by python -m lsvib.figures.configuration from the types of the settings; do not edit.\n"
 _OUTSIDE = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "too_close_to_zero")
 _LENGTH = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
 _NO_TYPE = {  # complaint of pydantic: what the value should be
@@ -62,9 +58,8 @@ class Assessments(Selection):
         min_length=1, description="Data sheets of the target `assessments`, YAML files."
     )
     assessment_samples: int = Field(
-        ge=64, le=2**30, description="Drives drawn from the uncertainties of each sheet, a power of two."
+        ge=64, le=2**24, description="Drives drawn from the uncertainties of each sheet, a power of two."
     )
-    assessment_shares: int = Field(ge=1, le=4096, description="Jobs among which the samples of a drive are divided.")
 
 
 def check(configuration: Mapping[str, Any]) -> None:
@@ -109,18 +104,6 @@ def settings_of(figure: str) -> type[FigureSettings]:
     """Return the type of the settings of a figure; raises ``InputError`` if there is no such figure."""
     found: type[FigureSettings] = import_module(settings_module(figure)).Settings
     return found
-
-
-def schema() -> dict[str, Any]:
-    """Return the JSON schema of the configuration, as it follows from the types."""
-    found = _tidy(_configuration().model_json_schema())
-    # The sections stand in their places; what several of them share is stated once.
-    own = {name: found["$defs"].pop(name) for name in list(found["$defs"]) if name.endswith("Settings")}
-    for key, rule in found["properties"].items():
-        name = rule.get("$ref", "").rpartition("/")[2]
-        if name in own:
-            found["properties"][key] = own[name]
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
 
 
 @cache
@@ -197,21 +180,3 @@ def _rule(whole: Mapping[str, Any], parts: Sequence[str]) -> Mapping[str, Any]:
             other = rule.get("items", {}) if part.isdigit() else next(iter(inside.values()))
             rule = other if isinstance(other, Mapping) else {}
     return rule
-
-
-def _tidy(part: Any) -> Any:
-    """Leave out what pydantic adds to a schema and nobody reads: titles, and defaults that are all or nothing."""
-    if isinstance(part, list):
-        return [_tidy(inner) for inner in part]
-    if not isinstance(part, dict):
-        return part
-    kept = {key: value for key, value in part.items() if not (key == "title" and isinstance(value, str))}
-    if kept.get("default", 0) is None or isinstance(kept.get("default"), list):
-        del kept["default"]
-    return {key: _tidy(value) for key, value in kept.items()}
-
-
-if __name__ == "__main__":
-    import yaml
-
-    print(SCHEMA_HEADER + yaml.safe_dump(schema(), sort_keys=False, allow_unicode=True, width=120), end="")

@@ -27,10 +27,7 @@ Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
     *Unique,
     AfterValidator(_with_label),
-    Field(
-        json_schema_extra={"contains": {"const": "label"}},
-        description="What is computed of each cell; all but the label need the motion up to its attractor.",
-    ),
+    Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
 ]
 
 

@@ -109,7 +109,7 @@ def _zero(value: float) -> float:
     return value
 
 
-Unique = (AfterValidator(_unique), Field(json_schema_extra={"uniqueItems": True}))  # add to the type of a list
+Unique = (AfterValidator(_unique),)  # add to the type of a list
 
 
 def parameter(key: str, *more: Any, of: type[DriveParameters] = DriveParameters) -> Any:
