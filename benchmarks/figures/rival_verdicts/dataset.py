@@ -22,11 +22,6 @@ from lsvib.data.checks import Check
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a case without a question: as a run that did not take place
 WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)
 _SOURCE = "docs/validation.md"
-_WORDS = {
-    "error": "error of final state and event times, relative to the motion, where its events are right",
-    "level": "decimal logarithm of the parameter or of its distance from the edge",
-    "engine_count": "number of cases by verdict on the engine",
-}
 
 
 class _Row(NamedTuple):
@@ -67,12 +62,16 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     return xr.Dataset(
         {
             "method_verdict": named_flags(("case", "method"), verdict, "verdict on the method", words),
-            "error": variable(("case", "method"), error, "1", _WORDS["error"]),
+            "error": variable(
+                ("case", "method"), error, "1", "relative error of the right events and of the final state"
+            ),
             "engine_verdict": flagged("case", engine, "verdict on the engine", case_judge.VERDICTS),
             "case_family": flagged("case", family, "family of the case", CaseFamily),
-            "level": variable("case", level, "1", _WORDS["level"]),
+            "level": variable(
+                "case", level, "1", "decimal logarithm of the parameter or of its distance from the edge"
+            ),
             "count": variable(("edge_family", "method", "method_outcome"), count, "1", "number of cases"),
-            "engine_count": variable(("edge_family", "engine_outcome"), ours, "1", _WORDS["engine_count"]),
+            "engine_count": variable(("edge_family", "engine_outcome"), ours, "1", "number of verdicts on the engine"),
             "relative_tolerance": variable("method", [x for _, x in entries], "1", "relative tolerance of the method"),
         },
         coords={
