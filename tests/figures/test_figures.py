@@ -3,6 +3,8 @@
 Figures 8.1 to 8.15 and those that the book describes without a picture.
 """
 
+from collections import defaultdict
+
 import pytest
 from references.figure_checks import assert_drawn_from_file, checks_of, dataset_of, scale, set_to
 from references.listed_claims import assert_listed_checks_exist
@@ -10,6 +12,8 @@ from references.listed_claims import assert_listed_checks_exist
 from lsvib.basins.exact_basin import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.cycles.attractors import Attractor
+from lsvib.data.parameter_origins import ASSUMED, FIELDS, NO_EFFECT, VARIED
+from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
 from lsvib.figures.folders import default_figures
 from lsvib.figures.limit_process.dataset import BranchVerdict
@@ -59,3 +63,22 @@ def test_a_check_refuses_spoiled_data(figure):
 @pytest.mark.parametrize("figure", default_figures())
 def test_it_is_drawn_from_its_file(figure, tmp_path):
     assert_drawn_from_file(figure, dataset_of(figure), tmp_path / "a.nc")
+
+
+def test_a_name_has_one_meaning_in_all_files():
+    found = defaultdict(set)
+    for figure in default_figures():
+        for name, variable in dataset_of(figure).variables.items():
+            found[name].add((variable.attrs["units"], variable.attrs["long_name"]))
+    assert {name: meanings for name, meanings in found.items() if len(meanings) > 1} == {}
+
+
+@pytest.mark.parametrize("figure", default_figures())
+def test_every_parameter_is_stated_with_its_origin(figure):
+    dataset = dataset_of(figure)
+    assert set(RigidParameters.model_fields) <= set(dataset.variables)
+    for name in set(FIELDS) & set(dataset.variables):
+        attributes = dataset[name].attrs
+        assert attributes["origin"].startswith(("printed: ", ASSUMED, VARIED, NO_EFFECT)), (name, attributes)
+        assert attributes["symbol"], name
+        assert attributes["origin"] != VARIED or dataset[name].ndim >= 1, name  # an axis, or along one

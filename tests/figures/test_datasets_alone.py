@@ -1,6 +1,4 @@
-"""The datasets of all figures, read by a stranger: one name has one meaning, and every drive is stated."""
-
-from collections import defaultdict
+"""The dataset of a figure, read by a stranger: its motion can be repeated from the file alone."""
 
 import numpy as np
 import pytest
@@ -10,42 +8,10 @@ from scipy.integrate import solve_ivp
 
 from lsvib.data.parameter_origins import (
     ASSUMED,
-    FIELDS,
-    NO_EFFECT,
-    VARIED,
     origin_of,
 )
 from lsvib.data.writer import write_dataset
 from lsvib.drives.parameters import RigidParameters
-from lsvib.figures.folders import default_figures
-
-FIGURES = default_figures()
-ORIGINS = ("printed: ", ASSUMED, VARIED, NO_EFFECT)
-
-
-def meaning(variable: xr.Variable) -> tuple[str, str]:
-    return variable.attrs["units"], variable.attrs["long_name"]
-
-
-def test_a_name_has_one_meaning_in_all_files():
-    found = defaultdict(set)
-    for figure in FIGURES:
-        for name, variable in dataset_of(figure).variables.items():
-            found[name].add(meaning(variable))
-    assert {name: meanings for name, meanings in found.items() if len(meanings) > 1} == {}
-
-
-@pytest.mark.parametrize("figure", FIGURES)
-def test_every_parameter_is_stated_with_its_origin(figure):
-    dataset = dataset_of(figure)
-    missing = [name for name in RigidParameters.model_fields if name not in dataset.variables]
-    assert missing == []
-    for name in set(FIELDS) & set(dataset.variables):
-        attributes = dataset[name].attrs
-        assert attributes["origin"].startswith(ORIGINS), (name, attributes)
-        assert attributes["symbol"], name
-        if attributes["origin"] == VARIED:  # an axis, or along one
-            assert dataset[name].ndim >= 1, name
 
 
 def test_origin_says_which_values_are_printed():
