@@ -49,7 +49,7 @@ def linear_mode(
     except ArithmeticError as error:
         raise EngineError(
             f"two rates of one mode of motion cannot be told apart in double precision ({error}); "
-            f"change {movable} a little."
+            f"change {movable}."
         ) from None
 
 
