@@ -5,7 +5,7 @@ drives; then all tables of doubles have one more axis, the first, for the drives
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from typing import Any
 
@@ -218,7 +218,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
-        condition=1.0 if n == 2 else _worst([mode.flow.condition for mode in modes.values()]),
+        condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
         **facts,
     )
 
@@ -226,28 +226,6 @@ def assemble(
 DIMENSIONS = {  # of the tables of doubles of one drive
     "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0,
 }  # fmt: skip
-
-
-def one_of_many(automaton: Automaton, place: int) -> Automaton:
-    """Return the automaton of one drive from that of many."""
-
-    def own(table: np.ndarray, dimensions: int) -> np.ndarray:
-        return table[place] if np.ndim(table) > dimensions else table
-
-    tables = automaton.tables
-    return replace(
-        automaton,
-        tables=tables._replace(
-            flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()}
-        ),
-        observables={name: own(table, 2) for name, table in automaton.observables.items()},
-        condition=float(own(np.asarray(automaton.condition), 0)),
-    )
-
-
-def _worst(conditions: list[Any]) -> Any:
-    """The largest of some numbers, or for each of many drives that of its own."""
-    return np.max(conditions, axis=0) if np.ndim(conditions[0]) else max(conditions)
 
 
 def scaled(row: Row, factor) -> tuple:
