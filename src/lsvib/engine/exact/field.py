@@ -62,7 +62,7 @@ def many_digits() -> object:
 
 def ball(number: Decimal | float | int) -> arb:
     """Return a number in the digits of the context; floats and integers are taken exactly."""
-    return arb(str(number)) if isinstance(number, Decimal) else arb(number)
+    return arb(number) if isinstance(number, (int, float)) else arb(str(number))
 
 
 def balls(rows: Rows) -> arb_mat:

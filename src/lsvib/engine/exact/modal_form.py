@@ -198,12 +198,12 @@ def _row_of_pair(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: 
     single = [[arb(int(i == j)) / scale[j] for j in range(n)] for i in range(n)]
     candidates = single + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(single, 2)]
     rows = [arb_mat([candidate]) * projector for candidate in candidates]
-    first = [[x * s for x, s in zip(row.entries(), scale, strict=True)] for row in rows]
+    first = [[(x * s).mid() for x, s in zip(row.entries(), scale, strict=True)] for row in rows]
     lengths = [float(_dot(one, one).sqrt()) for one in first]
 
     def cosine(k: int) -> float:
         """Return the square of the cosine of the angle between ℓΠ and ℓΠA."""
-        second = [x * s / unit for x, s in zip((rows[k] * matrix).entries(), scale, strict=True)]
+        second = [(x * s / unit).mid() for x, s in zip((rows[k] * matrix).entries(), scale, strict=True)]
         return float(_dot(first[k], second) ** 2 / (_dot(first[k], first[k]) * _dot(second, second)))
 
     # Rows that are nearly orthogonal to the subspace consist of rounding.
