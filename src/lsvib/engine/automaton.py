@@ -228,6 +228,23 @@ DIMENSIONS = {  # of the tables of doubles of one drive
 }  # fmt: skip
 
 
+def one_of_many(automaton: Automaton, place: int) -> Automaton:
+    """Return the automaton of one drive from that of many."""
+
+    def own(table: np.ndarray, dimensions: int) -> np.ndarray:
+        return table[place] if np.ndim(table) > dimensions else table
+
+    tables = automaton.tables
+    return replace(
+        automaton,
+        tables=tables._replace(
+            flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()}
+        ),
+        observables={name: own(table, 2) for name, table in automaton.observables.items()},
+        condition=float(own(np.asarray(automaton.condition), 0)),
+    )
+
+
 def scaled(row: Row, factor) -> tuple:
     """Return a row times a number."""
     return tuple(factor * x for x in row)
