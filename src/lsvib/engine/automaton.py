@@ -5,7 +5,7 @@ drives; then all tables of doubles have one more axis, the first, for the drives
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, localcontext
 from typing import Any
 

@@ -1,5 +1,6 @@
 """Roots of polynomials with rational coefficients, isolated with certainty by FLINT."""
 
+from collections.abc import Iterator
 from fractions import Fraction
 
 from flint import acb, arb, ctx, fmpq, fmpq_poly
@@ -50,12 +51,24 @@ def all_roots(p: Polynomial) -> list[tuple[Fraction, Fraction]]:
     even, odd = (fmpq_poly(both.coeffs()[k::2]) for k in (0, 1))
     shared = even.gcd(odd)
     rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
-    found = []
-    with ctx.workprec(_BITS):
-        for square, count in shared.complex_roots():
-            root = square.sqrt()
-            if square.imag == 0:
-                root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
-            found += [sign * root for sign in (-1, 1)] * int(count)
-        found += [root for root, count in rest.complex_roots() for _ in range(int(count))]
-    return [(fraction(root.real), fraction(root.imag)) for root in found]
+    bits = _BITS
+    while True:
+        with ctx.workprec(bits):
+            found = [*_signed_roots(shared), *(root for root, n in rest.complex_roots() for _ in range(int(n)))]
+        if all(_fine(part) for root in found for part in (root.real, root.imag)):
+            return [(fraction(root.real), fraction(root.imag)) for root in found]
+        bits *= 2
+
+
+def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
+    """Yield both square roots of each root of a polynomial; a part that vanishes is exactly zero."""
+    for square, count in squares.complex_roots():
+        root = square.sqrt()
+        if square.imag == 0:
+            root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
+        yield from [root, -root] * int(count)
+
+
+def _fine(part: arb) -> bool:
+    """Whether a ball is narrow beside its number, or exactly zero."""
+    return part == 0 or float(part.rad() / abs(part.mid())) < 2.0**-90
