@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from references.modal_fields import DIGITS, as_decimals, rate_of
 
-from lsvib.engine.exact.field import exact_field
+from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal
 from lsvib.engine.kernels.columns import ALPHA, BETA, R1
@@ -65,7 +65,7 @@ def growth(flow, t):
 
 def flow_error(rows, state, t, mode=None):
     """Error of every coordinate in units of eps (1 + rate t) × condition × size × growth."""
-    mode = mode or modal_mode(exact_field(as_decimals(rows), [1.0] * len(rows)))
+    mode = mode or modal_mode(Field.of(as_decimals(rows), [1.0] * len(rows)))
     flow = modal_flow([mode])
     out = np.empty(len(rows))
     flow_modal.advance(flow, 0, np.array(state, dtype=float), t, out)
@@ -103,7 +103,7 @@ def test_flow_against_the_matrix_exponential(name):
     with mp.workdps(DIGITS):
         rows = companion(FIELDS[name])
         n = len(rows)
-        mode = modal_mode(exact_field(as_decimals(rows), [1.0] * n))
+        mode = modal_mode(Field.of(as_decimals(rows), [1.0] * n))
         assert mode.condition < 1e4
         fastest = rate_of(modal_flow([mode]))
         for state in (np.ones(n), np.linspace(-1, 2, n), np.eye(n)[-1]):
@@ -127,7 +127,7 @@ def test_flow_of_random_fields(numbers, angle):
     n = len(state)
     rows = [[mpf(entries[i * (n + 1) + j]) * mpf(10.0 ** powers[i]) / 100 for j in range(n + 1)] for i in range(n)]
     try:
-        mode = modal_mode(exact_field([[float(x) for x in row] for row in rows], [1.0] * n))
+        mode = modal_mode(Field.of([[float(x) for x in row] for row in rows], [1.0] * n))
     except ArithmeticError:
         assume(False)
     rows = [[mpf(float(x)) for x in row] for row in rows]
@@ -138,7 +138,7 @@ def test_flow_of_random_fields(numbers, angle):
 def test_frozen_coordinate_keeps_its_value():
     """x₀′ = x₁ with x₁ frozen at −40: x₀ runs away evenly while an oscillator beside it is pushed by it."""
     rows = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1, 0], [50, 0, -900, -4, 7]]
-    mode = modal_mode(exact_field(rows, [1.0] * 4, {1: -40}))
+    mode = modal_mode(Field.of(rows, [1.0] * 4, {1: -40}))
     out = np.empty(4)
     state = np.array([0.3, -40.0, 0.1, 2.0])
     flow_modal.advance(modal_flow([mode]), 0, state, 0.05, out)
@@ -158,7 +158,7 @@ def test_uncoupled_parts_are_carried_to_and_fro(factors):
     """Without coupling most rows of a projector are zero, but for rounding: none of these may be built upon."""
     with mp.workdps(DIGITS):
         field = [[mpf(0) if abs(x) in (mpf("0.3"), mpf("0.7")) else x for x in row] for row in companion(factors)]
-        mode = modal_mode(exact_field(as_decimals(field), [1.0] * len(field)))
+        mode = modal_mode(Field.of(as_decimals(field), [1.0] * len(field)))
     identity = mode.from_modal[:, :-1] @ mode.to_modal[:, :-1]
     assert identity == pytest.approx(np.eye(len(field)), abs=64 * EPS * mode.condition)
 
@@ -169,7 +169,7 @@ def test_a_slow_rate_is_carried_about_an_equilibrium_nearby(push):
 
     With the latter, the rounding of the start stayed, 1e-7 of the equilibrium.
     """
-    mode = modal_mode(exact_field([[-5, 0, 0, push], [0, 0, 1, 0], [20, -1e4, -20, 0]], [1.0] * 3))
+    mode = modal_mode(Field.of([[-5, 0, 0, push], [0, 0, 1, 0], [20, -1e4, -20, 0]], [1.0] * 3))
     flow, out = modal_flow([mode]), np.empty(3)
     assert (flow.pushes[0, 0] == 0.0) == (push == 3.0)
     flow_modal.advance(flow, 0, np.array([1e9, 0.0, 0.0]), 60.0, out)
@@ -182,7 +182,7 @@ def test_a_guard_has_no_part_that_is_rounding_of_its_coefficients():
     with localcontext(prec=50):
         radius, speed = Decimal(1) / 3, Decimal(30) / 7
         rows = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -7000, -800, 0]]
-        mode = modal_mode(exact_field(rows, [1.0] * 4, {1: -speed}))
+        mode = modal_mode(Field.of(rows, [1.0] * 4, {1: -speed}))
         row = (0, radius, 0, 1, radius * speed)
     with mp.workdps(DIGITS):
         assert 0 < abs(mpf(str(row[4])) - mpf(str(radius)) * mpf(str(speed))) < mpf(10) ** -49
@@ -193,7 +193,7 @@ def test_a_guard_has_no_part_that_is_rounding_of_its_coefficients():
 
 def test_chain_of_zeros_is_refused():
     with pytest.raises(ArithmeticError, match="with a chain"):
-        modal_mode(exact_field([[0, 1, 0, 0], [0, 0, 0, 1], [0, 0, -1, 0]], [1.0] * 3))
+        modal_mode(Field.of([[0, 1, 0, 0], [0, 0, 0, 1], [0, 0, -1, 0]], [1.0] * 3))
 
 
 def test_growing_part_keeps_its_relative_accuracy_beside_a_slow_one():
@@ -204,7 +204,7 @@ def test_growing_part_keeps_its_relative_accuracy_beside_a_slow_one():
         mix = mp.matrix([[1, 1, 1], [1, 2, 0], [1, 0, 1]])
         field = mix * mp.matrix([row[:3] for row in rows]) * mix**-1
         rows = [[*field[i, :], mpf(0)] for i in range(3)]
-        mode = modal_mode(exact_field(as_decimals(rows), [1.0] * 3))
+        mode = modal_mode(Field.of(as_decimals(rows), [1.0] * 3))
         state = np.array([2.0, 2.0, 1.0])
         t = 40 / 1e8
         out = np.empty(3)

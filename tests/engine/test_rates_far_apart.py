@@ -10,7 +10,8 @@ from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters, ThreadsParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.threads import seated_state, threads_automaton
-from lsvib.engine.exact.linear_mode import flow_of, linear_mode
+from lsvib.engine.exact.linear_mode import linear_mode
+from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
@@ -39,7 +40,7 @@ def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
 def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     """The same of a growing pair of a field of four states, beside a pair that decays and swings."""
     rows = [[0, 1, 0, 0, 0], [-1e10, 3e5, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -100, -1, 0]]
-    flow = flow_of([linear_mode(rows, [1.0] * 4, None, math.inf, "a parameter")])
+    flow = modal_flow([linear_mode(rows, [1.0] * 4, None, math.inf, "a parameter")])
     out, turning = np.empty(4), math.sqrt(99.75)
     dispatch.advance(flow, 0, np.array([0.0, 0.0, 1.0, 0.0]), 0.1, out)
     assert out[:2].tolist() == [0.0, 0.0]
@@ -74,7 +75,7 @@ def test_a_coordinate_far_from_its_equilibrium_is_moved_by_its_change(name):
         fastest = np.abs(np.linalg.eigvals(matrix)).max()
         time = float(10.0 ** rng.uniform(-3, 0) * np.abs(state).max() / (np.abs(push).max() + fastest))
         field = np.column_stack([matrix, push])
-        flow = flow_of([linear_mode(field.tolist(), [1.0] * 4, None, math.inf, "a parameter")])
+        flow = modal_flow([linear_mode(field.tolist(), [1.0] * 4, None, math.inf, "a parameter")])
         out, scale = np.empty(4), np.abs(state)
         dispatch.advance(flow, 0, state, time, out)
         with mp.workdps(60):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from references.modal_fields import DIGITS, as_decimals, rate_of
 
-from lsvib.engine.exact.field import exact_field
+from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal, guard_sums, search_steps
 from lsvib.engine.kernels.columns import A0, R1, R2
@@ -40,7 +40,7 @@ def decoupled(factors):
         else:
             rows[i][i + 1], rows[i + 1][i], rows[i + 1][i + 1] = 1.0, -factor[0], -factor[1]
             i += 2
-    return modal_flow([modal_mode(exact_field(rows, [1.0] * n))]), n
+    return modal_flow([modal_mode(Field.of(rows, [1.0] * n))]), n
 
 
 def drawn(factors):
@@ -255,7 +255,7 @@ def test_guards_that_fall_at_once_are_told_in_order():
         rows = (mix * field * mix**-1).tolist()
         rows = as_decimals([[*row, -1e6 * place] for row, place in zip(rows, mix[:, 1], strict=True)])
         mix, coordinate = np.array(mix.tolist(), dtype=float), np.array((mix**-1)[0, :].tolist(), dtype=float)[0]
-    flow, rng = modal_flow([modal_mode(exact_field(rows, [1.0] * 4), DIGITS)]), np.random.default_rng(5)
+    flow, rng = modal_flow([modal_mode(Field.of(rows, [1.0] * 4))]), np.random.default_rng(5)
     for _ in range(60):
         state = mix @ [rng.uniform(0.5, 2.0), -rng.uniform(0.5, 2.0), 0.0, 0.0]
         factors, first = rng.uniform(0.5, 2.0, 2), rng.integers(2)

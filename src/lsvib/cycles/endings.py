@@ -1,13 +1,13 @@
 """What the motions of drives of any model end on: attractor, size, forces.
 
 Some models have a search of many motions at once (:mod:`lsvib.cycles.endings_of_models`). The others' drives are
-followed one by one, share by share, in processes of their own; their tables are made at once where that is known
-(:mod:`lsvib.drives.tables_of_models`). The search is that for one drive
+followed one by one, share by share, in processes of their own. The search is that for one drive
 (:func:`lsvib.cycles.attractors.steady_state`), so all results are the same to rounding, and do not depend on how the
 drives are shared out.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple, TypeVar
@@ -19,7 +19,6 @@ from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, stea
 from lsvib.cycles.ending_numbers import Ending, Endings
 from lsvib.cycles.impulses import event_impulses
 from lsvib.cycles.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
-from lsvib.drives import tables_of_models
 from lsvib.drives.many import ManyDrives
 from lsvib.drives.model_files import of_model
 from lsvib.drives.parameters import DriveParameters
@@ -37,48 +36,26 @@ Done = TypeVar("Done")
 
 
 class Prepared(NamedTuple):
-    """A drive by its place among others, with its automaton – None if the engine has none.
-
-    ``others``: values by name of what a start may leave out, None if the model is to be asked.
-    """
+    """A drive by its place among others, with its model and its automaton – None if the engine has none."""
 
     place: int
     model: Model
-    drives: ManyDrives
+    drive: DriveParameters
     automaton: Automaton | None
-    others: Mapping[str, float] | None
-
-    def drive(self) -> DriveParameters:
-        """Return the drive."""
-        return self.drives.one(self.place)
 
     def state(self, values: Mapping[str, float]) -> np.ndarray:
         """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
-        if self.others is None:
-            return self.model.initial_state(self.drive(), values)
-        known = {**self.others, **values}
-        return np.array([known[key] for key in (*self.model.required, *self.model.optional)])
+        return self.model.initial_state(self.drive, values)
 
 
 def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
     """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
     model = find_model(drives.drive_class.model)
-    at_once = of_model(tables_of_models, drives.drive_class.model, "automata", _none_at_once)
-    for k, one in enumerate(at_once(drives, resume)):
-        if one is not None:
-            yield Prepared(k, model, drives, *one)
-            continue
-        drive = drives.one(k)
-        try:
+    for k in range(drives.size):
+        drive, automaton = drives.one(k), None
+        with suppress(EngineError):  # rates that lie too far apart: nothing can be told
             automaton = model.build(drive, model.physics_of(drive), resume)
-        except EngineError:  # rates that lie too far apart: nothing can be told
-            automaton = None
-        yield Prepared(k, model, drives, automaton, None)
-
-
-def _none_at_once(drives: ManyDrives, resume: str) -> list[None]:
-    """The tables of drives of a model of which none are made at once."""
-    return [None] * drives.size
+        yield Prepared(k, model, drive, automaton)
 
 
 def ending_of(one: Prepared, state: np.ndarray) -> Ending:
@@ -102,7 +79,7 @@ def ending_of(one: Prepared, state: np.ndarray) -> Ending:
         amplitude = peak = np.nan
     impulse = 0.0
     if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
-        impulse = float(np.abs(event_impulses(one.drive(), found.orbit).normal).max())
+        impulse = float(np.abs(event_impulses(one.drive, found.orbit).normal).max())
     return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
 
 

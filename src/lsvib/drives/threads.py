@@ -21,6 +21,7 @@ Painlevé region. Nothing is imposed: N is a function of the state, so a seizure
 s = +1, which stops the screw, and the motion after it follows from the same equations.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from decimal import localcontext
 from enum import IntEnum
@@ -37,10 +38,8 @@ from lsvib.drives.powers import Powers, product
 from lsvib.drives.registry import Model, seizures_only_by_contact
 from lsvib.drives.second_body.mechanics import DIRECTIONS, SIGNS, plus
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
-from lsvib.engine.exact.linear_mode import flow_of, guard_forms_of, linear_mode
-from lsvib.engine.exact.modal_arrays import ManyModes
-from lsvib.engine.exact.modal_form import ModalMode
-from lsvib.engine.exact.pair_arrays import double, for_all, squared
+from lsvib.engine.exact.linear_mode import linear_mode
+from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
@@ -80,18 +79,10 @@ def threads_automaton(drive: ThreadsParameters) -> Automaton:
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``EngineError`` if the coordinates of a mode cannot be told apart in double precision.
     """
-    return automaton_of(coefficients(drive), drive.exact())
-
-
-def automaton_of(c: Coefficients, d: Any) -> Automaton:
-    """Return the automaton from coefficients and exact parameters, of one drive or of many at once.
-
-    The tables of doubles of many drives have one more axis, the first, and the flow is a list of tables, with None for
-    a drive that needs 60 digits. Raises as :func:`threads_automaton` does.
-    """
+    c = coefficients(drive)
     with localcontext(prec=PLACES):
-        build = _ThreadsBuild(c, d)
-        surfaces, transitions = build.surfaces(), build.transitions()  # first: many drives may be divided here
+        build = _ThreadsBuild(c, drive.exact())
+        surfaces, transitions = build.surfaces(), build.transitions()
         slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
         modes: dict[str, Mode] = {}
         for direction, where in DIRECTIONS.items():
@@ -117,8 +108,8 @@ def automaton_of(c: Coefficients, d: Any) -> Automaton:
                 "screw_speed": dict.fromkeys(modes, build.speed),
             },
             shortest_stay=0.0,
-            stack=flow_of,
-            forms=guard_forms_of,
+            stack=modal_flow,
+            forms=guard_forms,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
             sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
         )
@@ -137,15 +128,15 @@ class _ThreadsBuild:
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = plus(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-        force = abs(double(d.axial_force)) + 1.0
-        stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
-        mass, swing = double(d.mass), double((d.screw_inertia / d.coupling_stiffness).sqrt())
-        mismatch = force / (stiffness + damping / swing + mass / squared(swing))
-        rate = force / (damping + np.sqrt(stiffness * mass) + mass / swing)
-        self.sizes = (0.1, abs(double(d.input_speed)), mismatch, rate)
+        force = abs(float(d.axial_force)) + 1.0
+        stiffness, damping = float(d.contact_stiffness), float(d.contact_damping)
+        mass, swing = float(d.mass), float((d.screw_inertia / d.coupling_stiffness).sqrt())
+        mismatch = force / (stiffness + damping / swing + mass / swing**2)
+        rate = force / (damping + math.sqrt(stiffness * mass) + mass / swing)
+        self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
         self.horizon = SWINGS * swing
 
-    def slip(self, law: int) -> ModalMode | ManyModes:
+    def slip(self, law: int) -> ModalMode:
         """Field of slip under law s."""
         return linear_mode(self._slip_rows(law), self.sizes, None, self.horizon, ThreadsParameters.own_damping)
 
@@ -156,7 +147,7 @@ class _ThreadsBuild:
         acceleration = scaled(plus(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
         return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
 
-    def rest(self) -> ModalMode | ManyModes:
+    def rest(self) -> ModalMode:
         """Field of rest: w stays −Ω, the nut moves on."""
         axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
         held = {1: -self.d.input_speed}
@@ -174,9 +165,9 @@ class _ThreadsBuild:
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
         # Of e and v the one that moves N more is set on N = 0: the other's rounding would be amplified by their ratio.
-        by_mismatch, by_rate = (abs(double(self.normal[i])) * self.sizes[i] for i in (2, 3))
+        by_mismatch, by_rate = (abs(float(self.normal[i])) * self.sizes[i] for i in (2, 3))
         found = {
-            "contact": Surface(self.normal, 2 if for_all(by_mismatch >= by_rate) else 3),
+            "contact": Surface(self.normal, 2 if by_mismatch >= by_rate else 3),
             "screw_speed": Surface(self.speed, 1),
         }
         for sign, contact in SIGNS.items():
@@ -237,14 +228,10 @@ def _rate(row: tuple, field: list[tuple]) -> tuple:
 
 def seated_state(drive: ThreadsParameters, u: float, w: float) -> np.ndarray:
     """State with the contact compressed as in steady sliding, N = N_0 and v = 0; u [rad], w [rad/s] (eq. 8.15)."""
-    return np.array([u, w, seat(coefficients(drive), drive.exact()), 0.0])
-
-
-def seat(c: Coefficients, d: Any) -> Any:
-    """Return the mismatch e [m] of steady sliding, of one drive or of many (k)."""
+    c, d = coefficients(drive), drive.exact()
     with localcontext(prec=PLACES):
         normal = c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)
-        return double(normal / (d.cos_lead * d.contact_stiffness))
+        return np.array([u, w, float(normal / (d.cos_lead * d.contact_stiffness)), 0.0])
 
 
 def _start(drive: ThreadsParameters, values) -> np.ndarray:

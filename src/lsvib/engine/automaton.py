@@ -218,7 +218,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
-        condition=1.0 if n == 2 else _worst([mode.flow.condition for mode in modes.values()]),
+        condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
         **facts,
     )
 
@@ -243,11 +243,6 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
         observables={name: own(table, 2) for name, table in automaton.observables.items()},
         condition=float(own(np.asarray(automaton.condition), 0)),
     )
-
-
-def _worst(conditions: list[Any]) -> Any:
-    """The largest of some numbers, or for each of many drives that of its own."""
-    return np.max(conditions, axis=0) if np.ndim(conditions[0]) else max(conditions)
 
 
 def scaled(row: Row, factor) -> tuple:

@@ -1,15 +1,16 @@
-"""Positive real roots of a polynomial with rational coefficients, isolated with certainty by Sturm's theorem."""
+"""Roots of polynomials with rational coefficients, isolated with certainty by FLINT."""
 
-import math
+from collections.abc import Iterator
 from fractions import Fraction
-from itertools import pairwise
+
+from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lsvib.steady_sliding.characteristic import Polynomial
 
 # Relative width to which a root is found, far below the spacing of doubles, 2⁻⁵²: no double lies between two roots that
 # are closer than SAME, and they count as one.
-_WIDTH = Fraction(1, 2**90)
-SAME = 4 * _WIDTH
+_BITS = 100
+SAME = Fraction(4, 2**90)
 
 
 def positive_roots(p: Polynomial, limit: Fraction) -> list[Fraction]:
@@ -17,44 +18,21 @@ def positive_roots(p: Polynomial, limit: Fraction) -> list[Fraction]:
 
     Arguments: coefficients, highest power first, not all zero; end of the interval.
     """
-    p = trimmed(p)
-    while p[-1] == 0:  # roots at zero
-        p = p[:-1]
-    if len(p) == 1:
-        return []
-    p, _ = divided(p, greatest_common_divisor(p, derivative(p)))
-    chain = [_integers(p), _integers(derivative(p))]
-    while rest := divided(chain[-2], chain[-1])[1]:
-        chain.append(_integers(tuple(-x for x in rest)))
-    found, open_ends = [], [(Fraction(0), _changes(chain, Fraction(0)), limit, _changes(chain, limit))]
-    while open_ends:
-        low, before, high, after = open_ends.pop()
-        if before == after:
-            continue
-        if high - low <= _WIDTH * high:
-            found.append((low + high) / 2)
-            continue
-        middle = _middle(low, high)
-        between = _changes(chain, middle)
-        open_ends += [(middle, between, high, after), (low, before, middle, between)]
-    return found
+    with ctx.workprec(_BITS):
+        roots = [root for root, _ in flint_polynomial(p).complex_roots()]
+    found = (fraction(root.real) for root in roots if root.imag == 0)
+    return sorted(root for root in found if 0 < root <= limit)
 
 
-def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Greatest common divisor of two polynomials that are not zero, with integer coefficients."""
-    while q:
-        p, q = q, divided(p, q)[1]
-    return tuple(Fraction(x) for x in _integers(p))
+def flint_polynomial(p: Polynomial) -> fmpq_poly:
+    """Return a polynomial of FLINT from its coefficients, highest power first."""
+    return fmpq_poly([fmpq(x.numerator, x.denominator) for x in reversed(p)])
 
 
-def divided(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder of two polynomials."""
-    rest, result = [Fraction(x) for x in p], []
-    for i in range(len(p) - len(q) + 1):
-        result.append(rest[i] / q[0])
-        for j, x in enumerate(q):
-            rest[i + j] -= result[-1] * x
-    return tuple(result), trimmed(tuple(rest[len(result) :]))
+def fraction(ball: arb) -> Fraction:
+    """Return the midpoint of a ball."""
+    mantissa, exponent = ball.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def trimmed(p: Polynomial) -> Polynomial:
@@ -63,42 +41,34 @@ def trimmed(p: Polynomial) -> Polynomial:
     return tuple(p[start:])
 
 
-def derivative(p: Polynomial) -> Polynomial:
-    """Derivative of a polynomial."""
-    return tuple(x * power for x, power in zip(p, range(len(p) - 1, 0, -1), strict=False))
+def all_roots(p: Polynomial) -> list[tuple[Fraction, Fraction]]:
+    """Return all roots, those that coincide as often as they do: real and imaginary part, each to a relative 2⁻⁹⁰.
+
+    A part is zero where it is exactly zero. Real ones are told by FLINT; imaginary ones are the roots that the parts of
+    the polynomial of even and of odd powers share, in s².
+    """
+    both = flint_polynomial(p)
+    even, odd = (fmpq_poly(both.coeffs()[k::2]) for k in (0, 1))
+    shared = even.gcd(odd)
+    rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
+    bits = _BITS
+    while True:
+        with ctx.workprec(bits):
+            found = [*_signed_roots(shared), *(root for root, n in rest.complex_roots() for _ in range(int(n)))]
+        if all(_fine(part) for root in found for part in (root.real, root.imag)):
+            return [(fraction(root.real), fraction(root.imag)) for root in found]
+        bits *= 2
 
 
-def _integers(p: Polynomial) -> Polynomial:
-    """The polynomial times a positive number, with coprime integer coefficients."""
-    common = math.lcm(*(Fraction(x).denominator for x in p))
-    whole = [int(x * common) for x in p]
-    divisor = math.gcd(*whole)
-    return tuple(x // divisor for x in whole)
+def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
+    """Yield both square roots of each root of a polynomial; a part that vanishes is exactly zero."""
+    for square, count in squares.complex_roots():
+        root = square.sqrt()
+        if square.imag == 0:
+            root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
+        yield from [root, -root] * int(count)
 
 
-def _changes(chain: list[Polynomial], place: Fraction) -> int:
-    """Number of sign changes along a Sturm chain at a place."""
-    signs = [sign for p in chain if (sign := _sign(p, place))]
-    return sum(a != b for a, b in pairwise(signs))
-
-
-def _sign(p: Polynomial, place: Fraction) -> int:
-    """Sign of a polynomial with integer coefficients at a rational place, in integers alone."""
-    numerator, denominator, value, power = place.numerator, place.denominator, 0, 1
-    for x in p:
-        value = value * numerator + x * power
-        power *= denominator
-    return (value > 0) - (value < 0)
-
-
-def _middle(low: Fraction, high: Fraction) -> Fraction:
-    """A place strictly between both: a power of two while the ends differ in size, else the arithmetic mean."""
-    if low == 0:
-        # Squaring reaches a root of any size in a few steps.
-        return Fraction(1) if high > 1 else high**2 / 4
-    if high > 4 * low:
-        sizes = [x.numerator.bit_length() - x.denominator.bit_length() for x in (low, high)]
-        power = Fraction(2) ** (sum(sizes) // 2)
-        if low < power < high:
-            return power
-    return (low + high) / 2
+def _fine(part: arb) -> bool:
+    """Whether a ball is narrow beside its number, or exactly zero."""
+    return part == 0 or float(part.rad() / abs(part.mid())) < 2.0**-90

@@ -9,18 +9,15 @@ import math
 from collections.abc import Iterable
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
-
-import mpmath
 
 from lsvib.drives.coefficients import Coefficients
 from lsvib.drives.parameters import DriveParameters, RigidParameters
 from lsvib.engine.exact.precision import PLACES
-from lsvib.steady_sliding.characteristic import DIGITS, Polynomial, hurwitz, settled
+from lsvib.steady_sliding.characteristic import Polynomial, hurwitz, settled
 from lsvib.steady_sliding.eigenvalues_rigid import Stability
 from lsvib.steady_sliding.eigenvalues_two_coordinates import routh_hurwitz
-from lsvib.steady_sliding.real_roots import derivative, divided, greatest_common_divisor
+from lsvib.steady_sliding.real_roots import all_roots
 
 # Below this share of its first term a sum has lost so many of its 50 digits that exact signs must decide.
 _CLEAR = Decimal("1e-25")
@@ -40,7 +37,7 @@ def rigid_spectrum(drive: RigidParameters, c: Coefficients) -> tuple[Stability, 
         if all(abs(total) >= _CLEAR * Decimal(part) for total, part in sums):
             return _rigid_class(p), _rounded(_pair(*p, discriminant))
     kind, exact = settled(drive, law, _rigid_class)
-    return kind, _rounded((z.real, z.imag) for z in _roots(exact))
+    return kind, _rounded(all_roots(exact))
 
 
 def spectrum(drive: DriveParameters, law: int) -> tuple[str, list[complex], Polynomial]:
@@ -51,7 +48,7 @@ def spectrum(drive: DriveParameters, law: int) -> tuple[str, list[complex], Poly
     that grows fastest is real. The polynomial is that of :mod:`lsvib.steady_sliding.characteristic`.
     """
     kind, exact = settled(drive, law, _class)
-    values = _rounded((z.real, z.imag) for z in _roots(exact))
+    values = _rounded(all_roots(exact))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
     return kind, values, exact
@@ -87,36 +84,6 @@ def _class(p: Polynomial) -> str:
     return "neutral" if hurwitz(p) == 0 and p_3 > 0 and p_1 > 0 else "unstable"
 
 
-def _roots(p: Polynomial) -> list[mpmath.mpc]:
-    """All roots of a polynomial of degree 1 to 4 with p_0 ≠ 0; parts that vanish are exactly zero."""
-    if len(p) == 2:
-        with mpmath.workdps(DIGITS):
-            return [mpmath.mpc(_number(-p[1] / p[0]))]
-    if len(p) == 3:
-        return _quadratic(p)
-    if len(p) == 5:
-        p_4, p_3, _, p_1, p_0 = p
-        if p_3 == 0 == p_1:
-            return [sign * root for square in _quadratic(p[::2]) for root in (_root_of(square),) for sign in (-1, 1)]
-        if p_3 != 0 and p_1 != 0 and hurwitz(p) == 0:
-            return _quadratic((p_3, Fraction(0), p_1)) + _quadratic((p_4, p_3, p_0 * p_3 / p_1))
-    repeated = greatest_common_divisor(p, derivative(p))
-    if len(repeated) > 1:
-        return _roots(divided(p, repeated)[0]) + _roots(repeated)
-    digits = DIGITS
-    while (found := _simple_roots(p, digits)) is None:
-        digits *= 2
-    return found
-
-
-def _quadratic(p: Polynomial) -> list[mpmath.mpc]:
-    """Both roots of p_2 s² + p_1 s + p_0: the larger one without a subtraction, the other one from their product."""
-    a, b, c = p
-    with mpmath.workdps(DIGITS), localcontext(prec=DIGITS):
-        exact = (Decimal(x.numerator) / x.denominator for x in (a, b, c, b * b - 4 * a * c))
-        return [mpmath.mpc(_number(Fraction(x)), _number(Fraction(y))) for x, y in _pair(*exact)]
-
-
 def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tuple[Decimal, Decimal]]:
     """Real and imaginary parts of the roots of a s² + b s + c in decimals; a part that is zero is exactly zero."""
     root = abs(discriminant).sqrt()
@@ -127,93 +94,12 @@ def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tup
     return [(larger / a, Decimal(0)), (c / larger, Decimal(0))]
 
 
-def _root_of(square: mpmath.mpc) -> mpmath.mpc:
-    """Square root with real or imaginary part exactly zero for a real square."""
-    with mpmath.workdps(DIGITS):
-        root = mpmath.sqrt(abs(square.real)) if square.imag == 0 else mpmath.sqrt(square)
-        return mpmath.mpc(0, root) if square.imag == 0 and square.real < 0 else mpmath.mpc(root)
-
-
-def _simple_roots(p: Polynomial, digits: int) -> list[mpmath.mpc] | None:
-    """Roots of a polynomial without repeated ones and none on the imaginary axis, by Aberth's iteration.
-
-    Every disc of radius n |p/p′| around a place holds a root. If with so many ``digits`` two discs touch each other, or
-    one touches the imaginary axis, the result is None. Where the discs are apart a root whose disc touches the real
-    axis is real, because otherwise its complex conjugate would lie in the same disc.
-    """
-    with mpmath.workdps(digits):
-        values = [_number(x) for x in p]
-        roots = _first_guess(values)
-        # Some ten steps; two roots that nearly coincide take one for each binary digit that they share.
-        for _ in range(4 * digits):
-            moved = mpmath.mpf(0)
-            for i, z in enumerate(roots):
-                value, slope = _evaluated(values, z)
-                if value == 0:
-                    continue
-                others = sum(1 / (z - other) for j, other in enumerate(roots) if j != i)
-                step = 1 / (slope / value - others)
-                roots[i] = z - step
-                moved = max(moved, abs(step) / abs(z))
-            if moved < mpmath.mpf(10) ** (10 - digits):
-                break
-        degree, radii = len(p) - 1, []
-        for z in roots:
-            value, slope = _evaluated(values, z)
-            rounding = mpmath.mpf(10) ** (2 - digits) * _evaluated([abs(x) for x in values], abs(z))[0]
-            if slope == 0:
-                return None
-            radii.append(2 * degree * (abs(value) + rounding) / abs(slope))
-        pairs = [(i, j) for i in range(degree) for j in range(i)]
-        apart = all(abs(roots[i] - roots[j]) > radii[i] + radii[j] for i, j in pairs)
-        # 10⁻³⁰ leaves every double that is made of a real part right to its last bit.
-        fine = mpmath.mpf(10) ** -30
-        if not apart or any(radius > fine * abs(z.real) for z, radius in zip(roots, radii, strict=True)):
-            return None
-        return [mpmath.mpc(z.real) if abs(z.imag) <= r else z for z, r in zip(roots, radii, strict=True)]
-
-
-def _evaluated(values: list[mpmath.mpf], z: mpmath.mpc) -> tuple[mpmath.mpc, mpmath.mpc]:
-    """A polynomial and its derivative at a place."""
-    value = slope = mpmath.mpf(0)
-    for x in values:
-        value, slope = value * z + x, slope * z + value
-    return value, slope
-
-
-def _first_guess(values: list[mpmath.mpf]) -> list[mpmath.mpc]:
-    """Places of the size of the roots by Newton's polygon: slopes of the concave hull of log |p_i|."""
-    powers = range(len(values) - 1, -1, -1)
-    points = [(i, mpmath.log(abs(x))) for i, x in sorted(zip(powers, values, strict=True)) if x != 0]
-    hull: list[tuple[int, mpmath.mpf]] = []
-    for point in points:
-        while len(hull) > 1 and _turn(hull[-2], hull[-1], point) >= 0:
-            hull.pop()
-        hull.append(point)
-    guess = []
-    for (i, low), (j, high) in pairwise(hull):
-        size = mpmath.exp((low - high) / (j - i))
-        # 0.7 rad keeps the places off both axes, which are lines of symmetry that the iteration would not leave.
-        guess += [size * mpmath.expj(2 * mpmath.pi * n / (j - i) + 0.7) for n in range(j - i)]
-    return guess
-
-
-def _turn(a: tuple, b: tuple, c: tuple) -> mpmath.mpf:
-    """Positive where the way from a over b to c turns to the left."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _number(x: Fraction) -> mpmath.mpf:
-    """A rational in the digits of the context."""
-    return mpmath.mpf(x.numerator) / x.denominator
-
-
 def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
     """Eigenvalues, given by real and imaginary parts, as doubles in ascending real, then imaginary part."""
     values = [complex(_double(real), _double(imaginary)) for real, imaginary in roots]
     return sorted(values, key=lambda z: (z.real, z.imag))
 
 
-def _double(x: mpmath.mpf | Decimal) -> float:
+def _double(x: Fraction | Decimal) -> float:
     value = float(x)
     return math.copysign(_SMALLEST, x) if value == 0 != x else value

@@ -33,7 +33,8 @@ from lsvib.engine.automaton import (
     assemble,
     scaled,
 )
-from lsvib.engine.exact.linear_mode import flow_of, guard_forms_of, linear_mode
+from lsvib.engine.exact.linear_mode import linear_mode
+from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
 
@@ -101,8 +102,8 @@ class _Layout:
             transitions=self.transitions,
             observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in seen[self.name(1, -1, 1)]},
             shortest_stay=SHORT_STAY * min(scales),
-            stack=flow_of,
-            forms=guard_forms_of,
+            stack=modal_flow,
+            forms=guard_forms,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),
             passive=True,
             sprag_kinds=(self.seizure,),

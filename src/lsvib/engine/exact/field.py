@@ -1,71 +1,81 @@
-"""The field x′ = A x + b of a mode in many digits."""
+"""The field x′ = A x + b of a mode in many digits, as balls of the library FLINT (Arb): a midpoint and a radius."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
-import mpmath
 import numpy as np
+from flint import arb, arb_mat, ctx
 
-DIGITS = 60  # ten more than the coefficients have (PLACES); ``linear_mode`` tries 120 where these do not suffice
+DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
+
+Rows = Sequence[Sequence[Decimal | float | int]]
 
 
 @dataclass(frozen=True)
 class Field:
     """The field of a mode.
 
-    ``rows`` of A and b (n, n + 1); typical ``sizes`` of the coordinates (n); ``kept``, the coordinates that do not
-    change in the mode, with their values.
+    ``rows`` of A and b (n, n + 1), decimals or floats; typical ``sizes`` of the coordinates (n); ``kept``, the
+    coordinates that do not change in the mode, with their values.
     """
 
-    rows: mpmath.matrix
+    rows: Rows
     sizes: np.ndarray
-    kept: dict[int, mpmath.mpf]
+    kept: Mapping[int, Decimal | float]
+
+    @classmethod
+    def of(cls, rows: Rows, sizes: Sequence[float], kept: Mapping[int, Decimal | float] | None = None) -> "Field":
+        """Make a field; a size that has underflown is the least double."""
+        positive = np.maximum(np.asarray(sizes, dtype=float), np.finfo(float).tiny)
+        return cls(tuple(tuple(row) for row in rows), positive, dict(kept or {}))
 
     @property
     def alive(self) -> list[int]:
         """Return the coordinates that may change."""
-        return [i for i in range(self.rows.rows) if i not in self.kept]
+        return [i for i in range(len(self.rows)) if i not in self.kept]
 
-    def reduced(self) -> tuple[mpmath.matrix, mpmath.matrix, list]:
-        """Return A, b and the sizes of the coordinates that may change; b includes the share of those that do not."""
-        n, alive = self.rows.rows, self.alive
-        matrix = mpmath.matrix([[self.rows[i, j] for j in alive] for i in alive])
-        push = [self.rows[i, n] + sum(self.rows[i, j] * x for j, x in self.kept.items()) for i in alive]
-        return matrix, mpmath.matrix(push), [mpmath.mpf(float(self.sizes[i])) for i in alive]
+    def matrix(self) -> tuple[tuple[Decimal | float | int, ...], ...]:
+        """Return A between the coordinates that may change."""
+        return tuple(tuple(self.rows[i][j] for j in self.alive) for i in self.alive)
+
+    def push(self) -> list[arb]:
+        """Return b of the coordinates that may change, with the share of those that do not."""
+        own = ((self.rows[i][-1], self.rows[i]) for i in self.alive)
+        return [ball(last) + sum((ball(row[j]) * ball(x) for j, x in self.kept.items()), arb(0)) for last, row in own]
+
+    def scale(self) -> list[float]:
+        """Return the sizes of the coordinates that may change."""
+        return [float(self.sizes[i]) for i in self.alive]
 
     def table(self) -> np.ndarray:
         """Return A and b (n, n + 1) in doubles."""
-        return np.array([[float(x) for x in self.rows[i, :]] for i in range(self.rows.rows)])
+        return np.array([[float(x) for x in row] for row in self.rows])
 
 
-def homogeneous(matrix: mpmath.matrix, push: Sequence, sizes: Sequence) -> mpmath.matrix:
-    """Return the field of (x, 1), of coordinates in units of their sizes, from what :meth:`Field.reduced` returns."""
-    n, units = len(sizes), [*sizes, mpmath.mpf(1)]
-    found = mpmath.zeros(n + 1)
-    for i in range(n):
-        for j, x in enumerate([*matrix[i, :], push[i]]):
-            found[i, j] = x * units[j] / units[i]
-    return found
+def many_digits() -> object:
+    """Return the context in which balls have ``DIGITS``."""
+    return ctx.workdps(DIGITS)
 
 
-def exact_field(rows: Sequence[Sequence], sizes: Sequence[float], frozen: Mapping[int, Decimal] | None = None) -> Field:
-    """Make a field from rows.
-
-    Arguments: rows of A and b, (n, n + 1), floats (taken exactly) or decimals; typical sizes of the coordinates (n);
-    ``frozen``: coordinates that keep a value in this mode, with that value.
-    """
-    with mpmath.workdps(DIGITS):
-        matrix = mpmath.matrix([[many_digits(x) for x in row] for row in rows])
-        positive = np.maximum(np.asarray(sizes, dtype=float), np.finfo(float).tiny)  # where one has underflown
-        return Field(matrix, positive, {i: many_digits(x) for i, x in (frozen or {}).items()})
+def ball(number: Decimal | float | int) -> arb:
+    """Return a number in the digits of the context; floats and integers are taken exactly."""
+    return arb(number) if isinstance(number, (int, float)) else arb(str(number))
 
 
-def many_digits(number: int | float | Decimal) -> mpmath.mpf:
-    """Return a number in the digits of the context; floats are taken exactly."""
-    return mpmath.mpf(number) if isinstance(number, (int, float)) else mpmath.mpf(str(number))
+def balls(rows: Rows) -> arb_mat:
+    """Return a matrix of numbers in the digits of the context."""
+    return arb_mat([[ball(x) for x in row] for row in rows])
+
+
+def homogeneous(field: Field) -> arb_mat:
+    """Return the field of (x, 1) between the coordinates that may change, in units of their sizes."""
+    units = [*map(arb, field.scale()), arb(1)]
+    rows = [[*map(ball, row), last] for row, last in zip(field.matrix(), field.push(), strict=True)]
+    found = [[x * units[j] / units[i] for j, x in enumerate(row)] for i, row in enumerate(rows)]
+    return arb_mat([*found, [0] * len(units)])
 
 
 def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.engine.kernels.flow_modal`, in 60 digits or more.
+"""From a linear field x′ = A x + b to the modal tables of :mod:`lsvib.engine.kernels.flow_modal`, in many digits.
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
@@ -15,16 +15,16 @@ from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
 
-import mpmath
 import numpy as np
+from flint import arb, arb_mat
 
 from lsvib.engine.exact.factors import subspaces
-from lsvib.engine.exact.field import DIGITS, WORST_CONDITION, Field, amplification, many_digits
+from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification, ball, balls, many_digits
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
-_NOTHING = mpmath.mpf(10) ** -40  # of the terms of such an entry: the rounding of coefficients, which have 50 digits
+_NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients, which have 50 digits
 _KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
@@ -35,7 +35,7 @@ class ModalMode:
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
     :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
     max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x, or of changes to them. ``exact``: V and v₀ before they
-    were rounded, if known.
+    were rounded.
     """
 
     oscillators: np.ndarray
@@ -45,7 +45,7 @@ class ModalMode:
     from_modal: np.ndarray
     field: np.ndarray
     condition: float
-    exact: mpmath.matrix | None = None
+    exact: list[list[arb]]
 
     @property
     def time_scales(self) -> list[float]:
@@ -54,29 +54,26 @@ class ModalMode:
         return [*self.oscillators[:, columns.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
-def modal_mode(
-    field: Field, digits: int = DIGITS, reaches: Sequence[tuple[float, np.ndarray]] | None = None
-) -> ModalMode:
-    """Decompose a field in the given number of digits.
+def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None = None) -> ModalMode:
+    """Decompose a field.
 
     Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
     which states have come to other sizes (n) there (:func:`lsvib.engine.exact.reach.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
-    with mpmath.workdps(digits):
-        matrix, constant, scale = field.reduced()
-        pairs, singles = [], []
-        for space in _spaces(tuple(matrix), tuple(scale), digits):
+    with many_digits():
+        push, pairs, singles = field.push(), [], []
+        for space in _spaces(field.matrix(), tuple(field.scale())):
             if len(space.factor) == 3:
-                pairs += [_pair(constant, space.factor, *frame) for frame in space.frames]
+                pairs += [_pair(push, space.factor, frame) for frame in space.frames]
             else:
-                singles += _singles(constant, -space.factor[1], space.projector, scale, space.slow, space.rank)
+                singles += _singles(push, space, field.scale())
         mode = _tables(field, pairs, singles)
     if reaches is not None:
         mode = replace(mode, condition=max(_loss(mode, time, sizes) for time, sizes in reaches))
     if not mode.condition < WORST_CONDITION:
-        raise ArithmeticError(f"rates of a mode nearly coincide (condition {mode.condition:.1e})")
+        raise ArithmeticError(f"condition {mode.condition:.1e}")
     return mode
 
 
@@ -97,153 +94,163 @@ def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
     return found if found == found else math.inf
 
 
+class _Frame(NamedTuple):
+    """A row ℓΠ of the subspace of a pair, the row ℓΠA, and the vectors (n, 2) that give states back from both."""
+
+    row: arb_mat
+    turned: arb_mat
+    vectors: arb_mat
+
+
 class _Space(NamedTuple):
-    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and frames of its pairs.
+    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and frames of its pairs."""
 
-    A frame is a row ℓ, the row ℓA, and the vectors (n, 2) that give states back from both.
-    """
-
-    factor: list
-    projector: mpmath.matrix
+    factor: list[arb]
+    projector: arb_mat
     slow: bool
     rank: int
-    frames: list[tuple[mpmath.matrix, mpmath.matrix, mpmath.matrix]]
+    frames: list[_Frame]
 
 
 @lru_cache(maxsize=_KEPT)
-def _spaces(entries: tuple, scale: tuple, digits: int) -> list[_Space]:
-    """Return the subspaces of a matrix, by its elements row by row, found with so many digits.
+def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
+    """Return the subspaces of a matrix, by its rows.
 
-    Most modes of a model differ from another one by their constants only, so the answers are kept; ``digits`` is the
-    precision that is set, and an argument because an answer holds for that alone.
+    Most modes of a model differ from another one by their constants only, so the answers are kept.
     """
-    n = len(scale)
-    matrix, spaces = mpmath.matrix([list(entries[n * i : n * (i + 1)]) for i in range(n)]), []
+    matrix, found = balls(rows), []
     for factor, projector, slow in subspaces(matrix, list(scale)):
-        rank = int(mpmath.nint(mpmath.re(sum(projector[i, i] for i in range(projector.rows)))))
+        rank = round(sum(float(projector[i, i]) for i in range(projector.nrows())))
         frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
-        spaces.append(_Space(factor, projector, slow, rank, frames))
-    if sum(space.rank for space in spaces) != n or not all(space.rank > 0 for space in spaces):
+        found.append(_Space(factor, projector, slow, rank, frames))
+    if sum(space.rank for space in found) != len(rows) or not all(space.rank > 0 for space in found):
         raise ArithmeticError("no digit is left of a subspace")
-    return spaces
+    return found
 
 
 class _Piece(NamedTuple):
     """A pair or a single: its row of the oscillator table, or (rate, push); rows into and out of its coordinates."""
 
     row: np.ndarray
-    into: mpmath.matrix  # (1 or 2, n + 1)
-    out: mpmath.matrix  # (n, 2 or 3), the constant last
+    into: list[list[arb]]  # (1 or 2, n + 1)
+    out: list[list[arb]]  # (n, 2 or 3), the constant last
 
 
-def _singles(constant, rate, projector, scale, slow: bool, rank: int) -> list[_Piece]:
+def _singles(push: list[arb], space: _Space, scale: list[float]) -> list[_Piece]:
     """Return the exponentials of the subspace of one rate, as many as the subspace has dimensions."""
-    rows = max(combinations(range(projector.rows), rank), key=lambda chosen: abs(_minor(projector, chosen, scale)))
-    block = mpmath.matrix([[projector[i, j] for j in rows] for i in rows]) ** -1
+    projector, rate, n = space.projector, -space.factor[1], len(push)
+    chosen = max(combinations(range(n), space.rank), key=lambda rows: abs(_minor(projector, rows, scale)))
+    block = arb_mat([[projector[i, j] for j in chosen] for i in chosen]).inv()
     singles = []
-    for k, i in enumerate(rows):
+    for k, i in enumerate(chosen):
         # Coordinates q = Π x at the chosen rows; the vectors that give them back are dual to these rows.
-        vector = [sum(projector[a, j] * block[m, k] for m, j in enumerate(rows)) for a in range(projector.rows)]
-        covector = projector[i, :]
-        push = (covector * constant)[0]
+        vector = [sum((projector[a, j] * block[m, k] for m, j in enumerate(chosen)), arb(0)) for a in range(n)]
+        row = [projector[i, j] for j in range(n)]
+        own, terms = _dot(row, push), sum(abs(float(x * y)) for x, y in zip(row, push, strict=True))
+        own = own if abs(float(own)) > _NOTHING * terms else arb(0)
         # The equilibrium of a slow exponential may lie far away, and then it is carried without it. Near by it is not:
         # what dies away would leave the rounding of its start behind.
-        size = sum(abs(x) * s for x, s in zip(covector, scale, strict=True))
-        without = not rate or (slow and abs(push) > abs(rate) * size)
-        shift, left = (mpmath.mpf(0), push) if without else (push / rate, mpmath.mpf(0))
-        out = mpmath.matrix([[x, -x * shift] for x in vector])
-        singles.append(_Piece(np.array([rate, left], dtype=float), mpmath.matrix([[*covector, shift]]), out))
+        size = sum(abs(float(x)) * s for x, s in zip(row, scale, strict=True))
+        without = not float(rate) or (space.slow and abs(float(own)) > abs(float(rate)) * size)
+        shift, left = (arb(0), own) if without else (own / rate, arb(0))
+        singles.append(_Piece(_floats([rate, left]), [[*row, shift]], [[x, -x * shift] for x in vector]))
     return singles
 
 
-def _minor(projector, chosen, scale):
+def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) -> float:
     """Return the determinant of the chosen rows and columns of a projector, in scaled coordinates."""
-    return mpmath.det(mpmath.matrix([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]))
+    return float(arb_mat([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]).det())
 
 
-def _frames(matrix, factor, projector, scale, count: int) -> list:
+def _frames(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float], count: int) -> list[_Frame]:
     """Return frames of the oscillators of a factor of degree two that ``count`` pairs share, split off one by one."""
-    weights, frames = mpmath.diag([s * s for s in scale]), []
+    n = len(scale)
+    weights = arb_mat([[arb(scale[i]) ** 2 * int(i == j) for j in range(n)] for i in range(n)])
+    frames = []
     for left in reversed(range(count)):
-        covector = _row_of_pair(matrix, factor, projector, scale)
-        turned = covector * matrix
-        rows = mpmath.matrix([list(covector), list(turned)])
+        row = _row_of_pair(matrix, factor, projector, scale)
+        turned = row * matrix
+        rows = arb_mat([row.entries(), turned.entries()])
         if left:
-            vector = projector * weights * covector.T
-            vectors = mpmath.matrix([list(vector), list(matrix * vector)]).T
-            vectors = vectors * (rows * vectors) ** -1
+            vector = projector * weights * row.transpose()
+            vectors = arb_mat([vector.entries(), (matrix * vector).entries()]).transpose()
+            vectors = vectors * (rows * vectors).inv()
             projector = projector - vectors * rows
         else:
-            vectors = projector * weights * rows.T * (rows * weights * rows.T) ** -1
-        frames.append((covector, turned, vectors))
+            vectors = projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv()
+        frames.append(_Frame(row, turned, vectors))
     return frames
 
 
-def _pair(constant, factor, covector, turned, vectors) -> _Piece:
+def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
     """Return the oscillator of a frame under a constant push."""
     _, a1, a0 = factor
-    push = (covector * constant)[0]
-    rest = (a1 * push + (turned * constant)[0]) / a0  # equilibrium of q
-    into = mpmath.matrix([[*covector, -rest], [*turned, push]])
-    out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * push] for i in range(vectors.rows)]
-    return _Piece(_row(a0, a1), into, mpmath.matrix(out))
+    row, turned, vectors = frame.row.entries(), frame.turned.entries(), frame.vectors
+    own = _dot(row, push)
+    rest = (a1 * own + _dot(turned, push)) / a0  # equilibrium of q
+    out = [[vectors[i, 0], vectors[i, 1], vectors[i, 0] * rest - vectors[i, 1] * own] for i in range(len(push))]
+    return _Piece(_row(a0, a1), [[*row, -rest], [*turned, own]], out)
 
 
-def _row_of_pair(matrix, factor, projector, scale) -> mpmath.matrix:
-    """Return a row ℓΠ of the subspace of a pair that is as independent of ℓAΠ as possible."""
-    unit = mpmath.sqrt(abs(factor[2]))
-    rows = [[mpmath.mpf(i == j) / scale[j] for j in range(len(scale))] for i in range(len(scale))]
-    candidates = rows + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(rows, 2)]
+def _row_of_pair(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float]) -> arb_mat:
+    """Return a row ℓΠ of the subspace of a pair that is as independent of ℓΠA as possible."""
+    n, unit = len(scale), factor[2].sqrt()
+    single = [[arb(int(i == j)) / scale[j] for j in range(n)] for i in range(n)]
+    candidates = single + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(single, 2)]
+    rows = [arb_mat([candidate]) * projector for candidate in candidates]
+    first = [[(x * s).mid() for x, s in zip(row.entries(), scale, strict=True)] for row in rows]
+    lengths = [float(_dot(one, one).sqrt()) for one in first]
 
-    def length(candidate) -> mpmath.mpf:
-        return mpmath.norm([x * s for x, s in zip(mpmath.matrix([candidate]) * projector, scale, strict=True)])
-
-    def spread(candidate) -> mpmath.mpf:
-        """Return the square of the sine of the angle between ℓΠ and ℓAΠ."""
-        covector = mpmath.matrix([candidate]) * projector
-        first = [x * s for x, s in zip(covector, scale, strict=True)]
-        second = [x * s / unit for x, s in zip(covector * matrix, scale, strict=True)]
-        product = sum(x * y for x, y in zip(first, second, strict=True))
-        return 1 - product * product / (sum(x * x for x in first) * sum(x * x for x in second))
+    def cosine(k: int) -> float:
+        """Return the square of the cosine of the angle between ℓΠ and ℓΠA."""
+        second = [(x * s / unit).mid() for x, s in zip((rows[k] * matrix).entries(), scale, strict=True)]
+        return float(_dot(first[k], second) ** 2 / (_dot(first[k], first[k]) * _dot(second, second)))
 
     # Rows that are nearly orthogonal to the subspace consist of rounding.
-    longest = max(map(length, candidates))
-    return mpmath.matrix([max((x for x in candidates if length(x) > longest / 100), key=spread)]) * projector
+    return rows[min((k for k in range(len(rows)) if lengths[k] > max(lengths) / 100), key=cosine)]
 
 
-def _row(a0, a1) -> np.ndarray:
+def _row(a0: arb, a1: arb) -> np.ndarray:
     """Return the row of the oscillator table for s² + a₁ s + a₀, without force."""
     row = np.zeros(columns.COUNT)
-    alpha, discriminant = a1 / 2, a1 * a1 / 4 - a0
+    alpha, discriminant = a1 / 2, (a1 * a1 / 4 - a0).mid()
     row[columns.A0], row[columns.A1], row[columns.ALPHA] = float(a0), float(a1), float(alpha)
-    if discriminant < 0:
-        row[columns.BETA] = float(mpmath.sqrt(-discriminant))
+    if float(discriminant) < 0:
+        row[columns.BETA] = float((-discriminant).sqrt())
     else:
-        delta = mpmath.sqrt(discriminant)
-        large = -(alpha + delta) if alpha >= 0 else -alpha + delta
+        delta = discriminant.sqrt()
+        large = -(alpha + delta) if float(alpha) >= 0 else -alpha + delta
         small = a0 / large
         row[columns.DELTA] = float(delta)
-        row[columns.R1], row[columns.R2] = float(max(large, small)), float(min(large, small))
-    row[columns.TIME_SCALE] = float(1 / mpmath.sqrt(abs(a0)))
+        row[columns.R1], row[columns.R2] = sorted((float(large), float(small)), reverse=True)
+    row[columns.TIME_SCALE] = float(1 / abs(a0).sqrt())
     return row
 
 
+def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
+    """Return the sum of the products of two rows."""
+    return sum((x * y for x, y in zip(left, right, strict=True)), arb(0))
+
+
+def _floats(numbers: Sequence[arb]) -> np.ndarray:
+    return np.array([float(x) for x in numbers])
+
+
 def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMode:
-    n, count, alive = field.rows.rows, 2 * len(pairs) + len(singles), field.alive
-    to_modal, exact = np.zeros((count, n + 1)), mpmath.zeros(n, count + 1)
+    n, count, alive = len(field.rows), 2 * len(pairs) + len(singles), field.alive
+    to_modal, exact = np.zeros((count, n + 1)), [[arb(0)] * (count + 1) for _ in range(n)]
     for i, value in field.kept.items():
-        exact[i, count] = value
+        exact[i][count] = ball(value)
     first = 0
     for piece in [*pairs, *singles]:
-        for k in range(piece.into.rows):
+        for k, row in enumerate(piece.into):
+            to_modal[first + k, [*alive, n]] = _floats(row)
             for j, i in enumerate(alive):
-                to_modal[first + k, i] = float(piece.into[k, j])
-                exact[i, first + k] = piece.out[j, k]
-            to_modal[first + k, n] = float(piece.into[k, len(alive)])
+                exact[i][first + k] = piece.out[j][k]
         for j, i in enumerate(alive):
-            exact[i, count] += piece.out[j, piece.into.rows]
-        first += piece.into.rows
-    from_modal = np.array(exact.tolist(), dtype=float)
+            exact[i][count] += piece.out[j][-1]
+        first += len(piece.into)
+    from_modal = np.array([_floats(row) for row in exact])
     condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
@@ -263,24 +270,21 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
     is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.
     """
     width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
-    with mpmath.workdps(DIGITS):
+    with many_digits():
         for mode, guards in zip(modes, rows, strict=True):
-            table, count = mode.from_modal.tolist(), len(mode.to_modal)
+            count = len(mode.to_modal)
             for guard in guards:
-                *exact, constant = (many_digits(x) for x in guard)
-                *plain, last = (float(x) for x in guard)
-                form = [0.0] * width
+                *exact, constant = map(ball, guard)
+                plain, form = _floats(exact), [0.0] * width
                 for j in range(count + 1):
-                    place = j if j < count else -1
-                    true, rounded = (constant, last) if j == count else (mpmath.mpf(0), 0.0)
-                    terms = abs(true)
-                    for i, weight in enumerate(plain):
-                        term = exact[i] * mode.exact[i, place]
-                        true, terms = true + term, terms + abs(term)
-                        rounded += weight * table[i][place]
-                    true = true if abs(true) > _NOTHING * terms else mpmath.mpf(0)
+                    terms = [x * row[j] for x, row in zip(exact, mode.exact, strict=True)]
+                    column = mode.from_modal[:, j if j < count else -1]
+                    terms, rounded = [*terms, constant * int(j == count)], float(plain @ column)
+                    rounded += float(constant) if j == count else 0.0
+                    true, size = float(sum(terms, arb(0))), sum(abs(float(x)) for x in terms)
+                    true = true if abs(true) > _NOTHING * size else 0.0
                     unsure = abs(true - rounded) > _LOST * abs(true)
-                    form[j], lost = float(true) if unsure else rounded, lost or unsure
+                    form[j], lost = true if unsure else rounded, lost or unsure
                 found.append(form)
     return found if lost else None
 

@@ -19,94 +19,85 @@ time, beside the sizes that are reached then: at the horizon, and at the time of
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
-import mpmath
 import numpy as np
+from flint import acb, arb, arb_mat, fmpq_poly
 
-from lsvib.engine.exact.field import Field, homogeneous
+from lsvib.engine.exact.factors import identity, rates_of, rational
+from lsvib.engine.exact.field import Field, balls, homogeneous, many_digits
 
-_DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
-_SAME = mpmath.mpf(10) ** -35  # relative size of a rate that is zero but for the rounding of the coefficients
+_NOTHING = 1e-35  # relative size of a rate that is zero but for the rounding of the coefficients
 _GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
+_LEFT = 1e-6  # radius of an element of a projector, in sizes of the coordinates, that leaves it a size
 
 
 def slow_reaches(field: Field, horizon: float) -> list[tuple[float, np.ndarray]]:
     """Return the horizon [s] and then the times [s] of all slower rates, with the sizes that are reached by then."""
-    with mpmath.workdps(_DIGITS):
-        rates = mpmath.eig(field.reduced()[0], left=False, right=False)
-        least = _SAME * max(abs(rate) for rate in rates)
-        times = [horizon, *(1 / abs(rate) for rate in rates if least < abs(rate) < 1 / mpmath.mpf(horizon))]
-    return [(float(time), reached(field, float(time)).sizes) for time in sorted(times)]
+    with many_digits():
+        sizes = [float(abs(rate)) for rate in rates_of(balls(field.matrix()))]
+    times = [horizon, *(1 / size for size in sizes if _NOTHING * max(sizes) < size < 1 / horizon)]
+    return [(time, reached(field, time).sizes) for time in sorted(times)]
 
 
 def reached(field: Field, horizon: float) -> Field:
     """Return the field with the sizes that its coordinates reach within a time ``horizon`` [s]."""
-    with mpmath.workdps(_DIGITS):
-        matrix, push, sizes = field.reduced()
-        most = [mpmath.mpf(1)] * len(sizes)
-        for state in _reached_states(homogeneous(matrix, push, sizes), horizon):
-            most = [max(known, sum(map(abs, state[i, :]))) for i, known in enumerate(most)]
-        wider = field.sizes.copy()
-        for i, place in enumerate(field.alive):
-            wider[place] *= float(most[i])
+    with many_digits():
+        most = np.ones(len(field.alive))
+        for state in _reached_states(homogeneous(field), horizon):
+            rows = np.abs(np.array([[float(x) for x in row] for row in state.tolist()]))
+            most = np.maximum(most, rows[:-1].sum(axis=1))
+    wider = field.sizes.copy()
+    wider[field.alive] *= most
     return replace(field, sizes=wider)
 
 
-def _reached_states(matrix, horizon: float):
+def _reached_states(matrix: arb_mat, horizon: float) -> Iterator[arb_mat]:
     """Yield matrices that make of a start the states that it reaches before the horizon [s], by gaps in the rates."""
-    rates = sorted([*mpmath.eig(matrix[:-1, :-1], left=False, right=False), mpmath.mpf(0)], key=abs)
-    least = max(1 / mpmath.mpf(horizon), _SAME * mpmath.mnorm(matrix, mpmath.inf))
-    gaps = [k for k in range(1, len(rates)) if abs(rates[k]) > max(_GAP * abs(rates[k - 1]), least)]
+    rates = sorted(rates_of(matrix), key=_size)
+    least = max(1 / horizon, _NOTHING * max(float(abs(x).upper()) for x in matrix.entries()))
+    gaps = [k for k in range(1, len(rates)) if _size(rates[k]) > max(_GAP * _size(rates[k - 1]), least)]
     for first, last in zip([0, *gaps], [*gaps, len(rates)], strict=True):
         slow, group, fast = rates[:first], rates[first:last], rates[last:]
-        try:
-            if fast:
-                part = _part_of(matrix, slow + group, fast)
-                yield part.out * part.into
-            if abs(group[-1]) > least:
-                part = _part_of(matrix, group, slow + fast)
-                yield part.out * part.matrix * part.into / abs(group[-1])
-            elif horizon < math.inf:
-                part = _part_of(matrix, group, slow + fast)
-                yield part.out * mpmath.expm(part.matrix * horizon) * part.into
-        except ZeroDivisionError:  # no digit is left of this projector, so nothing is told from it
+        if fast and (projector := _projector(matrix, slow + group, fast)) is not None:
+            yield projector
+        if (projector := _projector(matrix, group, slow + fast)) is None:
             continue
+        if _size(group[-1]) > least:
+            yield matrix * projector * (1 / abs(group[-1]))
+        elif horizon < math.inf:
+            yield (matrix * projector * arb(horizon)).exp() * projector
 
 
-class _Part(NamedTuple):
-    """The part of a matrix that belongs to a group of rates: rows that lead into it, columns that lead back."""
-
-    matrix: mpmath.matrix  # (d, d)
-    into: mpmath.matrix  # (d, p + 1), of coordinates in units of their sizes
-    out: mpmath.matrix  # (p + 1, d)
+def _size(rate: acb) -> float:
+    return float(abs(rate))
 
 
-def _part_of(matrix, group, others) -> _Part:
-    """Return the part of a group of rates of a matrix (p + 1, p + 1), in the digits of the context.
+def _projector(matrix: arb_mat, group: list[acb], others: list[acb]) -> arb_mat | None:
+    """Return the projector on the subspace of some rates, whatever chains they have; None if no digit is left of it.
 
-    The product of the factors of all other rates spans the invariant subspaces of the group, whatever chains it has.
-    Raises ``ZeroDivisionError`` if the digits leave none of it.
+    With the polynomials p and q of both parts and u p + v q = 1 it is v q of the matrix.
     """
-    product = mpmath.eye(matrix.rows)
-    for rate in others:
-        factor = matrix - rate * mpmath.eye(matrix.rows)
-        product = product * (factor / mpmath.mnorm(factor, mpmath.inf))
-    product = product.apply(mpmath.re)
-    columns, rows = _basis(product, len(group)), _basis(product.T, len(group)).T
-    rows = (rows * columns) ** -1 * rows
-    return _Part(rows * matrix * columns, rows, columns)
+    if not others:
+        return identity(matrix.nrows())
+    own, rest = _polynomial(group), _polynomial(others)
+    common, _, inverse = own.xgcd(rest)
+    if common.degree() > 0:
+        return None
+    found = arb_mat(matrix.nrows(), matrix.nrows())
+    for coefficient in reversed((inverse * rest).coeffs()):
+        found = found * matrix + identity(matrix.nrows()) * arb(coefficient)
+    return found if max(float(x.rad()) for x in found.entries()) < _LEFT else None
 
 
-def _basis(matrix, count: int) -> mpmath.matrix:
-    """Orthonormal basis of the space that the columns of a matrix of rank ``count`` span, the longest ones first."""
-    left = [matrix[:, j] for j in range(matrix.cols)]
-    found = mpmath.zeros(matrix.rows, count)
-    for k in range(count):
-        longest = max(left, key=mpmath.norm)
-        unit = longest / mpmath.norm(longest)
-        found[:, k] = unit
-        left = [column - unit * (unit.T * column)[0] for column in left]
+def _polynomial(rates: list[acb]) -> fmpq_poly:
+    """Return the real polynomial with these rates, those of a complex pair both among them."""
+    found = fmpq_poly([1])
+    for rate in rates:
+        if float(rate.imag) > 0:
+            found *= fmpq_poly([rational(abs(rate) ** 2), -2 * rational(rate.real), 1])
+        elif float(rate.imag) == 0:
+            found *= fmpq_poly([-rational(rate.real), 1])
     return found

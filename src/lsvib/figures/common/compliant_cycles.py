@@ -9,7 +9,6 @@ from lsvib.data import phase_plane
 from lsvib.data.attributes import variable
 from lsvib.data.phase_plane import Variables
 from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.tables_of_models.threads import automata_of
 from lsvib.drives.threads import seated_state, threads_automaton
 from lsvib.engine.automaton import Automaton
 
@@ -26,9 +25,8 @@ def compliant_cycle(drive: ThreadsParameters, start: Mapping[str, float]) -> tup
 
 
 def compliant_attractors(drives: Sequence[ThreadsParameters], start: Mapping[str, float]) -> list[SteadyState]:
-    """Return the attractors that :func:`compliant_cycle` finds for each drive, with all tables made at once."""
-    seats = (seated_state(drive, start["u"], start["w"]) for drive in drives)
-    return [steady_state(automaton, seat) for automaton, seat in zip(automata_of(drives), seats, strict=True)]
+    """Return the attractors that :func:`compliant_cycle` finds for each drive."""
+    return [compliant_cycle(drive, start)[1] for drive in drives]
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
