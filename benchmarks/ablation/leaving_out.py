@@ -18,7 +18,8 @@ from lsvib.drives.parameters import RigidParameters, SupportParameters
 from lsvib.drives.rigid import rigid_automaton
 from lsvib.drives.second_body.support import MODEL as SUPPORT
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.linear_mode import flow_of, linear_mode
+from lsvib.engine.exact.linear_mode import linear_mode
+from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
 
@@ -96,7 +97,7 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
     resets = np.zeros((len(tables.resets), 4, 5))
     resets[:, :2] = _wider(tables.resets)
     tables = tables._replace(
-        flow=flow_of(modes),
+        flow=modal_flow(modes),
         surfaces=_wider(tables.surfaces),
         resets=resets,
         condition_row=_wider(tables.condition_row),

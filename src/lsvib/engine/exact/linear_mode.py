@@ -40,6 +40,5 @@ def linear_mode(
         return modal_mode(field, reaches)
     except ArithmeticError as error:
         raise EngineError(
-            f"two rates of one mode of motion cannot be told apart in double precision ({error}); "
-            f"change {movable}."
+            f"two rates of one mode of motion cannot be told apart in double precision ({error}); change {movable}."
         ) from None
