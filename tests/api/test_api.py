@@ -188,8 +188,6 @@ def test_attraction_is_that_of_the_command(run, tmp_path):
     np.testing.assert_array_equal(drive.attraction(WINDOW, workers=2).label, found.label)
     grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80.0, 80.0, 30))
     xr.testing.assert_identical(drive.attraction(grid, quantities=["time"]), found)
-    blocks = drive.attraction(WINDOW, refine=True)
-    np.testing.assert_allclose(blocks.fraction, found.fraction)
 
 
 def test_basin_is_handed_the_drive_itself():

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.basins.refinement import refine
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
 from lsvib.drives.rigid import EventKind
@@ -95,15 +94,3 @@ def test_symmetry(mappers):
         assert np.array_equal(one[name], other[name][::-1, ::-1])
     np.testing.assert_allclose(one["time"], other["time"][::-1, ::-1], rtol=1e-12)  # sums of a few rounded stays
     assert len(np.unique(one["label"])) == 2
-
-
-@pytest.mark.parametrize("box", [(0.3, 150.0), (0.05, 15.0)])
-def test_refined_map_is_the_full_map(mappers, box):
-    mapped, size = mappers(PARADOX), 512
-    grid = Grid.parse([f"u={-box[0]}:{box[0]}:{size}", f"w={-box[1]}:{box[1]}:{size + 3}"])
-    refined = refine(mapped, grid)
-    full = mapped.cells(grid, quantities=("label",))["label"]
-    assert np.array_equal(refined.expand(), full)
-    assert np.array_equal(refined.expand(slice(7, 300)), full[7:300])
-    assert refined.corrected == 0
-    assert refined.computed < 0.45 * full.size

@@ -45,18 +45,3 @@ def test_attraction_text_says_cells_and_fraction(run):
     for words in found:
         assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
         assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
-
-
-def test_refined_attraction_is_the_full_one(run):
-    grid = ["--grid", "u=-0.05:0.05:600", "w=-15:15:600"]
-    full = json.loads(run("attraction", *DRIVE, *grid, "--out", "full.nc", "--json")[1])
-    code, out, _ = run("attraction", *DRIVE, *grid, "--refine", "--out", "blocks.nc", "--json")
-    assert code == 0
-    assert json.loads(out)["fractions"] == full["fractions"]
-    with xr.open_dataset("blocks.nc") as blocks, xr.open_dataset("full.nc") as written:
-        painted = np.empty((600, 600))
-        for level, row, column, label in zip(
-            *(blocks[name].values.astype(int) for name in ("level", "row", "column", "label")), strict=True
-        ):
-            painted[row << level : (row + 1) << level, column << level : (column + 1) << level] = label
-        assert np.array_equal(painted, written.label.values)

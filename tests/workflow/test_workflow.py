@@ -15,7 +15,7 @@ import yaml
 from conftest import ROOT, TINY
 
 from lsvib.data.writer import read_dataset
-from lsvib.figures.configuration import schema, settings_of
+from lsvib.figures.configuration import settings_of
 from lsvib.figures.folders import accuracy_figures, default_figures
 
 pytestmark = pytest.mark.workflow
@@ -294,12 +294,6 @@ def test_a_new_figure_is_one_new_folder(built):
     with (built.folder / "config" / "config.yaml").open("a") as config:
         config.write("new_figure: {point: 6}\n")
     assert "new_figure.point is not a known key; the known keys are drive, points." in built("-n").stdout
-
-
-def test_the_schema_is_that_of_the_types():
-    """``python -m lsvib.figures.configuration > workflow/schemas/config.schema.yaml`` writes it."""
-    written = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text(encoding="utf-8"))
-    assert written == json.loads(json.dumps(schema()))
 
 
 def test_lint_asks_for_nothing(fresh):
