@@ -3,10 +3,8 @@
 import shutil
 
 import pytest
-import yaml
 from conftest import ROOT, copy_of_sources
 
-from lsvib.basins.grid import coordinates
 from lsvib.data.writer import read_dataset
 
 pytestmark = pytest.mark.workflow
@@ -30,11 +28,6 @@ def mapped(tmp_path_factory):
     run = project(MAP)
     assert run.returncode == 0, run.stdout
     return project
-
-
-def test_the_schema_has_the_coordinates_of_all_models():
-    schema = yaml.safe_load((ROOT / "workflow" / "schemas" / "config.schema.yaml").read_text(encoding="utf-8"))
-    assert schema["properties"]["attraction"]["properties"]["grid"]["propertyNames"]["enum"] == list(coordinates())
 
 
 @pytest.mark.slow
