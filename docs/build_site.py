@@ -28,6 +28,7 @@ HOME = "index.rst"  # of the site, in place of the README
 # Pages of the repository that lie outside of docs, and their names on the site.
 ELSEWHERE = {
     "config/README.md": "settings.md",
+    "benchmarks/README.md": "benchmarks.md",
     "workflow/profiles/slurm/README.md": "slurm.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
