@@ -24,7 +24,7 @@ def files(folder: Path) -> dict[str, Path]:
 
 
 def content(attributes: dict) -> dict:
-    return {key: np.asarray(value).tolist() for key, value in attributes.items() if key not in PROVENANCE}
+    return {key: repr(np.asarray(value).tolist()) for key, value in attributes.items() if key not in PROVENANCE}
 
 
 def differences(old: Path, new: Path) -> Iterator[str]:
