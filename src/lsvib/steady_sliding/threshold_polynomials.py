@@ -1,8 +1,8 @@
 r"""Thresholds of steady sliding that are polynomials in every parameter: their equations, and all of their roots.
 
 With t = tan λ the coefficients of :func:`lsvib.steady_sliding.characteristic.polynomial` and the net force R̃ are
-polynomials in each parameter and in t. So all positive roots in any of them are isolated with certainty, by Sturm's
-theorem in rational numbers, and a list of them is complete. The sign of Ω is kept on each side of zero.
+polynomials in each parameter and in t. So all positive roots in any of them are isolated with certainty, in
+rational numbers, and a list of them is complete. The sign of Ω is kept on each side of zero.
 
     onset               steady sliding gains or loses its asymptotic stability; one of the equations below, or R̃ = 0
     kinematic           det M = 0 under law +: Γ₊ = 0 (8.20), Γ̃₊ = 0 (8.28), Γ̂₊ = 0 (8.33)

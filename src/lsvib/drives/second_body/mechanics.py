@@ -10,11 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum
-from typing import Any
 
 from lsvib.drives.parameters import ExactParameters
 from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.pair_arrays import Pairs, exactly
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 
 DIRECTIONS = {1: "forward", -1: "backward"}
@@ -76,12 +74,10 @@ def constant(value) -> tuple:
 
 def plus(*rows: Row) -> tuple:
     """Return the sum of rows; where terms cancel to within the rounding of their decimals it is exactly zero."""
-    return tuple(_sum([exactly(x) for x in column]) for column in zip(*rows, strict=True))
+    return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
 
 
-def _sum(terms: list[Any]) -> Any:
-    if any(isinstance(term, Pairs) for term in terms):  # of many drives: their bounds say what may be zero
-        return sum(term for term in terms if isinstance(term, Pairs) or term)
+def _sum(terms: list[Decimal]) -> Decimal:
     total = sum(terms, Decimal(0))
     return Decimal(0) if abs(total) < _CANCELLED * max(map(abs, terms)) else total
 
