@@ -44,6 +44,7 @@ COMMANDS = [
     (f"{MOTION} --resume never", "resume = 'never'"),
     (f"{MOTION} --model threads --resume at_once", "resume = 'at_once'"),
     ("simulate --scene none.yaml --out x.nc", "none.yaml"),
+    ("simulate --scene /dev/zero --out x.nc", "does not hold names and values"),
     # Maps, charts, sweeps and what else has axes.
     ("attraction --grid u=-0.1:0.1:4 --out x.nc", "two axes"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
@@ -55,6 +56,8 @@ COMMANDS = [
     (f"{MAP} --figure map.pdf", ".png"),
     ("sweep --over axial_force=1:60 --out x.nc", "KEY=START:STOP:COUNT"),
     ("sweep --over mass=-1:1:3 --out x.nc", "mass = -1"),
+    ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is given by --over and by --set"),
+    ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
     ("chart --x mass=1:20:2 --y mass=1:20:2 --out x.nc", "both mass"),
     ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=START:STOP"),
     ("resilience --window u=-0.3", "window: u=-0.3 is not of the form KEY=LOW:HIGH"),
@@ -63,6 +66,7 @@ COMMANDS = [
     ("figure 8.99", "figure 8.99 is not one of 8.1, 8.2, "),
     ("figure 8.8 --config none.yaml", "none.yaml"),
     ("figure 8.8 --set mass=9", "does not depend on mass"),
+    ("figure 8.6 --set mass=2", "mass = 2, none of mass_readings: 1 and 8"),
     ("figure 8.8 --out text", "is not a folder"),
     # Files.
     (MOTION.replace("x.nc", "none/x.nc"), "none does not exist"),

@@ -79,9 +79,9 @@ def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> 
     registry = _registry()
     try:
         given = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*").replace(" ", "*")))
+        angles = _angles(given)
     except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
         raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
-    angles = _angles(given)
     for wanted in units:
         if wanted and given.is_compatible_with(wanted) and angles == _angles(registry.Quantity(1.0, wanted)):
             with_unit = registry.Quantity(figure, given.units).to(wanted)

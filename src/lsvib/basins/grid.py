@@ -24,7 +24,7 @@ def coordinates() -> dict[str, str]:
     }
 
 
-_MOST = 1_000_000_000  # cells along an axis
+_MOST = 10_000_000  # cells along an axis
 
 
 class Axis(NamedTuple):

@@ -21,6 +21,7 @@ from lsvib.command.options import (
 )
 from lsvib.command.printing import print_motion, print_sweep, show
 from lsvib.command.terminal import ProgressLine
+from lsvib.errors import InputError
 
 
 @app.command
@@ -102,10 +103,12 @@ def sweep(
 
     refuse_results_of_the_workflow(out)
     outputs = Outputs([(out, "netCDF")] if out else [])
-    axes = {name: evenly(name, text) for name, text in pairs(over).items()}
+    axes, given = {name: evenly(name, text) for name, text in pairs(over).items()}, pairs(changes)
+    for name in axes.keys() & given:
+        raise InputError(f"{name} is given by --over and by --set; give it once.")
     begin = perf_counter()
     wanted = pairs(start) if start else None
-    found = swept(drive_class(model).of(pairs(changes)), axes, wanted, resume, workers, ProgressLine("points"))
+    found = swept(drive_class(model).of(given), axes, wanted, resume, workers, ProgressLine("points"))
     seconds = perf_counter() - begin
     with outputs.writing() as parts:
         for part in parts:

@@ -94,8 +94,9 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     key twice.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-        values = yaml.load(text, Loader=_Loader)
+        with Path(path).open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= _LARGEST else None
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except RecursionError:
@@ -105,6 +106,9 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise InputError(f"{path} does not hold names and values.")
     return values
+
+
+_LARGEST = 10_000_000  # bytes
 
 
 class _Loader(yaml.SafeLoader):
