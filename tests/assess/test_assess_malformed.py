@@ -36,6 +36,7 @@ CASES = [
     ("load.mass", "5,5 kg", "is not a mass"),
     ("load.mass", "-5 kg", "outside the allowed range"),
     ("load.mass", "nan kg", "is not a mass"),
+    ("load.mass", "10 kg**99999999", "which is not known"),
     ("load.mass", "5 bananas", "is not known"),
     ("load.mass", None, "load.mass"),
     ("load.mass", ["6 kg", "5 kg"], "do not ascend"),
