@@ -1,8 +1,7 @@
 """What a scene saves by leaving out what it does not need: each scene with its own model, and with a general one.
 
-The general model of a rigid scene has everything: four states of which the two of the contact are held at zero, the
-modal engine for any number of states, rest with all that belongs to it. That of a drive with axial support has the
-friction of the slide as well, so small (1e-18 N) that no digit of the motion feels it.
+The general model of a rigid scene has everything: four states of which the two of the contact are held at zero, and
+rest. That of a drive with axial support has friction of the slide, so small (1e-18 N) that no digit feels it.
 """
 
 import math
