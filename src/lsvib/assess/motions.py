@@ -93,21 +93,21 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
 
 
 def _push_survived(motion: AssessedMotion) -> list[Html]:
-    """Say which sudden change of speed steady running survives, if that is known."""
+    """Say which sudden change of speed steady running tolerates, if that is known."""
     push, sentence = motion.push
     if push is None or push <= 0:
         return []
     if math.isfinite(push):
         load = shown(motion.values["lead"] / (2 * math.pi) * push, "m/s")
         sentence = (
-            f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
+            f"Steady running tolerates a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
             f"{load} at the load. {sentence}"
         )
     return [page.paragraph(sentence)]
 
 
 def _picture_and_scene(title: str, motion: AssessedMotion) -> list[Html]:
-    """Draw the motion, and tell how to run it, as far as it was computed."""
+    """Draw the motion, and say how to run it, as far as it was computed."""
     moved, parts = motion.vibration, []
     if moved.time.size:
         caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "

@@ -23,7 +23,7 @@ _BOUNDARIES = {
     "onset_force": "the load begins to push with the motion",
     "stick_force": "the swing reaches standstill (stick-slip)",
     "detach_force": "the threads no longer lose contact",
-    "global_stability_force": "a push can start vibration",
+    "global_stability_force": "a perturbation can start vibration",
 }
 
 

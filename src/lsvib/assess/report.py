@@ -125,7 +125,7 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         place = where(one, assessment) if one.occurs else ""
         verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
         if name == "push_needed" and one.occurs and not rigid(assessment):
-            how = "computed with stiff threads and support" if one.reserve < 0 else "found by motions after pushes"
+            how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
             verdict = Html(f"possible{page.small(f'{how}; {place}')}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
