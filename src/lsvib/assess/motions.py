@@ -71,7 +71,9 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
         return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
     if moved.frequency is None:
         swing = (
-            "" if moved.amplitude is None else f"; in the time shown the load swings by ± {shown(moved.amplitude, 'm')}"
+            ""
+            if moved.amplitude is None
+            else f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
         )
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
         return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
@@ -80,7 +82,7 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
     rows = [
         ("What it is", ends),
         ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-        ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
+        ("Oscillation of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
         ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
         ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
         ("Largest contact force of the threads", shown(moved.peak_force, "N")),
