@@ -4,8 +4,8 @@ MECHANISMS = {
     "negative_damping": (
         "Negative damping",
         "Friction turns the damping of the load's travel into its opposite: each small oscillation of the screw is "
-        "amplified instead of damped. It needs a self-locking thread, a load that pushes in the direction of travel, and "
-        "more damping at the load than the screw's own damping can make up for.",
+        "amplified instead of damped. It needs a self-locking thread, a load that pushes in the direction of travel, "
+        "and more damping at the load than the screw's own damping can make up for.",
     ),
     "kinematic_constraint": (
         "Kinematic constraint",
@@ -101,8 +101,8 @@ LEFT_OUT = (
     "judged with the others as stiff, and with the friction of the running speed.",
     "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
     "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small "
-    "oscillations, except where friction falls with speed: what the guides resist with is pressed through the threads as well, and "
-    "the fall amplifies an oscillation the more, the larger the force on them.",
+    "oscillations, except where friction falls with speed: what the guides resist with is pressed through the threads "
+    "as well, and the fall amplifies an oscillation the more, the larger the force on them.",
     "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",
     "The dynamics of the motor and its controller: the motor is taken to turn at constant speed.",
     "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",
