@@ -42,14 +42,14 @@ def _draw_curve(axes) -> None:
     found = DRIVE.sweep(axial_force=FORCES.tolist(), start=START)
     limit = DRIVE.thresholds()["global_stability_force"]
     axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after a perturbation")
-    axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, stable to small perturbations")
+    axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, linearly stable")
     axes.axvline(limit.value, label=f"threshold: R = {limit.value:.3f} N", **style.PRINTED)
     axes.plot(
         DRIVE.axial_force, found.amplitude.sel(axial_force=DRIVE.axial_force), "ko", label="the drive on the left"
     )
     axes.set_xlabel("axial force $R$ [N]")
     axes.set_ylabel("amplitude [rad]")
-    axes.set_title("It slides or vibrates, by the perturbation")
+    axes.set_title("It slides or vibrates, depending on the start")
     axes.set_ylim(-0.01, 0.2)
     axes.legend(fontsize=6.5)
 
