@@ -32,7 +32,7 @@ def draw(found: xr.Dataset) -> Figure:
     plane.axis((*GRID["u"][:2], *GRID["w"][:2]))
     phase_planes.draw_lines(plane, found, style.VERMILION, "$N = 0$")
     phase_planes.label_axes(plane, found)
-    plane.set_title("Blue region: the push is survived")
+    plane.set_title("Blue region: tolerated perturbations")
     plane.legend(loc="upper right", fontsize=6.5)
     _draw_curve(curve)
     return figure
@@ -41,15 +41,15 @@ def draw(found: xr.Dataset) -> Figure:
 def _draw_curve(axes) -> None:
     found = DRIVE.sweep(axial_force=FORCES.tolist(), start=START)
     limit = DRIVE.thresholds()["global_stability_force"]
-    axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after the push")
-    axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, stable to small pushes")
+    axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after a perturbation")
+    axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, linearly stable")
     axes.axvline(limit.value, label=f"threshold: R = {limit.value:.3f} N", **style.PRINTED)
     axes.plot(
         DRIVE.axial_force, found.amplitude.sel(axial_force=DRIVE.axial_force), "ko", label="the drive on the left"
     )
     axes.set_xlabel("axial force $R$ [N]")
     axes.set_ylabel("amplitude [rad]")
-    axes.set_title("It vibrates or slides, by the push")
+    axes.set_title("It slides or vibrates, depending on the start")
     axes.set_ylim(-0.01, 0.2)
     axes.legend(fontsize=6.5)
 

@@ -323,11 +323,11 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         return basin(self)
 
     def resilience(self, window: "Window | Mapping[str, tuple[float, float]] | None" = None) -> "Resilience":
-        """Return what steady sliding survives: its smallest fatal pushes, and the share of a window that settles.
+        """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
         All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s].
-        The pushes are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where every push is survived,
-        zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
+        The perturbations are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where all of them are
+        tolerated, zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
@@ -347,7 +347,7 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         progress: Progress | None = None,
         **over: Sequence[float],
     ) -> "xr.Dataset":
-        """Return what steady sliding survives over values of some parameters, as a dataset.
+        """Return the perturbations that steady sliding tolerates over values of some parameters, as a dataset.
 
         Arguments: as of :meth:`resilience`; ``over``, values [SI units] of each parameter by its name, all combinations
         of them; ``progress``, called with the numbers of points done and in all. Variables: fatal_angle [rad],

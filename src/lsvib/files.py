@@ -40,7 +40,7 @@ def target_of(path: str | os.PathLike[str], make_folder: bool = False) -> Path:
         if not folder.is_dir():
             raise LsvibError(f"Cannot write {path}: {folder} is not a folder.")
         mode = target.stat().st_mode if os.path.lexists(target) else None
-        with suppress(FileNotFoundError):  # as it should; a name that is too long is told here
+        with suppress(FileNotFoundError):  # as it should; a name that is too long is refused here
             _part(_part(target)).lstat()
     except (OSError, ValueError) as error:  # ValueError: a null character
         raise LsvibError(f"Cannot write {path}: {getattr(error, 'strerror', None) or error}.") from None

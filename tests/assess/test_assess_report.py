@@ -60,7 +60,7 @@ def test_the_page_needs_no_other_file(seat):
 def test_every_cause_has_its_plain_meaning_beside_it(seat):
     """No term of the theory without words."""
     page = re.sub(r"base64,[^\"]*", "", (seat[0] / "index.html").read_text(encoding="utf-8"))
-    for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "fed instead of braked")):
+    for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "amplified instead of damped")):
         assert page.index(meaning) - page.index(f">{term}") < 400
     for foreign in ("Painlevé", "eigenvalue", "Hurwitz", "Γ", "ξ"):
         assert foreign not in page

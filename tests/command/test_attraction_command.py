@@ -38,10 +38,11 @@ def test_attraction_json_and_dataset(run):
     assert Path("map.pdf").is_file()
 
 
-def test_attraction_text_says_cells_and_fraction(run):
+def test_attraction_text_says_shares_of_cells(run):
     lines = run("attraction", *DRIVE, *GRID, "--out", "map.nc")[1].splitlines()
-    found = [line.rsplit(": ", 1)[1].split() for line in lines if "a fraction of" in line]
-    assert sum(int(words[0]) for words in found) == 1200
+    found = [line.rsplit(": ", 1)[1].split() for line in lines if "% of" in line]
+    assert sum(float(words[0]) for words in found) == pytest.approx(100, rel=1e-5)
     for words in found:
-        assert words[1:6] == ["of", "1200", "cells,", "a", "fraction"]
-        assert float(words[-1]) == pytest.approx(int(words[0]) / 1200, rel=1e-5)
+        assert words[1:] == ["%", "of", "1200", "cells"]
+        cells = float(words[0]) * 12
+        assert cells == pytest.approx(round(cells), rel=1e-5)

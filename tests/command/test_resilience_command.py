@@ -18,7 +18,7 @@ def test_resilience(run):
     expected = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
     assert (code, error, json.loads(out)) == (0, "", json.loads(json.dumps(expected.to_json())))
     text = run("resilience", *one)[1]
-    assert f"smallest fatal push in the speed: {expected.speed:.12g} rad/s\n" in text
+    assert f"largest tolerated perturbation of the speed: {expected.speed:.12g} rad/s\n" in text
     over = ("--over", "axial_force=-40:-10:2", "--out", "reserve.nc")
     result = json.loads(run("resilience", *DRIVE, *over, "--json")[1])
     assert result == {"points": 2, "not_covered": 0}
@@ -26,10 +26,11 @@ def test_resilience(run):
         assert found.fatal_speed.values.tolist() == [float("inf"), expected.speed]
 
 
-def test_where_every_push_is_survived_none_is_fatal(run):
+def test_where_every_perturbation_is_tolerated_none_has_a_limit(run):
     """In words, not as infinite numbers and states that are none; JSON has null for them."""
     text = run("resilience", "--set", "mass=1")[1]
-    assert text.count(": none\n") == 4  # the boundary of the region, and three pushes
+    assert text.count(": none\n") == 1  # the boundary of the region
+    assert text.count(": unlimited\n") == 3  # of each of the perturbations
     assert "inf" not in text.replace("boundary of the region of attraction", "")
     assert "nan" not in text
     assert json.loads(run("resilience", "--set", "mass=1", "--json")[1])["energy"] is None

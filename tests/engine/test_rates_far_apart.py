@@ -1,4 +1,4 @@
-"""Rates and sizes of four states that lie decades apart: digits stay, and what cannot be told apart is refused."""
+"""Rates and sizes of four states that lie decades apart: digits stay, and what cannot be distinguished is refused."""
 
 import math
 
@@ -108,5 +108,5 @@ def test_steady_sliding_where_doubles_lose_a_row_of_the_field():
 def test_rates_that_cannot_be_told_apart_are_refused_by_name(damping):
     """A contact that creeps at 1e-8 1/s beside the coupling's 500 1/s."""
     drive = ThreadsParameters(contact_stiffness=1e4, contact_damping=damping)
-    with pytest.raises(EngineError, match=r"cannot be told apart .*change contact_damping\."):
+    with pytest.raises(EngineError, match=r"cannot be distinguished .*change contact_damping\."):
         threads_automaton(drive)

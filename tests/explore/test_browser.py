@@ -55,7 +55,7 @@ def text_of(page) -> str:
 
 def share(page) -> float:
     """Wait for the share of the window from which the drive slides steadily [%]; the words come and go."""
-    said, end = re.compile(r"starts in the window:.* steady sliding (\d+\.\d)%"), monotonic() + 1e-3 * _PATIENCE
+    said, end = re.compile(r"starts in the window:.* steady sliding (\d+\.\d) %"), monotonic() + 1e-3 * _PATIENCE
     while not (found := said.search(text_of(page))):
         assert monotonic() < end, "the page does not say it"
         page.wait_for_timeout(20)
@@ -80,7 +80,7 @@ def test_a_drag_of_a_slider_recomputes_the_region(page):
     page.mouse.up()
     page.wait_for_function("new URLSearchParams(location.search).get('axial_force') < -12", timeout=_PATIENCE)
     # The harder the drive is pushed, the larger a push it takes away from steady sliding (docs/basin.md).
-    playwright.expect(page.get_by_role("status")).not_to_contain_text(f"steady sliding {before}%", timeout=_PATIENCE)
+    playwright.expect(page.get_by_role("status")).not_to_contain_text(f"steady sliding {before} %", timeout=_PATIENCE)
     assert share(page) > before
 
 

@@ -195,9 +195,9 @@ def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, res
 
 
 def _upset(motion: AssessedMotion) -> bool:
-    """Whether a push is known to start a vibration: by where the motion ends, or by the push that is survived.
+    """Whether a push is known to start a vibration: by where the motion ends, or by the perturbation that is tolerated.
 
-    A drive that nothing damps survives none, yet none starts more than a swing of its size: there only a push above
+    A drive that nothing damps tolerates none, yet none starts more than a swing of its size: there only a push above
     zero tells.
     """
     push, end = motion.push[0], motion.vibration.attractor

@@ -25,7 +25,7 @@ _COLUMNS = (
 _ENDS = {  # of motions without a frequency, by the names of lsvib.assess.words.ATTRACTORS
     "steady sliding": "does not vibrate",
     "rest": "stands still",
-    "neutral family": "swings, neither more nor less",
+    "neutral family": "oscillates, neither growing nor decaying",
     "unbounded": "grows without limit",
     "unresolved": "not known",
     "unknown": "not known beyond its onset",

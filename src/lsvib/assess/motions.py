@@ -71,7 +71,9 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
         return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
     if moved.frequency is None:
         swing = (
-            "" if moved.amplitude is None else f"; in the time shown the load swings by ± {shown(moved.amplitude, 'm')}"
+            ""
+            if moved.amplitude is None
+            else f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
         )
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
         return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
@@ -80,7 +82,7 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
     rows = [
         ("What it is", ends),
         ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-        ("Swing of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
+        ("Oscillation of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
         ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
         ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
         ("Largest contact force of the threads", shown(moved.peak_force, "N")),
@@ -93,21 +95,21 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
 
 
 def _push_survived(motion: AssessedMotion) -> list[Html]:
-    """Say which sudden change of speed steady running survives, if that is known."""
+    """Say which sudden change of speed steady running tolerates, if that is known."""
     push, sentence = motion.push
     if push is None or push <= 0:
         return []
     if math.isfinite(push):
         load = shown(motion.values["lead"] / (2 * math.pi) * push, "m/s")
         sentence = (
-            f"Steady running survives a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
+            f"Steady running tolerates a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
             f"{load} at the load. {sentence}"
         )
     return [page.paragraph(sentence)]
 
 
 def _picture_and_scene(title: str, motion: AssessedMotion) -> list[Html]:
-    """Draw the motion, and tell how to run it, as far as it was computed."""
+    """Draw the motion, and say how to run it, as far as it was computed."""
     moved, parts = motion.vibration, []
     if moved.time.size:
         caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "

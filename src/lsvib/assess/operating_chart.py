@@ -15,15 +15,15 @@ from lsvib.steady_sliding import thresholds
 
 KINDS = ("steady", "steady_until_pushed", "negative_damping", "kinematic_constraint", "mode_coupling",
          "falling_friction", "thread_contact")  # fmt: skip
-"""What the chart tells apart, by flag value."""
+"""What the chart distinguishes, by flag value."""
 
 _POINTS = 161  # along each axis: a step is finer than a line of the picture
 _BEYOND = 1.5  # the chart goes on beyond the window by this factor, so that what lies near is seen
 _BOUNDARIES = {
     "onset_force": "the load begins to push with the motion",
-    "stick_force": "the swing reaches standstill (stick-slip)",
+    "stick_force": "the oscillation reaches standstill (stick-slip)",
     "detach_force": "the threads no longer lose contact",
-    "global_stability_force": "a push can start vibration",
+    "global_stability_force": "a perturbation can start vibration",
 }
 
 

@@ -105,7 +105,7 @@ def _cards(assessment: Assessment) -> list[tuple[str, str]]:
             (shown(worst.frequency, "Hz"), "frequency in the worst case" + (", audible" if worst.audible else ""))
         )
     if worst.amplitude is not None:
-        cards.append((shown(worst.amplitude, "m"), "swing of the load in the worst case, to either side"))
+        cards.append((shown(worst.amplitude, "m"), "oscillation of the load in the worst case, to either side"))
     return cards
 
 
@@ -125,7 +125,7 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         place = where(one, assessment) if one.occurs else ""
         verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
         if name == "push_needed" and one.occurs and not rigid(assessment):
-            how = "computed with stiff threads and support" if one.reserve < 0 else "found by motions after pushes"
+            how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
             verdict = Html(f"possible{page.small(f'{how}; {place}')}")
         cause = Html(f"{page.text(title)}{page.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
@@ -139,8 +139,8 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         page.heading("What can make it vibrate"),
         page.paragraph(
             "The reserve says how far each cause is from setting in: +1 means that nothing drives it, 0 is the brink, "
-            "below 0 it occurs. It is what keeps the drive steady less what drives the swing, over the sum of both. "
-            "The operating window is every speed and force that the data sheet allows."
+            "below 0 it occurs. It is what keeps the drive steady less what drives the oscillation, over the sum "
+            "of both. The operating window is every speed and force that the data sheet allows."
         ),
         page.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
         *(page.paragraph(sentence) for sentence in absent),

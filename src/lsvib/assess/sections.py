@@ -84,11 +84,11 @@ def method(assessment: Assessment) -> list[Html]:
     return [
         page.heading("How it was computed"),
         page.paragraph(
-            "The screw, its coupling and the load are a swing with friction in the threads (Vahid-Araghi and "
+            "The screw, its coupling and the load are an oscillator with friction in the threads (Vahid-Araghi and "
             "Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8). Whether a cause "
             "occurs is decided by exact signs of closed formulas; where there is none, by the equation of small "
-            "swings. Motions are computed exactly from one event (standstill, loss of contact, impact) to the next, "
-            "without time steps. Margins are found by root finding on those conditions."
+            "oscillations. Motions are computed exactly from one event (standstill, loss of contact, impact) to the "
+            "next, without time steps. Margins are found by root finding on those conditions."
         ),
         page.paragraph(
             f"{_samples(assessment)}All of the numbers are in assessment.json and, with the chart and the motions, in "

@@ -53,7 +53,7 @@ class Thread(_Part):
         given = [key for key in others if getattr(self, key) is not None]
         if self.size is not None:
             if "starts" in self.model_fields_set:
-                return "thread.size and thread.starts are both given; the name of a size tells them, as Tr 8x8 P2."
+                return "thread.size and thread.starts are both given; the name of a size determines them, as Tr 8x8 P2."
             return f"thread.size and thread.{given[0]} are both given; give one of them." if given else None
         leads = [key for key in ("lead", "lead_angle") if key in given]
         if len(leads) == 2:

@@ -1,4 +1,4 @@
-"""The motion of one drive at one point of operation: what the vibration is, and how large a push it takes."""
+"""The motion of one drive at one point of operation: what the vibration is, and how large a perturbation it takes."""
 
 import math
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ _STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
 _MOST_WORK = {"rigid": 4_000, "support": 2_000_000, "contact": 2_000_000}
 _LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
 _FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
-# Pushes that are tried with springy threads, in times of the one that stiff threads survive, or of the speed; a fatal
+# Pushes that are tried with springy threads, in times of the one that stiff threads tolerate, or of the speed; a fatal
 # one is closed in on until the ends of the bracket are some 1 % apart.
 _TRIED, _HALVINGS = (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0), 6
 STRONG = 5.0  # times the speed: a push that shows what a strong one does, and the largest that has to be tried
@@ -193,32 +193,32 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
     drive = drive_of(sheet, values, *corner)
     try:
         if rigid_automaton(drive).contracts and drive.support_damping > 0:
-            return math.inf, "Steady motion comes back after any push."
+            return math.inf, "Steady sliding is reached again after any perturbation."
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
         if not c.paradox and 0 < ratio < _LEAST_DAMPING:
-            return None, "The largest push is not computed for a drive with so little damping."
+            return None, "The largest tolerated perturbation is not computed for a drive with so little damping."
         region = basin(drive)
     except AttractsNothing as error:
         return 0.0, str(error)
     except (InputError, EngineError) as error:
         return None, str(error)
     if not region.curves:
-        return math.inf, "Steady motion comes back after any push."
+        return math.inf, "Steady sliding is reached again after any perturbation."
     found = smallest_push(region, 1)
     if found > _FARTHEST * abs(drive.input_speed):
-        return math.inf, "Steady motion comes back after any push of the screw's speed."
+        return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
 
 
 def springy_push(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
 ) -> tuple[float | None, str]:
-    """The same with the springy threads of the sheet, by motions after pushes of either sign; nothing is proved.
+    """The same with the springy threads of the sheet, by motions after perturbations of either sign; nothing is proved.
 
-    ``stiff``: the push [rad/s] that the drive with stiff threads survives, around which pushes are tried. Returns the
-    largest push below which all that were tried come back, infinite if all do, None if a motion does not tell; and a
-    sentence.
+    ``stiff``: the largest change of speed [rad/s] that the drive with stiff threads tolerates, around which others are
+    tried. Returns the largest one below which all that were tried come back, infinite if all do, None if a motion does
+    not decide it; and a sentence.
     """
     drive = drive_of(sheet, values, *corner, "contact")
     definition = find_model(drive.model)
@@ -230,7 +230,8 @@ def springy_push(
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
-    low, tried = 0.0, f"Tried with the springy threads of the data sheet, by motions after pushes either way.{beside}"
+    tried = f"Tried with the springy threads of the data sheet, by perturbations of either sign.{beside}"
+    low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
@@ -242,17 +243,20 @@ def springy_push(
             sizes.append(2 * sizes[-1])
         for size in sizes:
             found = {sign: ends(sign * size) for sign in (1, -1)}
-            fatal = [sign for sign, end in found.items() if end != "steady sliding"]
+            lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, "How large a push it survives with springy threads was not found."
-            if fatal:
+                return None, "How large a perturbation it tolerates with springy threads could not be determined."
+            if lost:
                 high = size
                 for _ in range(_HALVINGS):
                     middle = 0.5 * (low + high)
-                    calm = all(ends(sign * middle) == "steady sliding" for sign in fatal)
+                    calm = all(ends(sign * middle) == "steady sliding" for sign in lost)
                     low, high = (middle, high) if calm else (low, middle)
                 return low, tried
             low = size
     except (InputError, EngineError) as error:
         return None, str(error)
-    return math.inf, f"Pushes of up to {shown(low, 'rad/s')} were tried with the springy threads; all came back."
+    return (
+        math.inf,
+        f"Perturbations of up to {shown(low, 'rad/s')} were tried with springy threads; all were tolerated.",
+    )

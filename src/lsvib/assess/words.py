@@ -3,9 +3,9 @@
 MECHANISMS = {
     "negative_damping": (
         "Negative damping",
-        "Friction turns the damping of the load's travel into its opposite: each small swing of the screw is fed "
-        "instead of braked. It needs a self-locking thread, a load that pushes in the direction of travel, and more "
-        "damping at the load than the screw's own damping can make up for.",
+        "Friction turns the damping of the load's travel into its opposite: each small oscillation of the screw is "
+        "amplified instead of damped. It needs a self-locking thread, a load that pushes in the direction of travel, "
+        "and more damping at the load than the screw's own damping can make up for.",
     ),
     "kinematic_constraint": (
         "Kinematic constraint",
@@ -14,29 +14,29 @@ MECHANISMS = {
     ),
     "mode_coupling": (
         "Mode coupling of the support",
-        "The screw's turning and its shifting along its axis against the bearing lock into one common swing that "
-        "draws energy from the motor through friction.",
+        "The screw's turning and its shifting along its axis against the bearing lock into one common oscillation "
+        "that draws energy from the motor through friction.",
     ),
     "falling_friction": (
         "Friction that falls with speed",
         "A little faster means a little less friction, which makes the screw faster still; if that outweighs the "
-        "damping, small swings grow.",
+        "damping, small oscillations grow.",
     ),
     "thread_contact": (
         "Springy thread contact",
-        "Screw and nut swing against each other on the elasticity of the threads and draw energy through friction, "
-        "although the drive would run quietly with perfectly stiff threads.",
+        "Screw and nut oscillate against each other on the elasticity of the threads and draw energy through "
+        "friction, although the drive would run quietly with perfectly stiff threads.",
     ),
     "push_needed": (
         "Vibration after a push",
         "Steady running is stable, but it is not the only motion that keeps itself going: after a push that is large "
-        "enough the drive does not come back to it, but seizes and slips again and again.",
+        "enough the drive does not return to it, but seizes and slips again and again.",
     ),
 }
 """Name and plain meaning of each mechanism."""
 
 SHORT = {
-    "negative_damping": "negative damping (friction feeds the swing instead of braking it)",
+    "negative_damping": "negative damping (friction amplifies the oscillation instead of damping it)",
     "kinematic_constraint": "kinematic constraint (the threads wedge and let go)",
     "mode_coupling": "mode coupling of the support (turning and shifting of the screw lock together)",
     "falling_friction": "friction that falls with speed",
@@ -70,8 +70,8 @@ ATTRACTORS = {
     "steady sliding": "steady running",
     "stick slip cycle": "stick-slip: the screw stops and breaks loose again in every cycle",
     "sprag slip cycle": "sprag-slip: the screw is stopped by an impact of the threads in every cycle",
-    "other cycle": "a swing of the speed about its mean, without standstill",
-    "neutral family": "a swing that neither grows nor dies away, as nothing damps it",
+    "other cycle": "an oscillation of the speed about its mean, without standstill",
+    "neutral family": "an oscillation that neither grows nor decays, as nothing damps it",
     "unbounded": "a motion that grows without limit",
     "rest": "standstill",
     "unresolved": "a motion that does not settle into a pattern within the events that were computed",
@@ -86,8 +86,8 @@ VERDICTS = {
     "values within the given uncertainties.",
     "steady until pushed": "This drive runs steadily when left alone, but a strong push may start a vibration that "
     "goes on.",
-    "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: swings "
-    "that something else starts do not die away.",
+    "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: "
+    "oscillations that something else starts do not decay.",
     "steady but for rare values": "This drive runs steadily in the whole operating window for every one of the drives "
     "that were drawn from the given uncertainties, but the worst combination of their values can vibrate.",
     "steady": "This drive runs steadily in the whole operating window, for all values within the given uncertainties.",
@@ -100,9 +100,9 @@ LEFT_OUT = (
     "A springy support and springy threads at once, and springy threads with friction that falls with speed: each is "
     "judged with the others as stiff, and with the friction of the running speed.",
     "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
-    "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small swings, "
-    "except where friction falls with speed: what the guides resist with is pressed through the threads as well, and "
-    "the fall feeds a swing the more, the larger the force on them.",
+    "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small "
+    "oscillations, except where friction falls with speed: what the guides resist with is pressed through the threads "
+    "as well, and the fall amplifies an oscillation the more, the larger the force on them.",
     "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",
     "The dynamics of the motor and its controller: the motor is taken to turn at constant speed.",
     "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",

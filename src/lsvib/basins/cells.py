@@ -14,7 +14,7 @@ from lsvib.errors import InputError
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
-NO_DOUBT = -1  # of a cell whose label is told
+NO_DOUBT = -1  # of a cell whose label is known
 
 
 class Mapper(ABC):

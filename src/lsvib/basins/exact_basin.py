@@ -187,7 +187,7 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
     if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
         raise InputError(
-            f"support_damping = {drive.support_damping:g} is so large that doubles do not tell where slip from "
+            f"support_damping = {drive.support_damping:g} is so large that doubles do not determine where slip from "
             "screw speed 0 comes from; the basin of such a drive is not covered."
         )
     if c.q_row[1] == 0:

@@ -75,7 +75,7 @@ class Axis(NamedTuple):
         if not (stop - start) / cells >= max(4 * math.ulp(max(abs(start), abs(stop))), sys.float_info.min):
             raise InputError(
                 f"axis {coordinate} has {cells} cells between start = {start:.17g} and stop = {stop:.17g}, too narrow "
-                "to be told apart in double precision; take fewer cells or a longer axis."
+                "to be distinguished in double precision; take fewer cells or a longer axis."
             )
         return cls(coordinate, start, stop, cells)
 

@@ -1,7 +1,8 @@
-r"""How large a push steady sliding survives, and how much of a window settles: from the exact boundary of the basin.
+r"""How large a perturbation steady sliding tolerates, and how much of a window settles: from the boundary of the basin.
 
-A push moves the drive from steady sliding to a deviation (u, w) at once. It is fatal if it leads out of the basin; the
-smallest fatal one ends on the boundary. Along u = 0 and along w = 0 that is the nearest crossing, a root along an arc.
+A perturbation moves the drive from steady sliding to a deviation (u, w) at once. It is tolerated if that lies in the
+basin; the smallest that is not ends on the boundary, and every smaller one is tolerated. Along u = 0 and along w = 0
+that is the nearest crossing, a root along an arc.
 By its energy
 
     E = k u² / 2 + J w² / 2,        J = I + m r_m² tan² λ
@@ -29,12 +30,12 @@ from lsvib.engine.kernels import columns
 
 @dataclass(frozen=True)
 class Resilience:
-    """What steady sliding of a rigid drive survives; infinite where every push is survived, zero where none is.
+    """The perturbations that steady sliding of a rigid drive tolerates; infinite where it tolerates all, zero if none.
 
-    ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; smallest fatal push in
-    the deflection ``angle`` [rad] alone, in the ``speed`` [rad/s] alone, by its ``energy`` [J], which leads to
-    ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that settles, nan without a
-    window.
+    ``boundary`` of its basin in words, or ``neutral`` or ``unstable`` where there is no basin; largest tolerated
+    perturbation of the deflection ``angle`` [rad] alone, of the ``speed`` [rad/s] alone, and by ``energy`` [J], which
+    is reached first at ``state`` (u [rad], w [rad/s]), nan if there is none; ``fraction`` [1] of the ``window`` that
+    settles, nan without a window.
     """
 
     boundary: str
@@ -59,7 +60,7 @@ def _plain(value: Any) -> Any:
 
 
 def resilience(drive: RigidParameters, window: Window | None = None) -> Resilience:
-    """Return what the steady sliding of a rigid drive survives.
+    """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
     covered (:func:`lsvib.basins.exact_basin.basin`).
@@ -92,7 +93,7 @@ def _all(boundary: Boundary, window: Window | None) -> Resilience:
 
 
 def smallest_push(region: Basin, coordinate: int) -> float:
-    """Return the smallest fatal push in one coordinate (0: u [rad], 1: w [rad/s]) as a size; infinite if there is none.
+    """Return the largest tolerated perturbation of one coordinate (0: u [rad], 1: w [rad/s]) as a size, or infinity.
 
     It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
     """
@@ -120,7 +121,7 @@ def _crossings(region: Basin, coordinate: int) -> Iterator[float]:
 
 
 def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
-    """Return the energy [J] of the smallest fatal push by energy, and the state (u [rad], w [rad/s]) it leads to."""
+    """Return the energy [J] up to which all perturbations are tolerated, and where (u [rad], w [rad/s]) one is not."""
     drive = region.drive
     lever = drive.pitch_radius * math.tan(drive.lead_angle)
     stiffness, inertia = drive.coupling_stiffness, drive.screw_inertia + drive.mass * lever**2

@@ -44,7 +44,7 @@ def pairs(items: list[str] | None) -> dict[str, str]:
 
 
 def refuse_results_of_the_workflow(*files: Path | None) -> None:
-    """Refuse files in the folders below ``results`` of the workflow, which could not tell them from its own.
+    """Refuse files in the folders below ``results`` of the workflow, which could not distinguish them from its own.
 
     Raises :class:`~lsvib.errors.InputError`.
     """
@@ -52,7 +52,7 @@ def refuse_results_of_the_workflow(*files: Path | None) -> None:
         try:
             above = list(Path(os.path.realpath(file)).parents)[1:]
         except (OSError, ValueError):
-            continue  # it cannot be written at all, which is told where it would be
+            continue  # it cannot be written at all, which is said where it would be written
         if any(folder.name == "results" and (folder.parent / "Snakefile").is_file() for folder in above):
             raise InputError(f"{file.parent} belongs to the workflow, which fills it by itself; name another folder.")
 

@@ -79,7 +79,7 @@ def print_motion(result: Mapping[str, Any]) -> None:
     print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
     print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
     doubt = result.get("unresolved_because")
-    print(f"attractor: {result['attractor'].replace('_', ' ')}{f', because {doubt}' if doubt else ''}")
+    print(f"attractor: {result['attractor'].replace('_', ' ')}{f': {doubt}' if doubt else ''}")
     print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
     if result.get("peak_normal_impulse"):
         print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
@@ -95,7 +95,7 @@ def print_sweep(result: Mapping[str, Any]) -> None:
 def print_chart(result: Mapping[str, Any]) -> None:
     """Print the summary of a chart."""
     for name, part in result["fractions"].items():
-        print(f"{name.replace('_', ' ')}: a fraction of {part:.6g} of {result['cells']} cells")
+        print(f"{name.replace('_', ' ')}: {100 * part:.6g} % of {result['cells']} cells")
     curves = ", ".join(name.replace("_", " ") for name in result["curves"])
     print(f"exact curves: {curves or 'none'}")
     print(f"{_plain(result['cells_per_second'])} cells per second")
@@ -114,11 +114,11 @@ def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
     """Print the summary of a map; ``counts``, cells by attractor."""
     for kind, cells in counts.items():
         if cells and kind >= 0:
-            share = f"a fraction of {cells / result['cells']:.6g}"
-            print(f"{kind.name.lower().replace('_', ' ')}: {cells} of {result['cells']} cells, {share}")
+            share = f"{100 * cells / result['cells']:.6g} %"
+            print(f"{kind.name.lower().replace('_', ' ')}: {share} of {result['cells']} cells")
     print(f"unresolved: {result['unresolved']} cells")
     for doubt, cells in result["unresolved_because"].items():
-        print(f"  {cells} because {doubt}")
+        print(f"  {cells} cells unresolved: {doubt}")
     area = result["exact_basin_area"]
     if area is not None:
         print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")

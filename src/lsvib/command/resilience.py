@@ -1,4 +1,4 @@
-"""The command about what steady sliding survives."""
+"""The command about the perturbations that steady sliding tolerates."""
 
 import math
 from typing import Annotated, Any
@@ -27,7 +27,7 @@ def resilience(
     out: OutFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find the smallest fatal pushes of the rigid drive's steady sliding, and the share of a window that settles.
+    """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
 
     Examples of use:
 
@@ -67,15 +67,15 @@ def resilience(
 
 def _print(found: Any) -> None:
     print(f"boundary of the region of attraction: {found.boundary.replace('_', ' ')}")
-    print(f"smallest fatal push in the deflection: {_shown(found.angle, 'rad')}")
-    print(f"smallest fatal push in the speed: {_shown(found.speed, 'rad/s')}")
+    print(f"largest tolerated perturbation of the deflection: {_shown(found.angle, 'rad')}")
+    print(f"largest tolerated perturbation of the speed: {_shown(found.speed, 'rad/s')}")
     u, w = found.state
-    state = f", to u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
-    print(f"smallest fatal push by energy: {_shown(found.energy, 'J')}{state}")
+    state = f", at u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
+    print(f"largest tolerated perturbation by energy: {_shown(found.energy, 'J')}{state}")
     if found.window is not None:
         print(f"share of the window that settles: {found.fraction:.12g}")
 
 
-def _shown(push: float, unit: str) -> str:
-    """A push with its unit; where all are survived, which is an infinite one in files, there is none."""
-    return f"{push:.12g} {unit}" if math.isfinite(push) else "none"
+def _shown(size: float, unit: str) -> str:
+    """A perturbation with its unit; where all are tolerated, which is an infinite one in files, it has no limit."""
+    return f"{size:.12g} {unit}" if math.isfinite(size) else "unlimited"

@@ -39,7 +39,7 @@ def told(call: Callable[[], object], also: type[Exception]) -> None:
 
 
 class ProgressLine:
-    """Tell on the error stream how far a work is: a line that is rewritten, or in a log one line for every 5 %."""
+    """Show on the error stream how far a work is: a line that is rewritten, or in a log one line for every 5 %."""
 
     def __init__(self, what: str = "rows") -> None:
         self.shown, self.what = -1, what

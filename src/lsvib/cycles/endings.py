@@ -53,7 +53,7 @@ def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
     model = find_model(drives.drive_class.model)
     for k in range(drives.size):
         drive, automaton = drives.one(k), None
-        with suppress(EngineError):  # rates that lie too far apart: nothing can be told
+        with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
             automaton = model.build(drive, model.physics_of(drive), resume)
         yield Prepared(k, model, drive, automaton)
 

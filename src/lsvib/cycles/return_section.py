@@ -30,7 +30,7 @@ _MADE = 30.0  # cost of a section, in units of a budget: some hundred microsecon
 
 
 class Return(NamedTuple):
-    """One return to a line: P(y) − y, and its events as told by ``Section.outcome``."""
+    """One return to a line: P(y) − y, and its events as determined by ``Section.outcome``."""
 
     excess: float
     events: tuple[bytes, bytes] | None

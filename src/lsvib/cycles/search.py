@@ -82,7 +82,7 @@ def search(
 ) -> Search:
     """Search for cycles from seeds, from ``states`` (n), on the lines (two states) and on edges of basins (more).
 
-    Attractors that cannot be told are left out. The attracting cycles come first, then by period.
+    Attractors that cannot be determined are left out. The attracting cycles come first, then by period.
     """
     found: list[Cycle] = []
     families: list[SteadyState] = []
@@ -96,15 +96,15 @@ def search(
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
         _add(found, cycle_of(drive, steady))
-    untold = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+    unresolved = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
     searched = f"motions from {len(endings)} starts"
-    searched += f", of which {untold} could not be told to their end" if untold else ""
+    searched += f", of which {unresolved} are unresolved" if unresolved else ""
     if len(automaton.states) > 2:
         edges = list(edge_cycles(drive, automaton, endings))
         for cycle in edges:
             _add(found, cycle)
         hits = sum(cycle is not None for cycle in edges)
-        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was followed")
+        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
     elif not automaton.contracts:
         found_lines = lines(automaton)
         for key, line in found_lines.items():

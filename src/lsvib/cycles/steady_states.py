@@ -1,4 +1,4 @@
-"""What a motion ends in – its attractor, or why that is not told – and exact means and extremes over a cycle."""
+"""What a motion ends in – its attractor, or why that is not known – and exact means and extremes over a cycle."""
 
 import math
 from dataclasses import dataclass, field
@@ -93,7 +93,7 @@ class SteadyState:
 
     @classmethod
     def unresolved(cls, state: np.ndarray, doubt: "Doubt | EngineError") -> "SteadyState":
-        """Return the attractor that is not told of a motion, whose last state (n) is known, and why."""
+        """Return the attractor that is not known of a motion, whose last state (n) is known, and why."""
         return cls(Attractor.UNRESOLVED, state, doubt=doubt if isinstance(doubt, Doubt) else Doubt.of(doubt))
 
     @property

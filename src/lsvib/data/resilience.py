@@ -1,4 +1,4 @@
-"""What the steady sliding of the rigid drive survives, as a dataset over values of its parameters."""
+"""The perturbations that steady sliding of the rigid drive tolerates, as a dataset over values of its parameters."""
 
 import json
 import math
@@ -22,9 +22,9 @@ _MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
 _FARTHEST = 1e150  # of an edge of a window: its area is still a number
 
 _VARIABLES = {  # where a resilience has it, unit, words
-    "fatal_angle": ("angle", "rad", "smallest fatal push in the deflection alone"),
-    "fatal_speed": ("speed", "rad s-1", "smallest fatal push in the speed alone"),
-    "fatal_energy": ("energy", "J", "energy of the smallest fatal push by energy"),
+    "fatal_angle": ("angle", "rad", "largest tolerated perturbation of the deflection alone"),
+    "fatal_speed": ("speed", "rad s-1", "largest tolerated perturbation of the speed alone"),
+    "fatal_energy": ("energy", "J", "energy up to which every perturbation is tolerated"),
     "basin_fraction": ("fraction", "1", "share of the window that settles, exact"),
 }
 
@@ -35,12 +35,12 @@ def resilience_sweep(
     window: Window | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return what steady sliding survives over the product of values of some parameters of the rigid drive.
+    """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 
     Arguments: ``over``, values [SI units] by name of a parameter; ``window`` as of
     :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
-    are infinite where every push is survived, zero where none is, nan where the basin is not covered, for the reasons
-    in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
+    reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
     axes = axes_of(over, RigidParameters, _MOST_POINTS)
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
@@ -64,7 +64,7 @@ def resilience_sweep(
         {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
         coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
         attrs={
-            "title": f"What the steady sliding of the rigid lead-screw drive survives over {', '.join(axes)}",
+            "title": f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
             "source": "lsvib, exact boundary of the region of attraction",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
             "model": drive.model,

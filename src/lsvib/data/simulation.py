@@ -107,7 +107,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
 
 
 def attractor_of(motion: Motion) -> SteadyState:
-    """Return what a motion goes on to from its end, decided by the return map."""
+    """Return what a motion goes on to from its end, decided by the return map (Poincaré map)."""
     return steady_state(motion.automaton, motion.end_state, mode=motion.end_mode)
 
 
@@ -121,7 +121,7 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
-    doubt = {} if steady.doubt is None else {"comment": f"unresolved, because {steady.doubt}"}
+    doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
     return dataset.assign_coords(parameters).assign(
         attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
         amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),

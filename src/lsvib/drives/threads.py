@@ -77,7 +77,7 @@ def threads_automaton(drive: ThreadsParameters) -> Automaton:
     """Return the automaton of the drive with compliant threads.
 
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
-    ``EngineError`` if the coordinates of a mode cannot be told apart in double precision.
+    ``EngineError`` if the coordinates of a mode cannot be distinguished in double precision.
     """
     c = coefficients(drive)
     with localcontext(prec=PLACES):

@@ -246,7 +246,7 @@ class Page:
         except InputError as error:
             words.append(str(error))
         if self._shares:
-            parts = [f"{_name(kind)} {share:.1%}" for kind, share in self._shares.items()]
+            parts = [f"{_name(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
         if points:
             counts = []

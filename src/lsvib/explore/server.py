@@ -24,7 +24,7 @@ from lsvib.explore.presets import presets
 from lsvib.explore.view import View
 
 HOST = "localhost"  # nobody else is let in
-# What is shown first: the drive on the front page of the documentation, which slides or vibrates by the push.
+# What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
 FRONT = View(
     RigidDrive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5
 )

@@ -44,8 +44,8 @@ def trimmed(p: Polynomial) -> Polynomial:
 def all_roots(p: Polynomial) -> list[tuple[Fraction, Fraction]]:
     """Return all roots, those that coincide as often as they do: real and imaginary part, each to a relative 2⁻⁹⁰.
 
-    A part is zero where it is exactly zero. Real ones are told by FLINT; imaginary ones are the roots that the parts of
-    the polynomial of even and of odd powers share, in s².
+    A part is zero where it is exactly zero. Real ones are isolated by FLINT; imaginary ones are the roots that the
+    parts of the polynomial of even and of odd powers share, in s².
     """
     both = flint_polynomial(p)
     even, odd = (fmpq_poly(both.coeffs()[k::2]) for k in (0, 1))

@@ -17,7 +17,7 @@ from lsvib.steady_sliding.threshold_motions import Start
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
 _LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
-_BALANCED = 1e-12  # large motions that decay by less in a turn cannot be told from undamped ones by doubles
+_BALANCED = 1e-12  # large motions that decay by less in a turn doubles cannot distinguish from undamped ones
 
 
 def _negatively_damped(drive: RigidParameters) -> Coefficients:
@@ -47,7 +47,7 @@ def seizing(drive: RigidParameters, undamped: str) -> ForwardDrive:
 
 
 def _apart(start: Start, forward: ForwardDrive) -> Start:
-    """Refuse a force of the mirrored drive that cannot be told from the onset, or that exceeds all allowed forces."""
+    """Refuse a force of the mirrored drive that is the onset to the last digit, or that exceeds all allowed forces."""
     if float(start.force) == float(forward.onset):
         raise NoThreshold(
             "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."

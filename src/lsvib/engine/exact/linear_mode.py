@@ -29,7 +29,7 @@ def linear_mode(
     Arguments: rows of A and b (n, n + 1), decimals or floats; typical sizes of the coordinates (n); ``frozen``,
     coordinates that keep a value in this mode, with that value; the horizon [s] of
     :func:`lsvib.engine.exact.reach.reached`; ``movable``, the parameter to change where two rates coincide.
-    Raises ``EngineError`` for a mode whose rates double precision cannot tell apart.
+    Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
     """
     field = Field.of(rows, sizes, frozen)
     with suppress(ArithmeticError):
@@ -40,5 +40,5 @@ def linear_mode(
         return modal_mode(field, reaches)
     except ArithmeticError as error:
         raise EngineError(
-            f"two rates of one mode of motion cannot be told apart in double precision ({error}); change {movable}."
+            f"two rates of one mode of motion cannot be distinguished in double precision ({error}); change {movable}."
         ) from None

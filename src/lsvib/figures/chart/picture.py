@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 
 from lsvib.figures.drawing import phase_planes, style
 
-# Light where nothing vibrates, so that the eye goes to what does; told apart by the colour-blind and in grey.
+# Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
 _LOOKS = {  # colour, and words of the legend
     "no vibration": ("#F4F4F4", "no vibration"),
     "pure slip": (style.YELLOW, "slip cycle"),

@@ -51,7 +51,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
             **axis("swept_axial_force", forces),
             **axis("reading_mass", settings["mass_readings"]),
             **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
-            **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude tells"),
+            **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **labels("case", insets, ("axial_force",)),
             **phase_plane.rule_coordinate(),

@@ -37,7 +37,7 @@ class BranchVerdict(IntEnum):
     NEITHER = 0
     CONTACT_SIGN = 1
     AT_ONCE = 2
-    BOTH = 3  # the rules agree on the branch, or are not told apart
+    BOTH = 3  # the rules agree on the branch, or are not distinguished
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:

@@ -154,7 +154,7 @@ def _damping_check(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.nd
     grows = eigenvalues(nut_model(own, _LAW))[..., -1].real > 0
     compared = clear[np.ix_(rows, columns)]
     differ = compared & (grows != (part.stability.values == UndampedClass.KINEMATIC))
-    claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues tell the same"
+    claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
     return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
 
