@@ -53,7 +53,7 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
         if here.any():
             colour = np.array(to_rgb(COLOURS[name]))
             image[here] = 1 - share[here][:, None] * (1 - colour)
-            part = f"{fractions[int(value)]:.2%}"
+            part = f"{100 * fractions[int(value)]:.2f} %"
             later = _latest(dataset, here)
             patches.append(Patch(color=COLOURS[name], label=f"{name.replace(' cycle', '')}: {part}{later}"))
     axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)

@@ -54,7 +54,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         _readings(axes, dataset, across)
     shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
     patches = [
-        Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {shares[kind]:.1%}")
+        Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {100 * shares[kind]:.1f} %")
         for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in names.items())
         if shares[kind]
     ]
