@@ -104,10 +104,10 @@ def test_every_start_ends_where_the_basin_says(scene, rule):
 
 
 def test_starts_beside_the_boundary_of_random_drives():
-    """A dozen drives over the full ranges of their parameters: next to the boundary, motions end as they should."""
+    """Six drives over the full ranges of their parameters: next to the boundary, motions end as they should."""
     drives = (wide_drive("rigid", 32, index, 1).drive for index in count())
     rng, judged, unresolved = np.random.default_rng(32), 0, 0
-    while judged < 12:
+    while judged < 6:
         drive = next(drives)
         try:
             found = basin(drive)
@@ -127,7 +127,7 @@ def test_starts_beside_the_boundary_of_random_drives():
                 assert label == Attractor.UNRESOLVED or found.contains(point * factor) == (
                     label == Attractor.STEADY_SLIDING
                 ), (drive, point, factor)
-    assert unresolved < 4
+    assert unresolved < 3
 
 
 def test_mirrored_drive_has_the_basin_turned_by_half_a_turn():

@@ -74,18 +74,13 @@ def compare_random_motions(examples: int) -> tuple[list[str], dict[bool, set[str
 
 
 def test_random_motions():
-    wrong, visited = compare_random_motions(400)
+    wrong, visited = compare_random_motions(300)
     assert wrong == []
     # A test that never goes backwards, or never seizes, would prove little.
     slips = {"SLIP_FORWARD_POSITIVE", "SLIP_FORWARD_NEGATIVE", "SLIP_BACKWARD_POSITIVE", "SLIP_BACKWARD_NEGATIVE"}
     assert visited[False] >= slips | {"REST", "CONTACT_REVERSAL", "STICK", "REVERSAL", "RELEASE"}
     assert visited[True] >= {"SLIP_FORWARD_NEGATIVE", "SLIP_BACKWARD_POSITIVE", "REST", "STICK", "RELEASE", "SEIZURE"}
     assert not visited[True] & {"SLIP_FORWARD_POSITIVE", "SLIP_BACKWARD_NEGATIVE", "CONTACT_REVERSAL"}
-
-
-@pytest.mark.slow
-def test_many_more_random_motions():
-    assert compare_random_motions(600)[0] == []
 
 
 @pytest.mark.parametrize("mass", [10.05, 10.09, 10.11, 10.15])  # Γ₊ = 0 at 10.0998 kg

@@ -2,8 +2,6 @@
 
 import logging
 import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -83,25 +81,3 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert "many drives at once" in say("lsvib.cycles.kernels.endings_at_once", "Tables(array(float64, 2d, C))")
     assert say("lsvib.engine.kernels.affine", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None
-
-
-@pytest.mark.slow
-def test_without_any_folder_the_engine_is_compiled_in_memory_and_says_so_once(tmp_path):
-    program = (
-        "import sys, tempfile\n"
-        f"tempfile.gettempdir = lambda: {NOWHERE!r}\n"
-        "sys.argv = 'lsvib simulate --start u=0.1 w=0 --duration 0.1 --out motion.nc'.split()\n"
-        "from lsvib.command.app import main; main()\n"
-    )
-    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
-    run = subprocess.run(
-        [sys.executable, "-c", program],
-        env=environment | {"XDG_CACHE_HOME": NOWHERE},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert run.returncode == 0, run.stderr
-    assert run.stderr.startswith("lsvib: No folder for the compiled engine can be written")
-    assert run.stderr.count("\n") == 1
-    assert (tmp_path / "motion.nc").is_file()

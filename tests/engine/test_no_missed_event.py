@@ -17,7 +17,6 @@ import math
 
 import numba
 import numpy as np
-import pytest
 from references.drives import RULES, random_drive, random_start
 
 from lsvib.drives.rigid import rigid_automaton
@@ -171,9 +170,3 @@ def test_no_event_is_missed_in_2000_motions():
 
 def test_no_event_is_missed_near_tangencies():
     assert faults(near_tangencies(2000, seed=3)) == []
-
-
-@pytest.mark.parametrize("count", [pytest.param(20_000, marks=pytest.mark.slow)])
-def test_no_event_is_missed_in_many_motions(count):
-    assert faults(random_motions(count, seed=2)) == []
-    assert faults(near_tangencies(count // 5, seed=4)) == []
