@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lsvib.basins.grid import Grid
+from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.cycles.attractors import Attractor, steady_state
 from lsvib.drives.parameters import RigidParameters
@@ -80,7 +80,10 @@ def test_time_to_steady_sliding(mappers):
 def test_points_of_one_motion_have_one_label(mappers, u, w, part):
     mapped = mappers(PARADOX.replace(support_damping=3e-3))
     state = follow(mapped.automaton, (u, w), 0.02 * part).end_state
-    before, after = mapped.labels_of([u, state[0]], [w, state[1]])
+    cells = (
+        Grid(*(Axis(key, x - 1e-3, x + 1e-3, 1) for key, x in zip("uw", at, strict=True))) for at in ((u, w), state)
+    )
+    before, after = (mapped.cells(cell, quantities=("label",))["label"] for cell in cells)
     assert before == after
 
 

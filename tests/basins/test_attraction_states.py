@@ -27,5 +27,3 @@ def test_labels_against_the_return_map(kind, model):
     again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), workers=2)
     assert again["time"].tobytes() == found["time"][2:5, 1:4].tobytes()
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()
-    columns = np.tile(grid.x.centres(), 5)
-    assert (mapped.labels_of(columns, np.repeat(grid.y.centres(), 6)) == found["label"].ravel()).all()

@@ -1,7 +1,6 @@
 """The region of attraction of models with two states: every start is looked up in a table of sections."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -59,20 +58,6 @@ class PlanarMapper(Mapper):
             times[labels == labelling.UNRESOLVED] = np.inf
         if "doubt" in quantities:
             found["doubt"][:] = np.where(labels == labelling.UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)
-
-    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n), with the same bits as in any grid."""
-        u, w = np.asarray(u, dtype=float), np.asarray(w, dtype=float)
-        order = np.argsort(w, kind="stable")
-        x, y = u[order], w[order]
-        found, none = np.empty((1, x.size), dtype=np.int8), np.empty((1, 0), dtype=np.int8)
-        bounds = [0, *(np.flatnonzero(np.diff(y)) + 1), x.size] if x.size else [0]
-        for first, last in pairwise(bounds):
-            part, tables, known = slice(first, last), self.automaton.tables, self.sections.known
-            labelling.map_labels(tables, known, x[part], y[first : first + 1], 0, self._events, found[:, part], none)
-        labels = np.empty(x.size, dtype=np.int8)
-        labels[order] = found[0]
-        return labels
 
     def check(self, grid: Grid) -> None:
         """Raise ``InputError`` unless the axes are u and w and nothing is fixed."""

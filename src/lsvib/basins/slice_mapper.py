@@ -103,11 +103,6 @@ class StateMapper(Mapper):
                 for array, value in zip(found.values(), (*destiny, code), strict=True):
                     array[i, j] = value
 
-    def labels_of(self, u: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Return the labels (n) of single starts, u [rad] and w [rad/s] (n); the model gives the other coordinates."""
-        starts = (self.definition.initial_state(self.drive, {"u": x, "w": y}) for x, y in zip(u, w, strict=True))
-        return np.array([self.destiny(start)[0] for start in starts], dtype=np.int8)
-
     def destiny(self, state: np.ndarray) -> Destiny:
         """Return what becomes of the motion from a state (n)."""
         mode, time, sprags, first, budget = None, 0.0, 0, None, Budget(_EVENTS)

@@ -3,6 +3,7 @@
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
 from flint import acb, arb, arb_mat, fmpq, fmpq_poly, fmpz
 
 from lsvib.engine.exact.polynomials import inverse_modulo, modulo, multiplied
@@ -10,6 +11,7 @@ from lsvib.engine.exact.polynomials import inverse_modulo, modulo, multiplied
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
 # rates, which is the root of that.
 _NOTHING, _SAME = 1e-40, 1e-24
+_LEFT = 1e-35  # of the terms of a product of projectors that is zero: rounding
 SLOW = 10  # a single rate that is so many times smaller than all larger ones may have its equilibrium far away
 APART = 0.25  # relative distance of two real rates from which on each is carried alone
 
@@ -52,10 +54,7 @@ def subspaces(matrix: arb_mat, scale: list[float]) -> list[Subspace]:
     rates = rates_of(matrix)
     for once in (True, False):
         factors = _factors(rates, once)
-        try:
-            found = [_projector(matrix, factors, k) for k in range(len(factors))]
-        except ZeroDivisionError:  # a rate in two factors
-            continue
+        found = [_projector(matrix, factors, k) for k in range(len(factors))]
         if _carried(matrix, factors, found, scale):
             return [Subspace(f, p, _slow(f, rates)) for f, p in zip(factors, found, strict=True)]
     raise ArithmeticError("rates of a mode coincide, with a chain")
@@ -121,18 +120,19 @@ def _slow(factor: list[arb], rates: list[acb]) -> bool:
 def _carried(matrix: arb_mat, factors: list[list[arb]], projectors: list[arb_mat], scale: list[float]) -> bool:
     """True if each factor is zero on its subspace – no chain is left out – and the projectors add up to one."""
     one = identity(matrix.nrows())
-    sizes = [size_of(projector, scale) for projector in projectors]
-    if not size_of(sum(projectors, -one), scale) <= 1e-35 * max(sizes):
+    sizes = [_size_of(projector, scale) for projector in projectors]
+    if not _size_of(sum(projectors, -one), scale) <= _LEFT * max(sizes):
         return False
-    powers = [size_of(power, scale) for power in (one, matrix, matrix * matrix)]
+    powers = [_size_of(power, scale) for power in (one, matrix, matrix * matrix)]
     for factor, projector, size in zip(factors, projectors, sizes, strict=True):
         terms = sum(abs(float(a)) * power for a, power in zip(reversed(factor), powers, strict=False))
-        if not size_of(_polynomial(factor, matrix) * projector, scale) <= 1e-35 * terms * size:
+        if not _size_of(_polynomial(factor, matrix) * projector, scale) <= _LEFT * terms * size:
             return False
     return True
 
 
-def size_of(matrix: arb_mat, scale: list[float]) -> float:
+def _size_of(matrix: arb_mat, scale: list[float]) -> float:
     """Return the largest element of a matrix of coordinates, in units of their sizes, radii included."""
     n = range(matrix.nrows())
-    return max(float(abs(matrix[i, j]).upper()) * scale[j] / scale[i] for i in n for j in n)
+    # What a rate in two factors leaves is not a number, which the largest of some numbers must not hide.
+    return float(np.max([float(abs(matrix[i, j]).upper()) * scale[j] / scale[i] for i in n for j in n]))

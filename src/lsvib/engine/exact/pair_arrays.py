@@ -199,18 +199,6 @@ def doubles(numbers: Sequence[Any], shape: tuple[int, ...]) -> np.ndarray:
     return found.reshape(size, *shape)
 
 
-def for_all(holds: Any) -> bool:
-    """Return the outcome of a comparison of doubles, of one drive or of all of many; else raises :class:`Divided`."""
-    if np.ndim(holds) and holds.any() and not holds.all():
-        raise Divided(holds)
-    return bool(np.all(holds))
-
-
-def squared(x: Any) -> Any:
-    """Return the squares of doubles, by the power function of Python also where there are many."""
-    return np.array([one**2 for one in x.tolist()]) if np.ndim(x) else x**2
-
-
 def in_groups(size: int, make: Callable[[np.ndarray], T]) -> Iterator[tuple[np.ndarray, T]]:
     """Yield groups of entries, as indices below ``size`` (j), and what ``make`` returns for each of them.
 
