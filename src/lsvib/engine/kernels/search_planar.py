@@ -239,16 +239,22 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
         return _hop(low, on_surface, limit)
     guess = low - value / slope if slope < 0.0 else low
     if high == math.inf and limit == math.inf:
-        if row[R1] < 0.0 and bend / row[A0] >= 0.0:
-            return _NONE, limit  # falls for ever, to a limit that is not negative
-        step = max(guess - low, low, EPS / max(abs(row[R2]), EPS))
-        high = low + step
-        while _positive(row, shape, high):
-            step *= 2.0
-            high = low + step
-            if not step < 1e300:
-                return _NONE, limit
+        high = _below_zero(row, shape, bend, low, max(guess - low, low, EPS / max(abs(row[R2]), EPS)))
+        if high == math.inf:
+            return _NONE, limit
     return _up_to(row, shape, low, high, guess, limit)
+
+
+@inlined_kernel
+def _below_zero(row, shape, bend, low, step):
+    """A time after ``low`` at which a guard that falls for ever is no longer positive; infinite if there is none."""
+    if row[R1] < 0.0 and bend / row[A0] >= 0.0:
+        return math.inf  # falls to a limit that is not negative
+    while _positive(row, shape, low + step):
+        step *= 2.0
+        if not step < 1e300:
+            return math.inf
+    return low + step
 
 
 @entry
