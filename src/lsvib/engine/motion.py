@@ -140,7 +140,7 @@ def follow(
     start_mode, start_state = mode, state.copy()
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
-    scale, clock = np.abs(state), _clock(automaton, budget.left / _STEP)
+    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / _STEP])
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
@@ -169,13 +169,6 @@ def follow(
         automaton, 0.0, start_mode, start_state, *columns,
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
-
-
-def _clock(automaton: Automaton, steps: float) -> np.ndarray:
-    """Return a clock at zero with so many steps left, and room for what one run hands on to the next."""
-    clock = np.zeros(7 + 3 * automaton.tables.guard_sign.size)
-    clock[3] = steps
-    return clock
 
 
 class _Undone(NamedTuple):

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import carried, flow_modal, flow_planar, guard_sums, search_planar, search_steps
+from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_planar, search_steps
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
@@ -66,16 +66,6 @@ def _planar_is_still(flow, mode, state):
 
 
 @inlined_kernel
-def _nothing(flow, *arguments):
-    pass  # only modal flows carry guards from arc to arc
-
-
-@inlined_kernel
-def _as_the_state_says(flow, surface, sign, value, size, work):
-    return math.nan, 0.0
-
-
-@inlined_kernel
 def _modal_travel(flow, mode, state, stay, scale, work):
     flow_modal.travel(flow, mode, state, stay, scale, work.states)
 
@@ -88,14 +78,6 @@ steps_left = by_kind(_planar_steps_left, _steps_left)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
 is_still = by_kind(_planar_is_still, flow_modal.is_still)
 search = by_kind(_planar_search, search_steps.search)
-note = by_kind(_nothing, carried.note)
-note_at_once = by_kind(_nothing, carried.note_at_once)
-forget = by_kind(_nothing, carried.forget)
-put_as_noted = by_kind(_nothing, carried.put_as_noted)
-recalled = by_kind(_as_the_state_says, carried.recalled)
-begin = by_kind(_nothing, carried.begin)
-take_up = by_kind(_nothing, carried.take_up)
-leave_behind = by_kind(_nothing, carried.leave_behind)
 
 
 @allocating_entry

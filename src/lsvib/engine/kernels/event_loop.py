@@ -2,8 +2,8 @@
 
 A guard is positive inside its mode and fires when it falls through zero. On entering a mode a guard may already be
 zero, since the state has just arrived on it. It is then judged by its first derivative that is not zero to rounding: a
-guard that rises is watched from its first maximum on, and a guard that falls fires at once. Of a guard that the state
-does not hold, :mod:`lsvib.engine.kernels.carried` knows more. No time step and no tolerance in time is involved.
+guard that rises is watched from its first maximum on, and a guard that falls fires at once. No time step and no
+tolerance in time is involved.
 """
 
 import math
@@ -59,9 +59,6 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             guards[k, state.size + 1 + i] = tables.guard_parts[guard, i]
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
-        known, doubt = dispatch.recalled(
-            tables.flow, tables.guard_surface[guard], tables.guard_sign[guard], value, size, work
-        )
         if on_surface[k]:
             touched = True
             rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
@@ -70,13 +67,8 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             # second body without acceleration, and what the rounding of that instant makes of it is no end of slip.
             if falls and state.size > 2 and bend > bend_size and rate * rate <= 2.0 * bend * size:
                 falls = False
-            # By its bend g″ alone a guard g is zero at √(2 g / |g″|), and the rounding r of its rate moves that by
-            # r / |g″|. Where this is more, no digit of g counts.
-            if known > 0.0 and not (falls and -2.0 * known * bend <= rate_size * rate_size):
-                on_surface[k] = not falls
-            elif value < -size or falls:
+            if value < -size or falls:
                 return _CROSSING, guard, 0.0
-        dispatch.begin(tables.flow, k, known, doubt, work)
     if _stays(tables.flow, mode, state) or (touched and dispatch.is_still(tables.flow, mode, state)):
         return _NONE, first_guard, limit
     found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
@@ -151,9 +143,6 @@ def arrive(tables, mode, state, scale, guard, stay, work):
     if stay > 0.0:
         dispatch.travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
-        dispatch.note(tables.flow, tables, mode, guard, stay, state, scale, work)
-    else:
-        dispatch.note_at_once(tables.flow, tables, guard, work)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
 
@@ -182,10 +171,10 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
 
     Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (4, or more, see :mod:`lsvib.engine.kernels.carried`): time [s], its compensation, the number
-    of stays below ``shortest_stay`` so far in a row, and the number of steps that searches may still take, replaced;
-    t_end, which may be infinite; stop_kind and
-    stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any mode; kind −1: never);
+    from, replaced; clock (4): time [s], its compensation, the number of stays below
+    ``shortest_stay`` so far in a row, and the number of steps that searches may still take, replaced; t_end, which may
+    be infinite; stop_kind and stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any
+    mode; kind −1: never);
     events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0. If a run
     ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
     Returns (``Status``, mode, number of events).
@@ -196,7 +185,6 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
     work = dispatch.workspace(tables.flow, tables.guard_sign.size)
     dispatch.allow(tables.flow, work, clock[3])
-    dispatch.take_up(tables.flow, clock, work)
     return _follow(
         tables.flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work
     )
@@ -224,7 +212,6 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
-            dispatch.leave_behind(flow, clock, work)
             return Status.EVENTS_FULL, mode, count
         arrive(tables, mode, state, scale, guard, stay, work)
         add_time(clock, stay)
@@ -236,11 +223,6 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
         end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
         if end != GOES_ON:
             return end, mode, count
-        reset = tables.transition_reset[tables.guard_transition[guard]]
-        if reset >= 0 and sign != 0:  # an impulse
-            dispatch.forget(flow, work)
-        elif reset >= 0:
-            dispatch.put_as_noted(flow, tables, reset, state, work)
         if kind == ACCUMULATION_KIND:
             clock[2] = 0.0
         times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode

@@ -39,10 +39,7 @@ class Sums(NamedTuple):
 
     states: np.ndarray  # (ROWS, q and n or more) the modal state at time zero, and spare room
     form: np.ndarray  # (q + 1,) one guard in modal coordinates
-    starts: np.ndarray  # (g,) each guard at time zero, from the state itself, or as known
-    known: np.ndarray  # (g,) each guard at time zero where more is known than the state holds, else not a number
-    doubts: np.ndarray  # (g,) rounding of each guard at time zero
-    noted: np.ndarray  # (g + 1, 3) surface, value and rounding at the end of an arc; their number in the last row
+    starts: np.ndarray  # (g,) each guard at time zero, from the state itself
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
     pairs: np.ndarray  # (g, p, 4)
     pair_bounds: np.ndarray  # (g, p, orders, 4) amplitudes of the slow and of the fast term, |P_k|, |Q_k|
@@ -63,9 +60,6 @@ def room_for(flow, guards):
         np.empty((flow_modal.ROWS, max(size, n))),
         np.empty(size + 1),
         np.empty(guards),
-        np.full(guards, math.nan),
-        np.empty(guards),
-        np.zeros((guards + 1, 3)),
         np.empty(guards),
         np.empty((guards, pairs, 4)),
         np.empty((guards, pairs, ORDERS, 4)),

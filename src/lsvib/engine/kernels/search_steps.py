@@ -54,8 +54,6 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     prepare(flow, mode, state, guards, work)
     for guard in range(count):
         work.starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
-        if work.known[guard] > 0.0:
-            work.starts[guard] = work.values[0, guard, 0] = work.known[guard]
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
