@@ -7,9 +7,6 @@ with f ≠ 0 is one whose equilibrium lies far away, or nowhere (r = 0), and is 
 
     f = 0:  q(t) = q₀ e^{rt}            f ≠ 0:  q(t) = q₀ + (r q₀ + f) ∫₀ᵗ e^{rτ} dτ
 
-Where a coordinate is the small difference of large terms, as an angle of 10⁻¹⁰ rad beside an equilibrium at 10² rad, or
-one of modal coordinates that are 10⁶ times as large, it is moved by the change of the modal state (:func:`_displace`).
-
 An affine function of the state, such as a guard, is a sum over pairs and singles, and so is every derivative of it:
 :mod:`lsvib.engine.kernels.guard_sums`.
 """
@@ -20,13 +17,9 @@ import numpy as np
 
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, TIME_SCALE
+from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, R1
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
-from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel, kernel
-
-FAR = 2.0**14  # terms of a coordinate, in sizes of itself, beside which it would lose four digits
-_GAIN = 16.0  # by so much the terms must change less than they are: where a pair has turned, it gives them anew
-ROWS = 6  # of the scratch space of :func:`travel`
+from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel
 
 
 @inlined_kernel
@@ -88,117 +81,24 @@ def carry(flow, mode, start, t, out):
         k += 1
 
 
-@kernel
-def change(flow, mode, start, t, out, sizes):
-    """Write the change of the modal state within a time t [s] to ``out``; it has its own digits however small it is.
-
-    With S and J = ∫S of a pair, u(t) − u₀ = w₀ S − a₀ u₀ J and w(t) − w₀ = −w₀ (a₁ S + a₀ J) − a₀ u₀ S. ``sizes`` get
-    the largest sizes of these terms up to then: after a whole turn S and J are zero, and known to no more than that.
-    """
-    k = 0
-    for pair in range(flow.pairs[mode]):
-        row = flow.oscillators[mode, pair]
-        u, w = start[k], start[k + 1]
-        _, s, _, _, _, _ = responses(row, t)
-        integral = flow_planar.integrated_response(row, t)
-        out[k] = w * s - row[A0] * u * integral
-        out[k + 1] = -w * (row[A1] * s + row[A0] * integral) - row[A0] * u * s
-        grown = math.exp(min(own_rate(row) * t, OVERFLOW)) if own_rate(row) > 0.0 else 1.0
-        a0, a1 = abs(row[A0]), abs(row[A1])
-        most = max(abs(s), grown * t / (1.0 + (math.sqrt(a0) + a1) * t))
-        area = max(abs(integral), min(most * t, 2.0 * grown / a0))
-        sizes[k] = abs(w) * most + a0 * abs(u) * area
-        sizes[k + 1] = abs(w) * (a1 * most + a0 * area) + a0 * abs(u) * most
-        k += 2
-    for single in range(flow.singles[mode]):
-        rate, push = flow.rates[mode, single], flow.pushes[mode, single]
-        integral = math.expm1(min(rate * t, OVERFLOW)) / rate if rate != 0.0 else t
-        out[k] = (rate * start[k] + push) * integral
-        sizes[k] = (abs(rate * start[k]) + abs(push)) * integral
-        k += 1
-
-
-@inlined_kernel
-def _put_together(flow, mode, coordinates, before, state):
-    """Write the state of modal coordinates to ``state`` (n).
-
-    Returns whether one of its coordinates is small, both there and ``before`` (n), beside the terms that it is made of.
-    """
-    table, far = flow.from_modal[mode], False
-    last = table.shape[1] - 1
-    for i in range(state.size):
-        total, size = table[i, last], 0.0
-        for j in range(coordinates.size):
-            part = table[i, j] * coordinates[j]
-            total += part
-            size += abs(part)
-        state[i] = total
-        far = far or size > FAR * max(abs(before[i]), abs(total))
-    return far
-
-
-@kernel
-def _displace(flow, mode, before, t, state, scale, room):
-    """Form those coordinates of ``state`` anew that are small beside their terms, and their sizes in ``scale`` (n).
-
-    ``before`` (n) is the state a time t [s] earlier; ``room`` is that of :func:`travel`, with the modal coordinates of
-    ``state`` in its first row, and ``before`` may be the third. Where the terms have changed by their own size there
-    is nothing to gain.
-    """
-    n, count, table = state.size, size_of(flow, mode), flow.from_modal[mode]
-    end, start, moves, sizes, chosen = room[0, :count], room[1, :count], room[3, :count], room[4, :count], room[5, :n]
-    any_chosen, k = False, 2 * flow.pairs[mode]
-    for pair in range(flow.pairs[mode]):
-        row = flow.oscillators[mode, pair]
-        turned = min(1.0, t / row[TIME_SCALE] + abs(row[A1]) * t)
-        moves[2 * pair], moves[2 * pair + 1] = abs(end[2 * pair]) * turned, abs(end[2 * pair + 1]) * turned
-    for single in range(flow.singles[mode]):
-        moves[k] = min(abs(end[k]), abs(flow.rates[mode, single] * end[k] + flow.pushes[mode, single]) * t)
-        k += 1
-    for i in range(n):
-        terms, changes = 0.0, 0.0
-        for j in range(count):
-            terms += abs(table[i, j] * end[j])
-            changes += abs(table[i, j]) * moves[j]
-        small = terms > FAR * max(abs(before[i]), abs(state[i])) and terms > _GAIN * changes
-        chosen[i], any_chosen = 1.0 if small else 0.0, any_chosen or small
-    if not any_chosen:
-        return
-    apply(flow.to_modal[mode], before, start)
-    change(flow, mode, start, t, moves, sizes)
-    for i in range(n):
-        total, size = before[i], abs(before[i])
-        for j in range(count):
-            total += table[i, j] * moves[j]
-            size += abs(table[i, j]) * sizes[j]
-        if chosen[i] > 0.0 and math.isfinite(total):
-            state[i], scale[i] = total, size
-
-
 @allocating_entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
-    n, count = state.size, size_of(flow, mode)
-    room = np.empty((ROWS + 1, max(n, count)))
-    coordinates, before = room[0, :count], room[2, :n]
-    for i in range(n):
-        before[i] = state[i]
+    count = size_of(flow, mode)
+    coordinates = np.empty(count)
     apply(flow.to_modal[mode], state, coordinates)
     carry(flow, mode, coordinates, t, coordinates)
-    if _put_together(flow, mode, coordinates, before, out):
-        _displace(flow, mode, before, t, out, room[ROWS, :n], room)
+    apply(flow.from_modal[mode], coordinates, out)
 
 
 @inlined_kernel
 def travel(flow, mode, state, stay, scale, room):
     """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (n) the sizes of its terms.
 
-    ``room`` (ROWS, q and n or more) is scratch space.
+    ``room`` (2, q or more) is scratch space.
     """
     n, count, last = state.size, size_of(flow, mode), flow.from_modal.shape[2] - 1
-    coordinates, sizes, before, table = room[0, :count], room[1, :count], room[2, :n], flow.from_modal[mode]
-    for i in range(n):
-        before[i] = state[i]
+    coordinates, sizes, table = room[0, :count], room[1, :count], flow.from_modal[mode]
     apply(flow.to_modal[mode], state, coordinates)
     k = 2 * flow.pairs[mode]
     for pair in range(flow.pairs[mode]):
@@ -218,8 +118,7 @@ def travel(flow, mode, state, stay, scale, room):
         for j in range(count):
             total += abs(table[i, j]) * sizes[j]
         scale[i] = total
-    if _put_together(flow, mode, coordinates, before, state):
-        _displace(flow, mode, before, stay, state, scale, room)
+    apply(table, coordinates, state)
 
 
 @inlined_kernel

@@ -37,7 +37,7 @@ class Sums(NamedTuple):
     :func:`lsvib.engine.kernels.flow_modal.responses` wants them.
     """
 
-    states: np.ndarray  # (ROWS, q and n or more) the modal state at time zero, and spare room
+    states: np.ndarray  # (2, q) the modal state at time zero, and spare room
     form: np.ndarray  # (q + 1,) one guard in modal coordinates
     starts: np.ndarray  # (g,) each guard at time zero, from the state itself
     constants: np.ndarray  # (g,) g₀ plus the values at time zero of singles without an equilibrium
@@ -55,9 +55,9 @@ class Sums(NamedTuple):
 def room_for(flow, guards):
     """Return uninitialised ``Sums`` for so many guards, with steps without end."""
     pairs, singles = flow.oscillators.shape[1], flow.rates.shape[1]
-    size, n = flow.to_modal.shape[1], flow.from_modal.shape[1]
+    size = flow.to_modal.shape[1]
     return Sums(
-        np.empty((flow_modal.ROWS, max(size, n))),
+        np.empty((2, size)),
         np.empty(size + 1),
         np.empty(guards),
         np.empty(guards),
@@ -291,22 +291,3 @@ def lowest_from(flow, mode, sums, guard, node, t):
             way = factors[1] / -rate  # from time zero to the limit
             level += way - abs(way) * e
     return level
-
-
-@kernel
-def changed(flow, mode, sums, index, guard, t):
-    """Return a guard, by its number and its row (n + 1), at time t [s], and the size below which that is rounding only.
-
-    It is moved from its value at time zero by the changes of the modal state, which are as small as its own. That size
-    is no larger than those of its parts, which may have died away.
-    """
-    size = flow_modal.size_of(flow, mode)
-    start, moves, sizes = sums.states[0, :size], sums.states[3, :size], sums.states[4, :size]
-    form = sums.form[: size + 1]
-    flow_modal.in_modal_form(flow, mode, guard, form)
-    flow_modal.change(flow, mode, start, t, moves, sizes)
-    value, total = sums.starts[index], abs(sums.starts[index])
-    for j in range(size):
-        value += form[j] * moves[j]
-        total += abs(form[j]) * sizes[j]
-    return value, max(8.0 * EPS * total, _LEAST)

@@ -12,7 +12,7 @@ what is known at a time.
 import math
 
 from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.guard_sums import changed, evaluate, go_to, lowest_from, prepare, rounding_at
+from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, prepare, rounding_at
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
 from lsvib.engine.kernels.newton import GUESSES, next_guess
 from lsvib.engine.kernels.status import Decision, Found
@@ -32,12 +32,8 @@ _STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must
 _LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
 _GROWTH = 8.0  # largest exponent of growth on one step: bounds, taken at its end, are too large by e⁸ at most
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
-# A root is sharpened if the rounding of the guard, eight last places of its parts, may move it by more than this part
-# of its time: by 1e-12.
-_SHARP = 2.0**-37
-_SHAKEN = 16.0  # of rounding: a guard that is further from zero at its root has another root, and is beyond doubt
+_SHAKEN = 16.0  # of rounding: a guard that turns back before it is as far below zero may only touch it
 _REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
-_SHARPENINGS = 8  # of a root, at most: the first guess may be off by many times the root
 _HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 
 
@@ -88,7 +84,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             continue
         if outcome == _TOUCHES:
             at = work.values[there, touched]
-            t = _touching(flow, mode, work, touched, guards[touched], b, at[1], at[2])
+            t = _touching(flow, mode, work, touched, b, at[1], at[2])
             for guard in range(count):  # one that falls before that is looked for from here
                 if t > b and guard != touched:
                     evaluate(flow, mode, work, guard, _SPARE)
@@ -102,19 +98,13 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                 first, when, slope, bend = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
                 t = -1.0
                 if first >= 0 and slope * slope < 2.0 * _SHAKEN * bend * work.rounding[first]:
-                    t = _touching(flow, mode, work, first, guards[first], when, slope, bend)
+                    t = _touching(flow, mode, work, first, when, slope, bend)
                 if t >= 0.0:
                     work.values[there, first, 0] = math.inf  # no root; another guard may have one before it touches
                     if t < bottom:
                         touched, bottom = first, t
             if bottom < when or first < 0:
                 return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
-            if work.rounding[first] > _SHARP * abs(slope) * when:
-                when = _sharpened(flow, mode, work, first, guards[first], slope, bend, when, limit)
-            for guard in range(count):
-                if work.values[there, guard, 0] <= work.rounding[guard] and guard != first and not on_surface[guard]:
-                    t = _fallen(flow, mode, work, guard, guards[guard], when)
-                    first, when = (guard, t) if t < when else (first, when)
             return _CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
@@ -174,58 +164,12 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
 
 
 @kernel
-def _sharpened(flow, mode, work, index, guard, slope, bend, t, limit):
-    """Return a root of a guard, by its number and its row (n + 1), with the digits that the sum of parts has lost.
-
-    ``slope`` and ``bend`` are the derivatives at t [s]. Each step goes to the root of a parabola: a guard may fall from
-    next to nothing by its bend alone. The sum has lost nothing where its parts have died away: then it is closer than
-    the value at time zero with its change.
-    """
-    go_to(flow, mode, work, t, _SPARE)
-    rounding = rounding_at(flow, mode, work, index, _SPARE)
-    for _ in range(_SHARPENINGS):
-        value, noise = changed(flow, mode, work, index, guard, t)
-        square = slope * slope - 2.0 * value * bend
-        both = slope + math.copysign(math.sqrt(square) if square > 0.0 else slope, slope)
-        step = -2.0 * value / both if both != 0.0 else 0.0
-        shaken = abs(value) > _SHAKEN * work.rounding[index]
-        if not noise < rounding or shaken or not 0.0 < t + step <= limit:
-            break
-        t += step
-        if abs(step) < _SHARP * t:
-            break
-        go_to(flow, mode, work, t, _SPARE)
-        evaluate(flow, mode, work, index, _SPARE)
-        slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
-    return t
-
-
-@kernel
-def _fallen(flow, mode, work, index, guard, t):
-    """Return when a guard, by its number and its row (n + 1), has fallen if that is before t [s], else t.
-
-    Its sum may be nothing but rounding at the root of another guard; its change then says whether it has fallen,
-    unless the sum is beyond its own rounding there, as where its parts have died away.
-    """
-    value, noise = changed(flow, mode, work, index, guard, t)
-    noise *= _SHAKEN
-    if not (noise < work.rounding[index] and value < -noise):
-        return t
-    go_to(flow, mode, work, t, _SPARE)
-    evaluate(flow, mode, work, index, _SPARE)
-    if work.values[_SPARE, index, 0] > _SHAKEN * rounding_at(flow, mode, work, index, _SPARE):
-        return t
-    at = work.values[_SPARE, index]
-    return _sharpened(flow, mode, work, index, guard, at[1], at[2], t, t)
-
-
-@kernel
-def _touching(flow, mode, work, index, guard, t, slope, bend):
+def _touching(flow, mode, work, index, t, slope, bend):
     """Return the time of the minimum of a guard next to t [s], or −1 if it is negative beyond rounding there.
 
     ``slope`` and ``bend`` are the derivatives at t. Without damping a guard that starts at zero with its first
-    derivative touches zero after a turn, where rounding alone makes two roots of one. It is negative if its sum or its
-    change says so; the sum is as wrong as it was at time zero, as far as its parts are left.
+    derivative touches zero after a turn, where rounding alone makes two roots of one. The sum is as wrong there as it
+    was at time zero, as far as its parts are left.
     """
     go_to(flow, mode, work, 0.0, _SPARE)
     evaluate(flow, mode, work, index, _SPARE)
@@ -237,9 +181,8 @@ def _touching(flow, mode, work, index, guard, t, slope, bend):
         go_to(flow, mode, work, t, _SPARE)
         evaluate(flow, mode, work, index, _SPARE)
         slope, bend = work.values[_SPARE, index, 1], work.values[_SPARE, index, 2]
-    value, noise = changed(flow, mode, work, index, guard, t)
     rounding = rounding_at(flow, mode, work, index, _SPARE) * (1.0 + off / work.rounding[index])
-    return t if value >= -noise and work.values[_SPARE, index, 0] >= -rounding else -1.0
+    return t if work.values[_SPARE, index, 0] >= -rounding else -1.0
 
 
 @kernel
